@@ -1,0 +1,85 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace sextant {
+
+/// What a calibration says, in the fields and conventions of sensor_msgs/CameraInfo, for the image as it is
+/// published (binning and region of interest already applied to width, height, K and P).
+struct CameraCalibration {
+  int width = 0;                 ///< pixels
+  int height = 0;                ///< pixels
+  std::string distortion_model;  ///< plumb_bob, rational_polynomial or equidistant
+  std::vector<double> D;         ///< coefficients in OpenCV's order
+  Eigen::Matrix3d K = Eigen::Matrix3d::Zero();
+  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
+  Eigen::Matrix<double, 3, 4> P = Eigen::Matrix<double, 3, 4>::Zero();
+};
+
+/// A pixel and its derivative by the point in the camera frame.
+struct Projection {
+  Eigen::Vector2d pixel;
+  Eigen::Matrix<double, 2, 3> jacobian;
+};
+
+/// The full projection of a calibrated camera, from the optical frame (z forward, x right, y down, metres) to
+/// pixels; (0, 0) is the centre of the first pixel. Poses are always those of the raw optical frame, so that
+/// a raw and a rectified image of one camera give the same pose.
+///
+/// Formulas: OpenCV's calib3d (plumb_bob, rational_polynomial) and its fisheye module (equidistant,
+/// Kannala-Brandt).
+class CameraModel {
+ public:
+  enum class Image { raw, rectified };
+
+  /// @throws std::invalid_argument that names the field, its value and what is allowed.
+  CameraModel(const CameraCalibration& calibration, Image image);
+
+  int width() const { return width_; }
+  int height() const { return height_; }
+  /// Focal length in pixels, the mean of both axes.
+  double focalLength() const { return 0.5 * (f_.x() + f_.y()); }
+
+  /// Pixel of a point in the optical frame; nothing where the lens model does not reach (behind the camera,
+  /// or beyond the radius where the distortion polynomial turns back). The pixel may lie outside the image.
+  std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& p_camera) const;
+  std::optional<Projection> projectWithJacobian(const Eigen::Vector3d& p_camera) const;
+
+  /// Unit vector in the optical frame toward a pixel; nothing where the lens model has no inverse.
+  std::optional<Eigen::Vector3d> unproject(const Eigen::Vector2d& pixel) const;
+
+ private:
+  enum class Lens { polynomial, equidistant };
+  struct Distorted;
+  struct PlaneDistortion {
+    Eigen::Vector2d xy;
+    Eigen::Matrix2d jacobian;
+  };
+  double polynomialLimit() const;
+  double equidistantLimit() const;
+  double distortAngle(double theta) const;
+  double distortAngleDerivative(double theta) const;
+  PlaneDistortion distortPlane(const Eigen::Vector2d& xy) const;
+  std::optional<Distorted> distortPolynomial(const Eigen::Vector3d& p) const;
+  std::optional<Distorted> distortEquidistant(const Eigen::Vector3d& p) const;
+  std::optional<Eigen::Vector3d> undistortPolynomial(const Eigen::Vector2d& distorted) const;
+  std::optional<Eigen::Vector3d> undistortEquidistant(const Eigen::Vector2d& distorted) const;
+
+  int width_;
+  int height_;
+  Lens lens_ = Lens::polynomial;
+  std::array<double, 8> d_{};  // k1 k2 p1 p2 k3 k4 k5 k6, or k1 k2 k3 k4 of the equidistant model
+  Eigen::Vector2d f_;          // pixels
+  Eigen::Vector2d c_;          // pixels
+  double skew_ = 0.0;          // K(0, 1)
+  Eigen::Matrix3d R_model_camera_ = Eigen::Matrix3d::Identity();  // rectification, identity for a raw image
+  double limit_ = 0.0;  // largest radius (polynomial) or angle (equidistant) on the rising branch
+};
+
+}  // namespace sextant

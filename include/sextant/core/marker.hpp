@@ -1,0 +1,45 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <string>
+#include <tuple>
+
+namespace sextant {
+
+/// Which print it is. The family is canonical (see marker_family.hpp): one print has one key, whatever
+/// backend reads it.
+struct MarkerKey {
+  std::string family;
+  int id = 0;
+};
+
+inline bool operator<(const MarkerKey& a, const MarkerKey& b) {
+  return std::tie(a.family, a.id) < std::tie(b.family, b.id);
+}
+inline bool operator==(const MarkerKey& a, const MarkerKey& b) {
+  return a.id == b.id && a.family == b.family;
+}
+
+/// Corners of a marker in the order top left, top right, bottom right, bottom left of the upright print.
+using Corners = std::array<Eigen::Vector2d, 4>;
+
+/// A marker found in an image.
+struct Detection {
+  MarkerKey key;
+  Corners corners;   ///< pixels; (0, 0) is the centre of the first pixel
+  int hamming = -1;  ///< corrected bits; -1: the backend does not tell
+  double decision_margin =
+      -1;  ///< contrast of the bits against their threshold; -1: the backend does not tell
+};
+
+/// The corners of a marker of this edge length (metres) in its own frame: origin in the centre, x right and y
+/// up as one looks at the print, z out of the wall toward the viewer.
+inline std::array<Eigen::Vector3d, 4> markerCorners(double size) {
+  const double h = 0.5 * size;
+  return {Eigen::Vector3d(-h, h, 0), {h, h, 0}, {h, -h, 0}, {-h, -h, 0}};
+}
+
+}  // namespace sextant

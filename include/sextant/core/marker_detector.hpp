@@ -1,0 +1,44 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <opencv2/core/mat.hpp>
+#include <string>
+#include <vector>
+
+#include "sextant/core/marker.hpp"
+
+namespace sextant {
+
+struct DetectorParams {
+  std::vector<std::string> families = {
+      "tag36h11"};        ///< any of markerFamilies(); several are searched one after another
+  int threads = 1;        ///< [1, 64]; threads of the AprilTag backend (OpenCV's are the process's own)
+  double decimate = 1.0;  ///< [1, 8]; AprilTag: quads are searched in an image smaller by this factor
+  int max_hamming = 2;    ///< [0, 3]; AprilTag: more corrected bits than this is no detection
+  double min_decision_margin = 20.0;  ///< [0, 255]; AprilTag: less contrast than this is no detection
+  double error_correction =
+      0.6;  ///< [0, 1]; ArUco: share of the dictionary's correctable bits that are corrected
+  double min_perimeter = 0.02;  ///< (0, 4]; ArUco: smallest marker, its perimeter over the larger image side
+  bool refine_corners = true;   ///< ArUco: corners at subpixel
+
+  /// @throws std::invalid_argument that names the first field out of range.
+  void validate() const;
+};
+
+/// Finds markers in a grey image. Not thread-safe: one detector a thread.
+class MarkerDetector {
+ public:
+  virtual ~MarkerDetector() = default;
+
+  /// @param image 8-bit, one channel, at least 1 x 1; not modified.
+  /// @throws std::invalid_argument for any other image.
+  virtual std::vector<Detection> detect(const cv::Mat& image) = 0;
+};
+
+/// The backends that the families need, behind one interface.
+/// @throws std::invalid_argument as DetectorParams::validate().
+std::unique_ptr<MarkerDetector> makeMarkerDetector(const DetectorParams& params);
+
+}  // namespace sextant

@@ -1,0 +1,76 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sextant/core/camera.hpp"
+#include "sextant/core/marker.hpp"
+#include "sextant/core/marker_map.hpp"
+#include "sextant/core/pose.hpp"
+
+namespace sextant {
+
+/// What one camera saw at one instant.
+struct MarkerView {
+  CameraModel camera;
+  Pose T_base_camera = Pose::Identity();  ///< mount
+  std::vector<Detection> detections;
+};
+
+struct LocatorParams {
+  std::string mode = "joint";  ///< nearest | average | joint
+  double corner_sigma = 0.3;   ///< noise of a corner coordinate, pixels, (0, 10]
+  double max_reprojection_error =
+      5.0;  ///< RMS over all used corners above which there is no pose, pixels, (0, 1000]
+  double robust_width =
+      3.0;  ///< joint: residuals beyond this many corner_sigma count less (Huber), [0.5, 1000]
+
+  /// @throws std::invalid_argument that names the first field out of range.
+  void validate() const;
+};
+
+/// Where the base is, and how that is known.
+struct LocatedPose {
+  Pose T_map_base;
+  Matrix6d covariance;              ///< position, rotation in the map's axes, order of PoseWithCovariance
+  double reprojection_error = 0.0;  ///< RMS over the coordinates of the corners used, pixels
+  std::vector<MarkerKey> used;
+};
+
+/// Either a pose or the reason why there is none.
+struct LocatorResult {
+  std::optional<LocatedPose> pose;
+  std::string reason;               ///< for the operator; empty with a pose
+  std::vector<MarkerKey> unmapped;  ///< seen, but not in the map
+  std::vector<MarkerKey> repeated;  ///< seen more than once in one image: left out, one of them must be wrong
+};
+
+/// Locates a robot from mapped markers (spec: T_map_base = T_map_marker inverse(T_camera_marker)
+/// inverse(T_base_camera)):
+///  nearest  the marker with the smallest z in its camera's frame;
+///  average  the mean of the poses from every marker;
+///  joint    the pose that minimizes the robust reprojection error of all corners of all markers, started
+///  from both planar
+///           poses of every marker.
+class MarkerLocator {
+ public:
+  /// @throws std::invalid_argument as LocatorParams::validate().
+  explicit MarkerLocator(const LocatorParams& params);
+
+  const LocatorParams& params() const { return params_; }
+
+  /// @param views of one instant, one a camera
+  LocatorResult locate(const MarkerMap& map, const std::vector<MarkerView>& views) const;
+
+ private:
+  LocatorParams params_;
+};
+
+/// Names that LocatorParams::mode takes.
+std::vector<std::string> locatorModes();
+
+}  // namespace sextant

@@ -1,0 +1,71 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sextant/core/marker_detector.hpp"
+
+#include <sstream>
+#include <stdexcept>
+
+#include "apriltag_detector.hpp"
+#include "aruco_detector.hpp"
+#include "sextant/core/marker_family.hpp"
+
+namespace sextant {
+namespace {
+
+// Not a family's canonical name but the asked one tells the backend: DICT_APRILTAG_36h11 is read by OpenCV.
+bool isArucoName(const std::string& name) { return name.rfind("DICT_", 0) == 0; }
+
+class CombinedDetector : public MarkerDetector {
+ public:
+  explicit CombinedDetector(std::vector<std::unique_ptr<MarkerDetector>> parts) : parts_(std::move(parts)) {}
+
+  std::vector<Detection> detect(const cv::Mat& image) override {
+    if (image.type() != CV_8UC1 || image.empty())
+      throw std::invalid_argument("MarkerDetector: the image must be 8-bit grey and not empty");
+    std::vector<Detection> all;
+    for (const auto& part : parts_) {
+      auto found = part->detect(image);
+      all.insert(all.end(), std::make_move_iterator(found.begin()), std::make_move_iterator(found.end()));
+    }
+    return all;
+  }
+
+ private:
+  std::vector<std::unique_ptr<MarkerDetector>> parts_;
+};
+
+}  // namespace
+
+void DetectorParams::validate() const {
+  const auto require = [](bool good, const char* name, double value, const char* allowed) {
+    if (good) return;
+    std::ostringstream text;
+    text << name << " is " << value << ", allowed is " << allowed;
+    throw std::invalid_argument(text.str());
+  };
+  if (families.empty()) throw std::invalid_argument("families is empty, name at least one marker family");
+  for (const auto& family : families) canonicalFamily(family);
+  require(threads >= 1 && threads <= 64, "threads", threads, "[1, 64]");
+  require(decimate >= 1 && decimate <= 8, "decimate", decimate, "[1, 8]");
+  require(max_hamming >= 0 && max_hamming <= 3, "max_hamming", max_hamming, "[0, 3]");
+  require(min_decision_margin >= 0 && min_decision_margin <= 255, "min_decision_margin", min_decision_margin,
+          "[0, 255]");
+  require(error_correction >= 0 && error_correction <= 1, "error_correction", error_correction, "[0, 1]");
+  require(min_perimeter > 0 && min_perimeter <= 4, "min_perimeter", min_perimeter, "(0, 4]");
+}
+
+std::unique_ptr<MarkerDetector> makeMarkerDetector(const DetectorParams& params) {
+  params.validate();
+  std::vector<std::unique_ptr<MarkerDetector>> parts;
+  std::vector<std::string> tags;
+  for (const auto& family : params.families) {
+    if (isArucoName(family))
+      parts.push_back(makeArucoDetector(params, family));
+    else
+      tags.push_back(family);
+  }
+  if (!tags.empty()) parts.push_back(makeAprilTagDetector(params, tags));
+  return std::make_unique<CombinedDetector>(std::move(parts));
+}
+
+}  // namespace sextant

@@ -1,0 +1,123 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "text_marker_map.hpp"
+
+#include <cctype>
+#include <cmath>
+#include <optional>
+#include <sstream>
+#include <stdexcept>
+
+#include "atomic_file.hpp"
+
+namespace sextant {
+namespace {
+
+constexpr size_t kFields = 7;
+
+// The number that a name ends in: "7", "Id7" and "door_7" are marker 7.
+std::optional<int> trailingId(const std::string& name) {
+  size_t begin = name.size();
+  while (begin > 0 && std::isdigit(static_cast<unsigned char>(name[begin - 1]))) --begin;
+  if (begin == name.size()) return std::nullopt;
+  if (name.size() - begin > 9)
+    throw std::invalid_argument("'" + name + "': the number is too large for a marker id");
+  return std::stoi(name.substr(begin));
+}
+
+double number(const std::string& text) {
+  char* end = nullptr;
+  const double value = std::strtod(text.c_str(), &end);
+  if (end == text.c_str() || *end != 0) throw std::invalid_argument("'" + text + "' is not a number");
+  if (!std::isfinite(value)) throw std::invalid_argument("'" + text + "' is not finite");
+  return value;
+}
+
+std::vector<std::string> fields(const std::string& line) {
+  std::istringstream in(line.substr(0, line.find('#')));
+  std::vector<std::string> words;
+  for (std::string word; in >> word;) words.push_back(word);
+  return words;
+}
+
+void addLine(const std::vector<std::string>& words, const TextMapParams& params, MarkerMap& map) {
+  if (words.size() != kFields)
+    throw std::invalid_argument("has " + std::to_string(words.size()) +
+                                " fields, needs 'name Tx Ty Tz Rx Ry Rz'");
+  double v[6];
+  for (int i = 0; i < 6; ++i) v[i] = number(words[i + 1]);
+  const Pose pose = poseFromXyzRpy({v[0], v[1], v[2]}, {v[3], v[4], v[5]});
+  const std::string& name = words[0];
+  if (const auto id = trailingId(name)) {
+    const auto size = params.sizes.find(*id);
+    map.add({{params.family, *id}, size == params.sizes.end() ? params.size : size->second, name, pose, {}});
+    return;
+  }
+  const auto parent = params.parents.find(name);
+  map.addFrame({name, parent == params.parents.end() ? params.frame : parent->second, pose});
+}
+
+std::string formatLine(const std::string& name, const Pose& pose) {
+  std::string line = name;
+  const Eigen::Vector3d rpy = rpyFromRotation(pose.linear());
+  for (int i = 0; i < 3; ++i) line += " " + shortestDecimal(pose.translation()[i]);
+  for (int i = 0; i < 3; ++i) line += " " + shortestDecimal(rpy[i]);
+  return line + "\n";
+}
+
+void requireTextual(const MappedMarker& marker, const MappedMarker& first) {
+  const auto refuse = [&](const std::string& why) {
+    throw std::runtime_error("the plain text format cannot hold marker '" + marker.name + "': " + why +
+                             "; write a .yaml file");
+  };
+  if (trailingId(marker.name) != marker.key.id) refuse("its name does not end in its id");
+  if (marker.key.family != first.key.family) refuse("the map has several families");
+  if (marker.size != first.size) refuse("the map has several sizes");
+  if (!marker.covariance.isZero(0.0)) refuse("it has a covariance");
+}
+
+}  // namespace
+
+void TextMapParams::validate() const {
+  if (!(size > 0 && size <= 100))
+    throw std::invalid_argument("size is " + shortestDecimal(size) + ", allowed is (0, 100] m");
+  for (const auto& entry : sizes)
+    if (!(entry.second > 0 && entry.second <= 100))
+      throw std::invalid_argument("sizes: that of marker " + std::to_string(entry.first) + " is " +
+                                  shortestDecimal(entry.second) + ", allowed is (0, 100] m");
+  if (frame.empty()) throw std::invalid_argument("frame is empty, name the map's tf frame");
+}
+
+MarkerMap parseTextMap(std::istream& in, const std::string& path, const TextMapParams& params) {
+  params.validate();
+  MarkerMap map(params.frame);
+  std::string line;
+  for (int n = 1; std::getline(in, line); ++n) {
+    const auto words = fields(line);
+    if (words.empty()) continue;
+    try {
+      addLine(words, params, map);
+    } catch (const std::invalid_argument& error) {
+      throw std::runtime_error(path + ":" + std::to_string(n) + ": " + error.what());
+    }
+  }
+  if (in.bad()) throw std::runtime_error(path + ": could not be read to its end");
+  return map;
+}
+
+std::string formatTextMap(const MarkerMap& map) {
+  std::string text =
+      "# name Tx Ty Tz Rx Ry Rz: metres; roll, pitch, yaw in radians; parent " + map.frame() + "\n";
+  for (const auto& entry : map.markers()) {
+    requireTextual(entry.second, map.markers().begin()->second);
+    text += formatLine(entry.second.name, entry.second.T_map_marker);
+  }
+  for (const MappedFrame& frame : map.frames()) {
+    if (frame.parent != map.frame())
+      throw std::runtime_error("the plain text format cannot hold the parent of frame '" + frame.name + "'");
+    text += formatLine(frame.name, frame.T_parent_frame);
+  }
+  return text;
+}
+
+}  // namespace sextant
