@@ -1,0 +1,19 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+namespace sextant {
+
+void bindPose(pybind11::module_& module);
+void bindCamera(pybind11::module_& module);
+void bindMarker(pybind11::module_& module);
+void bindMarkerFamily(pybind11::module_& module);
+void bindMarkerDetector(pybind11::module_& module);
+void bindMarkerPose(pybind11::module_& module);
+void bindMarkerMap(pybind11::module_& module);
+void bindMarkerLocator(pybind11::module_& module);
+void bindRoomRenderer(pybind11::module_& module);
+
+}  // namespace sextant

@@ -1,0 +1,50 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sextant/core/marker_locator.hpp"
+
+#include "bindings.hpp"
+#include "casters.hpp"
+
+namespace py = pybind11;
+using namespace py::literals;
+
+namespace sextant {
+namespace {
+
+std::vector<std::pair<std::string, int>> pairs(const std::vector<MarkerKey>& keys) {
+  std::vector<std::pair<std::string, int>> all;
+  for (const MarkerKey& key : keys) all.emplace_back(key.family, key.id);
+  return all;
+}
+
+}  // namespace
+
+void bindMarkerLocator(py::module_& module) {
+  py::class_<MarkerView>(module, "MarkerView", "What one camera saw at one instant.")
+      .def(py::init<CameraModel, Pose, std::vector<Detection>>(), "camera"_a, "T_base_camera"_a,
+           "detections"_a);
+  py::class_<LocatorParams>(module, "LocatorParams")
+      .def(py::init<>())
+      .def_readwrite("mode", &LocatorParams::mode)
+      .def_readwrite("corner_sigma", &LocatorParams::corner_sigma)
+      .def_readwrite("max_reprojection_error", &LocatorParams::max_reprojection_error)
+      .def_readwrite("robust_width", &LocatorParams::robust_width)
+      .def("validate", &LocatorParams::validate);
+  py::class_<LocatedPose>(module, "LocatedPose")
+      .def_readonly("T_map_base", &LocatedPose::T_map_base)
+      .def_readonly("covariance", &LocatedPose::covariance, "6 x 6, order of PoseWithCovariance")
+      .def_readonly("reprojection_error", &LocatedPose::reprojection_error, "RMS, pixels")
+      .def_property_readonly("used", [](const LocatedPose& pose) { return pairs(pose.used); });
+  py::class_<LocatorResult>(module, "LocatorResult", "Either a pose or the reason why there is none.")
+      .def_readonly("pose", &LocatorResult::pose)
+      .def_readonly("reason", &LocatorResult::reason)
+      .def_property_readonly("unmapped", [](const LocatorResult& result) { return pairs(result.unmapped); })
+      .def_property_readonly("repeated", [](const LocatorResult& result) { return pairs(result.repeated); });
+  py::class_<MarkerLocator>(module, "MarkerLocator", "Locates a robot from mapped markers.")
+      .def(py::init<const LocatorParams&>(), "params"_a = LocatorParams())
+      .def("locate", &MarkerLocator::locate, "map"_a, "views"_a,
+           "LocatorResult; views: MarkerView of one instant.");
+  module.def("locator_modes", &locatorModes);
+}
+
+}  // namespace sextant
