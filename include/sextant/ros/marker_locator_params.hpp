@@ -1,0 +1,31 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "sextant/core/marker_locator.hpp"
+#include "sextant/core/marker_map_file.hpp"
+#include "sextant/ros/param_reader.hpp"
+
+namespace sextant {
+
+/// Parameters of the nodelet sextant/MarkerLocator.
+struct MarkerLocatorParams {
+  LocatorParams locator;
+  std::vector<std::string> cameras = {"markers"};  ///< topics of sextant/MarkerArray, one a camera
+  std::string map_file;                            ///< marker map; empty: wait for marker_map/entries
+  TextMapParams text;  ///< frame, family, size, sizes, parents: for a map file in the plain text format
+  std::string base_frame = "base_link";  ///< whose pose is told; empty: the camera's own
+  std::string odom_frame = "odom";       ///< for tf_output map_to_odom
+  std::string tf_output = "none";        ///< none | map_to_odom | map_to_base
+  double transform_timeout = 0.1;        ///< how long a missing transform is waited for, seconds, [0, 10]
+
+  /// @throws std::invalid_argument that names the first field out of range
+  void validate() const;
+  /// Reads all from a node's private namespace, refuses unknown names and validates.
+  static MarkerLocatorParams fromRos(const ros::NodeHandle& private_node);
+};
+
+}  // namespace sextant

@@ -1,0 +1,45 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <ros/node_handle.h>
+
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace sextant {
+
+/// Reads private parameters over the defaults of a struct. A wrong type or a name that nobody reads is an
+/// error: roscpp's own param() would silently keep the default.
+class ParamReader {
+ public:
+  explicit ParamReader(const ros::NodeHandle& private_node) : node_(private_node) {}
+
+  /// Leaves value as it is where the parameter is not set. A whole number is taken where a real one is
+  /// expected.
+  /// @throws std::invalid_argument with the full name and the type that is needed
+  void read(const std::string& name, bool& value);
+  void read(const std::string& name, int& value);
+  void read(const std::string& name, double& value);
+  void read(const std::string& name, std::string& value);
+  void read(const std::string& name, std::vector<std::string>& value);
+  void read(const std::string& name, std::vector<double>& value);
+  void read(const std::string& name, std::map<std::string, double>& value);
+  void read(const std::string& name, std::map<std::string, std::string>& value);
+
+  /// Call after the last read().
+  /// @throws std::invalid_argument that names the parameters that were set but never read, and those that
+  /// exist
+  void rejectUnknown() const;
+
+ private:
+  template <typename T>
+  void readAs(const std::string& name, T& value, const char* type);
+
+  ros::NodeHandle node_;
+  std::set<std::string> known_;
+};
+
+}  // namespace sextant

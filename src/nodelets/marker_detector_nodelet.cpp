@@ -1,0 +1,234 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <diagnostic_updater/diagnostic_updater.h>
+#include <image_transport/camera_common.h>
+#include <nodelet/nodelet.h>
+#include <std_srvs/SetBool.h>
+#include <tf2_ros/transform_broadcaster.h>
+
+#include <boost/make_shared.hpp>
+#include <memory>
+#include <optional>
+#include <pluginlib/class_list_macros.hpp>
+
+#include "sextant/MarkerArray.h"
+#include "sextant/core/marker_picture.hpp"
+#include "sextant/ros/conversions.hpp"
+#include "sextant/ros/image_bridge.hpp"
+#include "sextant/ros/marker_detector_params.hpp"
+#include "sextant/ros/stage_clock.hpp"
+#include "sextant/ros/trouble_log.hpp"
+
+namespace sextant {
+
+/// Finds printed markers in images and tells their corners and poses in the camera frame.
+class MarkerDetectorNodelet : public nodelet::Nodelet {
+  void onInit() override {
+    trouble_ = std::make_unique<TroubleLog>(getName());
+    try {
+      params_ = MarkerDetectorParams::fromRos(getPrivateNodeHandle());
+      detector_ = makeMarkerDetector(params_.detector);
+    } catch (const std::exception& error) {
+      NODELET_FATAL("%s: %s", getName().c_str(), error.what());
+      throw;
+    }
+    enabled_ = params_.enabled;
+    advertise();
+    updateSubscription();
+  }
+
+  void advertise() {
+    ros::NodeHandle& node = getNodeHandle();
+    const auto listeners = [this](const ros::SingleSubscriberPublisher&) { updateSubscription(); };
+    markers_pub_ = node.advertise<MarkerArray>("markers", 1, listeners, listeners);
+    picture_pub_ = node.advertise<sensor_msgs::Image>("markers/image", 1, listeners, listeners);
+    jpeg_pub_ =
+        node.advertise<sensor_msgs::CompressedImage>("markers/image/compressed", 1, listeners, listeners);
+    enable_srv_ = getPrivateNodeHandle().advertiseService("enable", &MarkerDetectorNodelet::onEnable, this);
+    diagnostics_ = std::make_unique<diagnostic_updater::Updater>(node, getPrivateNodeHandle(), getName());
+    diagnostics_->setHardwareID("none");
+    diagnostics_->add("detection", this, &MarkerDetectorNodelet::diagnose);
+    diagnostics_timer_ = node.createWallTimer(
+        ros::WallDuration(1.0), [this](const ros::WallTimerEvent&) { diagnostics_->force_update(); });
+  }
+
+  // No work without a listener: images are only heard while somebody hears us.
+  void updateSubscription() {
+    const bool heard = params_.publish_tf || markers_pub_.getNumSubscribers() > 0 ||
+                       picture_pub_.getNumSubscribers() > 0 || jpeg_pub_.getNumSubscribers() > 0;
+    if (!enabled_ || !heard) {
+      image_sub_.shutdown();
+      info_sub_.shutdown();
+    } else if (!image_sub_) {
+      subscribe();
+    }
+  }
+
+  void subscribe() {
+    ros::NodeHandle& node = getNodeHandle();
+    const auto newest = ros::TransportHints().tcpNoDelay();
+    info_sub_ = node.subscribe(infoTopic(), 1, &MarkerDetectorNodelet::onInfo, this, newest);
+    if (params_.compressed)
+      image_sub_ = node.subscribe("image/compressed", 1, &MarkerDetectorNodelet::onCompressed, this, newest);
+    else
+      image_sub_ = node.subscribe("image", 1, &MarkerDetectorNodelet::onImage, this, newest);
+  }
+
+  // The sibling of the image, as image_transport has it, unless it was remapped by itself.
+  std::string infoTopic() const {
+    const std::string plain = getNodeHandle().resolveName("camera_info", false);
+    const std::string resolved = getNodeHandle().resolveName("camera_info");
+    if (resolved != plain) return resolved;
+    return image_transport::getCameraInfoTopic(getNodeHandle().resolveName("image"));
+  }
+
+  void onInfo(const sensor_msgs::CameraInfoConstPtr& info) {
+    if (info_ && sameCalibration(*info, *info_)) return;
+    info_ = info;
+    camera_.reset();
+    try {
+      camera_.emplace(fromMsg(*info),
+                      params_.rectified ? CameraModel::Image::rectified : CameraModel::Image::raw);
+    } catch (const std::invalid_argument& error) {
+      camera_trouble_ = error.what();
+    }
+  }
+
+  static bool sameCalibration(const sensor_msgs::CameraInfo& a, const sensor_msgs::CameraInfo& b) {
+    return a.width == b.width && a.height == b.height && a.K == b.K && a.D == b.D && a.R == b.R &&
+           a.P == b.P && a.distortion_model == b.distortion_model && a.binning_x == b.binning_x &&
+           a.binning_y == b.binning_y && a.roi == b.roi;
+  }
+
+  void onImage(const sensor_msgs::ImageConstPtr& msg) {
+    process(msg->header, [&] { return greyFromMsg(msg); });
+  }
+
+  void onCompressed(const sensor_msgs::CompressedImageConstPtr& msg) {
+    process(msg->header, [&] { return greyFromMsg(*msg); });
+  }
+
+  template <typename Decode>
+  void process(const std_msgs::Header& header, Decode decode) {
+    ++images_;
+    try {
+      clock_.start();
+      const cv::Mat image = decode();
+      requireCamera(image);
+      clock_.finish("image");
+      const auto detections = detector_->detect(image);
+      clock_.finish("detection");
+      const auto markers = observeMarkers(*camera_, detections, params_.sizes, params_.corner_sigma);
+      clock_.finish("marker poses");
+      publish(header, markers);
+      clock_.finish("publication");
+      publishPicture(header, image, markers);
+      trouble_->succeeded();
+    } catch (const std::invalid_argument& error) {
+      trouble_->report("image", error.what());
+    } catch (const Uncalibrated& error) {
+      trouble_->report("calibration", error.what());
+    } catch (const std::exception& error) {
+      trouble_->report("failure", error.what());
+    }
+  }
+
+  struct Uncalibrated : std::runtime_error {
+    using std::runtime_error::runtime_error;
+  };
+
+  void requireCamera(const cv::Mat& image) const {
+    if (!info_)
+      throw Uncalibrated("no calibration on " + info_sub_.getTopic() +
+                         " yet: does the camera driver publish camera_info?");
+    if (!camera_) throw Uncalibrated("on " + info_sub_.getTopic() + ": " + camera_trouble_);
+    if (image.cols != camera_->width() || image.rows != camera_->height())
+      throw Uncalibrated("the calibration on " + info_sub_.getTopic() + " is for " +
+                         std::to_string(camera_->width()) + " x " + std::to_string(camera_->height()) +
+                         " pixels, the image has " + std::to_string(image.cols) + " x " +
+                         std::to_string(image.rows));
+  }
+
+  void publish(const std_msgs::Header& header, const std::vector<ObservedMarker>& markers) {
+    seen_ = markers.size();
+    auto msg = boost::make_shared<MarkerArray>();
+    msg->header = header;
+    msg->camera_info = *info_;
+    msg->rectified = params_.rectified;
+    for (const ObservedMarker& marker : markers)
+      msg->markers.push_back(toMsg(marker.detection, marker.size, marker.poses, marker.covariance));
+    markers_pub_.publish(msg);
+    if (params_.publish_tf) broadcast(header, markers);
+  }
+
+  void broadcast(const std_msgs::Header& header, const std::vector<ObservedMarker>& markers) {
+    std::vector<geometry_msgs::TransformStamped> transforms;
+    for (const ObservedMarker& marker : markers) {
+      if (!marker.poses) continue;
+      const MarkerKey& key = marker.detection.key;
+      geometry_msgs::TransformStamped transform;
+      transform.header = header;
+      transform.child_frame_id = params_.tf_prefix + key.family + "/" + std::to_string(key.id);
+      transform.transform = toTransformMsg(marker.poses->best.T_camera_marker);
+      transforms.push_back(transform);
+    }
+    broadcaster_.sendTransform(transforms);
+  }
+
+  void publishPicture(const std_msgs::Header& header, const cv::Mat& image,
+                      const std::vector<ObservedMarker>& markers) {
+    const bool raw = picture_pub_.getNumSubscribers() > 0, jpeg = jpeg_pub_.getNumSubscribers() > 0;
+    const ros::SteadyTime now = ros::SteadyTime::now();
+    if (!(raw || jpeg) ||
+        (params_.debug_rate > 0 && (now - last_picture_).toSec() < 1.0 / params_.debug_rate))
+      return;
+    last_picture_ = now;
+    const cv::Mat picture = drawMarkers(image, *camera_, markers, params_.debug_width);
+    if (raw) picture_pub_.publish(toImageMsg(picture, header));
+    if (jpeg) jpeg_pub_.publish(toJpegMsg(picture, header, params_.debug_quality));
+    clock_.finish("picture");
+  }
+
+  bool onEnable(std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response) {
+    enabled_ = request.data;
+    updateSubscription();
+    response.success = true;
+    response.message = enabled_ ? "detection is on" : "detection is off";
+    return true;
+  }
+
+  void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
+    trouble_->fill(status);
+    if (!enabled_)
+      status.summary(diagnostic_msgs::DiagnosticStatus::OK, "switched off");
+    else if (!image_sub_)
+      status.summary(diagnostic_msgs::DiagnosticStatus::OK, "nobody listens");
+    else if (images_ == 0)
+      status.summary(diagnostic_msgs::DiagnosticStatus::WARN, "no image on " + image_sub_.getTopic());
+    status.add("images", images_);
+    status.add("markers in the last image", seen_);
+    clock_.fill(status);
+  }
+
+  MarkerDetectorParams params_;
+  std::unique_ptr<MarkerDetector> detector_;
+  sensor_msgs::CameraInfoConstPtr info_;
+  std::optional<CameraModel> camera_;
+  std::string camera_trouble_;
+  bool enabled_ = true;
+  unsigned long images_ = 0;
+  size_t seen_ = 0;
+  ros::SteadyTime last_picture_;
+  std::unique_ptr<TroubleLog> trouble_;
+  StageClock clock_;
+  tf2_ros::TransformBroadcaster broadcaster_;
+  std::unique_ptr<diagnostic_updater::Updater> diagnostics_;
+  ros::WallTimer diagnostics_timer_;
+  ros::Publisher markers_pub_, picture_pub_, jpeg_pub_;
+  ros::ServiceServer enable_srv_;
+  ros::Subscriber image_sub_, info_sub_;
+};
+
+}  // namespace sextant
+
+PLUGINLIB_EXPORT_CLASS(sextant::MarkerDetectorNodelet, nodelet::Nodelet)

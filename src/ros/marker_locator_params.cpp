@@ -1,0 +1,65 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sextant/ros/marker_locator_params.hpp"
+
+#include <set>
+#include <stdexcept>
+
+namespace sextant {
+namespace {
+
+// YAML has no tables with numbers as names, so the ids of "sizes" come as texts.
+std::map<int, double> byId(const std::map<std::string, double>& sizes) {
+  std::map<int, double> result;
+  for (const auto& [name, size] : sizes) {
+    if (name.empty() || name.size() > 9 || name.find_first_not_of("0123456789") != std::string::npos)
+      throw std::invalid_argument("sizes: '" + name + "' is no marker id");
+    result[std::stoi(name)] = size;
+  }
+  return result;
+}
+
+}  // namespace
+
+void MarkerLocatorParams::validate() const {
+  static const std::set<std::string> outputs = {"none", "map_to_odom", "map_to_base"};
+  locator.validate();
+  text.validate();
+  if (outputs.count(tf_output) == 0)
+    throw std::invalid_argument("tf_output is '" + tf_output +
+                                "', allowed are none, map_to_odom and map_to_base");
+  if (tf_output != "none" && base_frame.empty())
+    throw std::invalid_argument("tf_output " + tf_output + " needs a base_frame");
+  if (tf_output == "map_to_odom" && (odom_frame.empty() || odom_frame == base_frame))
+    throw std::invalid_argument("tf_output map_to_odom needs an odom_frame that is not the base_frame");
+  if (!(transform_timeout >= 0 && transform_timeout <= 10))
+    throw std::invalid_argument("transform_timeout must be in [0, 10] s");
+  if (cameras.empty()) throw std::invalid_argument("cameras is empty, name at least one topic of markers");
+}
+
+MarkerLocatorParams MarkerLocatorParams::fromRos(const ros::NodeHandle& private_node) {
+  MarkerLocatorParams params;
+  ParamReader reader(private_node);
+  std::map<std::string, double> sizes;
+  reader.read("mode", params.locator.mode);
+  reader.read("corner_sigma", params.locator.corner_sigma);
+  reader.read("max_reprojection_error", params.locator.max_reprojection_error);
+  reader.read("robust_width", params.locator.robust_width);
+  reader.read("cameras", params.cameras);
+  reader.read("map_file", params.map_file);
+  reader.read("frame", params.text.frame);
+  reader.read("family", params.text.family);
+  reader.read("size", params.text.size);
+  reader.read("sizes", sizes);
+  reader.read("parents", params.text.parents);
+  reader.read("base_frame", params.base_frame);
+  reader.read("odom_frame", params.odom_frame);
+  reader.read("tf_output", params.tf_output);
+  reader.read("transform_timeout", params.transform_timeout);
+  reader.rejectUnknown();
+  params.text.sizes = byId(sizes);
+  params.validate();
+  return params;
+}
+
+}  // namespace sextant

@@ -1,0 +1,63 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sextant/ros/param_reader.hpp"
+
+#include <stdexcept>
+
+namespace sextant {
+namespace {
+
+// Read by libraries in the node's private namespace, not by us.
+const std::set<std::string>& foreign() {
+  static const std::set<std::string> names = {"diagnostic_period", "diagnostic_updater", "image_transport",
+                                              "num_worker_threads"};
+  return names;
+}
+
+}  // namespace
+
+template <typename T>
+void ParamReader::readAs(const std::string& name, T& value, const char* type) {
+  known_.insert(name);
+  if (node_.hasParam(name) && !node_.getParam(name, value))
+    throw std::invalid_argument("parameter " + node_.resolveName(name) + " must be " + type);
+}
+
+void ParamReader::read(const std::string& name, bool& value) { readAs(name, value, "true or false"); }
+void ParamReader::read(const std::string& name, int& value) {
+  double number = value;
+  readAs(name, number, "a whole number");
+  if (number != static_cast<int>(number))
+    throw std::invalid_argument("parameter " + node_.resolveName(name) + " must be a whole number");
+  value = static_cast<int>(number);
+}
+void ParamReader::read(const std::string& name, double& value) { readAs(name, value, "a number"); }
+void ParamReader::read(const std::string& name, std::string& value) { readAs(name, value, "a text"); }
+void ParamReader::read(const std::string& name, std::vector<std::string>& value) {
+  readAs(name, value, "a list of texts");
+}
+void ParamReader::read(const std::string& name, std::vector<double>& value) {
+  readAs(name, value, "a list of numbers");
+}
+void ParamReader::read(const std::string& name, std::map<std::string, double>& value) {
+  readAs(name, value, "a table of names and numbers");
+}
+void ParamReader::read(const std::string& name, std::map<std::string, std::string>& value) {
+  readAs(name, value, "a table of names and texts");
+}
+
+void ParamReader::rejectUnknown() const {
+  std::vector<std::string> set;
+  node_.getParamNames(set);
+  const std::string prefix = node_.getNamespace() + "/";
+  std::string known;
+  for (const auto& name : known_) known += " " + name;
+  for (const auto& full : set) {
+    if (full.compare(0, prefix.size(), prefix) != 0) continue;
+    const std::string name = full.substr(prefix.size(), full.find('/', prefix.size()) - prefix.size());
+    if (known_.count(name) == 0 && foreign().count(name) == 0)
+      throw std::invalid_argument("unknown parameter " + full + "; known are" + known);
+  }
+}
+
+}  // namespace sextant

@@ -1,0 +1,30 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sextant/ros/tf_bridge.hpp"
+
+#include <stdexcept>
+
+#include "sextant/ros/conversions.hpp"
+
+namespace sextant {
+
+TransformLookup lookUp(const tf2_ros::Buffer& buffer, const std::string& target, const std::string& source,
+                       const ros::Time& stamp) {
+  const std::string frames = "no transform from '" + source + "' to '" + target + "' at the image's stamp: ";
+  if (stamp.isZero()) return {std::nullopt, frames + "the stamp is zero"};
+  if (target == source) return {Pose::Identity(), ""};
+  try {
+    return {fromMsg(buffer.lookupTransform(target, source, stamp).transform), ""};
+  } catch (const tf2::TransformException& error) {
+    return {std::nullopt, frames + error.what()};
+  } catch (const std::invalid_argument& error) {
+    return {std::nullopt, frames + error.what()};
+  }
+}
+
+std::string parentFrame(const tf2_ros::Buffer& buffer, const std::string& frame, const ros::Time& stamp) {
+  std::string parent;
+  return buffer._getParent(frame, stamp, parent) ? parent : "";
+}
+
+}  // namespace sextant
