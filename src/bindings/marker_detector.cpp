@@ -35,10 +35,10 @@ void bindMarkerDetector(py::module_& module) {
           "image"_a, "List of Detection; image: uint8, (height, width) grey or (height, width, 3) BGR.");
   module.def(
       "refine_corners",
-      [](const ImageArray& image, const Corners& corners, int modules) {
-        return refineCorners(imageFromArray(image), corners, modules);
+      [](const ImageArray& image, const Corners& corners, int modules, bool white_inside) {
+        return refineCorners(imageFromArray(image), corners, {modules, white_inside});
       },
-      "image"_a, "corners"_a, "modules"_a, "Corners (4 x 2) at subpixel, or None.");
+      "image"_a, "corners"_a, "modules"_a, "white_inside"_a = false, "Corners (4 x 2) at subpixel, or None.");
 }
 
 }  // namespace sextant

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "apriltag_family.hpp"
+#include "sextant/core/corner_refiner.hpp"
 
 namespace sextant {
 namespace {
@@ -48,7 +49,7 @@ class AprilTagDetector : public MarkerDetector {
       apriltag_detection_t* tag;
       zarray_get(found, i, &tag);
       if (tag->hamming <= params_.max_hamming && tag->decision_margin >= params_.min_decision_margin)
-        detections.push_back(detection(*tag));
+        detections.push_back(refined(image, *tag));
     }
     apriltag_detections_destroy(found);
     return detections;
@@ -63,6 +64,14 @@ class AprilTagDetector : public MarkerDetector {
     for (int i = 0; i < 4; ++i) found.corners[i] = {tag.p[3 - i][0] - 0.5, tag.p[3 - i][1] - 0.5};
     found.hamming = tag.hamming;
     found.decision_margin = tag.decision_margin;
+    return found;
+  }
+
+  Detection refined(const cv::Mat& image, const apriltag_detection_t& tag) const {
+    Detection found = detection(tag);
+    if (!params_.refine_corners) return found;
+    const BorderSquare square{tag.family->width_at_border, tag.family->reversed_border};
+    if (const auto corners = refineCorners(image, found.corners, square)) found.corners = *corners;
     return found;
   }
 

@@ -79,7 +79,7 @@ class ArucoDetector : public MarkerDetector {
 
   void refine(const cv::Mat& image, Detection& found) const {
     if (!refine_) return;
-    if (const auto corners = refineCorners(image, found.corners, dictionary_->markerSize + 2))
+    if (const auto corners = refineCorners(image, found.corners, {dictionary_->markerSize + 2, false}))
       found.corners = *corners;
   }
 

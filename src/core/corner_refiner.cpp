@@ -4,6 +4,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -11,7 +12,10 @@ namespace sextant {
 namespace {
 
 constexpr int kRounds = 3;
+constexpr int kMaxProfile = 16;        // samples of a profile
 constexpr double kStep = 0.5;          // pixels between the samples of a profile
+constexpr double kReach = 0.9;         // modules, to either side of an edge
+constexpr double kMinReach = 1.5;      // pixels
 constexpr double kMinContrast = 12.0;  // grey levels between the border's black and the white around it
 constexpr double kCurvedEdge = 60.0;   // pixels from which an edge is long enough to show a lens's curvature
 constexpr double kMaxShift = 2.5;      // pixels that a corner may move from its start
@@ -41,22 +45,31 @@ bool inside(const cv::Mat& image, const Eigen::Vector2d& p) {
   return p.x() >= 0 && p.y() >= 0 && p.x() < image.cols - 1 && p.y() < image.rows - 1;
 }
 
-// Offset along the normal (which points out, from black to white) of the edge at p: centroid of the rising
-// gradient.
+// Offset along the normal (which points from black to white) of the edge at p: centroid of the gradient
+// over the rising slope around the steepest place, so that neither the bits inside nor what lies beyond the
+// white counts.
 std::optional<double> edgeOffset(const cv::Mat& image, const Eigen::Vector2d& p,
                                  const Eigen::Vector2d& normal, double reach) {
-  const int n = static_cast<int>(std::lround(reach / kStep));
-  if (!inside(image, p - reach * normal) || !inside(image, p + reach * normal)) return std::nullopt;
-  double previous = grey(image, p - n * kStep * normal);
-  double weight = 0, moment = 0;
-  for (int i = -n + 1; i <= n; ++i) {
-    const double value = grey(image, p + i * kStep * normal);
-    weight += value - previous;
-    moment += (value - previous) * (i - 0.5) * kStep;
+  std::array<double, kMaxProfile> rise;
+  const int n = std::min(kMaxProfile, 2 * static_cast<int>(std::lround(reach / kStep)));
+  const double begin = -0.5 * n * kStep;
+  if (!inside(image, p + begin * normal) || !inside(image, p - begin * normal)) return std::nullopt;
+  double previous = grey(image, p + begin * normal);
+  for (int i = 0; i < n; ++i) {
+    const double value = grey(image, p + (begin + (i + 1) * kStep) * normal);
+    rise[i] = value - previous;
     previous = value;
   }
-  if (weight < kMinContrast || std::abs(moment) > weight * reach) return std::nullopt;
-  return moment / weight;
+  const int steepest = static_cast<int>(std::max_element(rise.begin(), rise.begin() + n) - rise.begin());
+  int first = steepest, last = steepest;
+  while (first > 0 && rise[first - 1] > 0) --first;
+  while (last < n - 1 && rise[last + 1] > 0) ++last;
+  double weight = 0, moment = 0;
+  for (int i = first; i <= last; ++i) {
+    weight += rise[i];
+    moment += rise[i] * (begin + (i + 0.5) * kStep);
+  }
+  return weight < kMinContrast ? std::nullopt : std::optional<double>(moment / weight);
 }
 
 struct Sample {
@@ -88,12 +101,13 @@ bool fit(Edge& edge, std::vector<Sample> samples, int terms) {
 }
 
 std::optional<Edge> findEdge(const cv::Mat& image, const Eigen::Vector2d& begin, const Eigen::Vector2d& end,
-                             double reach) {
+                             double reach, bool white_inside) {
   Edge edge{0.5 * (begin + end), 0.5 * (end - begin), {}};
   const double length = 2 * edge.half.norm();
   if (length < 6) return std::nullopt;
-  edge.normal =
-      Eigen::Vector2d(edge.half.y(), -edge.half.x()).normalized();  // outward: corners run clockwise
+  const Eigen::Vector2d outward =
+      Eigen::Vector2d(edge.half.y(), -edge.half.x()).normalized();  // clockwise corners
+  edge.normal = white_inside ? -outward : outward;
   const double margin =
       std::min(0.8, (reach + 0.5) / (0.5 * length));  // the corners' blur belongs to two edges
   const int count = std::clamp(static_cast<int>(length), 8, 100);
@@ -122,10 +136,22 @@ std::optional<Eigen::Vector2d> intersect(const Edge& a, const Edge& b) {
   return a.at(s);
 }
 
-std::optional<Corners> refineOnce(const cv::Mat& image, const Corners& corners, double reach) {
+// The black border is one module wide, and so at least is the white around it: an edge may be searched that
+// far.
+double moduleAcross(const Corners& corners, int side, int modules) {
+  const Eigen::Vector2d along = (corners[(side + 1) % 4] - corners[side]).normalized();
+  const Eigen::Vector2d across =
+      0.5 * (corners[(side + 2) % 4] + corners[(side + 3) % 4] - corners[side] - corners[(side + 1) % 4]);
+  return std::abs(along.x() * across.y() - along.y() * across.x()) / modules;
+}
+
+std::optional<Corners> refineOnce(const cv::Mat& image, const Corners& corners, const BorderSquare& square,
+                                  double longest_reach) {
   std::array<Edge, 4> edges;
   for (int i = 0; i < 4; ++i) {
-    const auto edge = findEdge(image, corners[i], corners[(i + 1) % 4], reach);
+    const double reach =
+        std::clamp(kReach * moduleAcross(corners, i, square.modules), kMinReach, longest_reach);
+    const auto edge = findEdge(image, corners[i], corners[(i + 1) % 4], reach, square.white_inside);
     if (!edge) return std::nullopt;
     edges[i] = *edge;
   }
@@ -140,16 +166,12 @@ std::optional<Corners> refineOnce(const cv::Mat& image, const Corners& corners, 
 
 }  // namespace
 
-std::optional<Corners> refineCorners(const cv::Mat& image, const Corners& corners, int modules) {
-  double shortest = 1e9;
-  for (int i = 0; i < 4; ++i) shortest = std::min(shortest, (corners[i] - corners[(i + 1) % 4]).norm());
-  const double module = shortest / modules;
+std::optional<Corners> refineCorners(const cv::Mat& image, const Corners& corners,
+                                     const BorderSquare& square) {
   Corners refined = corners;
   for (int round = 0; round < kRounds; ++round) {
-    // The first search must cover the start's error, the later ones only the blur; a neighbouring module
-    // spoils either.
-    const double reach = std::clamp(0.9 * module, 1.5, round == 0 ? 3.0 : 2.5);
-    const auto next = refineOnce(image, refined, reach);
+    // The first search must cover the start's error, the later ones only the blur.
+    const auto next = refineOnce(image, refined, square, round == 0 ? 3.0 : 2.5);
     if (!next) return std::nullopt;
     refined = *next;
   }

@@ -9,14 +9,19 @@
 
 namespace sextant {
 
-/// Corners at subpixel: the black border's four edges are found along their normals as the centroid of the
+/// The square whose corners are looked for.
+struct BorderSquare {
+  int modules = 8;            ///< its width; an edge is searched no farther than a module to either side
+  bool white_inside = false;  ///< some AprilTag families are white inside their edge and black around it
+};
+
+/// Corners at subpixel: the square's four edges are found along their normals as the centroid of the
 /// gradient, a line is fitted to each (a parabola where the edge is long enough to show a lens's curvature),
 /// neighbours are intersected.
 /// @param image 8-bit grey
 /// @param corners start, good to about 1.5 px
-/// @param modules width of the black border's square in modules, which bounds how far an edge may be searched
-/// @return nothing where an edge has too little contrast or too few pixels; the start is then the better
-/// answer
-std::optional<Corners> refineCorners(const cv::Mat& image, const Corners& corners, int modules);
+/// @return nothing where an edge has too little contrast, is partly hidden or has too few pixels
+std::optional<Corners> refineCorners(const cv::Mat& image, const Corners& corners,
+                                     const BorderSquare& square);
 
 }  // namespace sextant

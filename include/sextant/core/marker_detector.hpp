@@ -21,7 +21,7 @@ struct DetectorParams {
   double error_correction =
       0.6;  ///< [0, 1]; ArUco: share of the dictionary's correctable bits that are corrected
   double min_perimeter = 0.02;  ///< (0, 4]; ArUco: smallest marker, its perimeter over the larger image side
-  bool refine_corners = true;   ///< ArUco: corners at subpixel
+  bool refine_corners = true;   ///< corners from lines fitted to the edges in the full image
 
   /// @throws std::invalid_argument that names the first field out of range.
   void validate() const;
