@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <iterator>
 #include <sstream>
 #include <stdexcept>
 
@@ -28,8 +29,9 @@ bool isYaml(const std::string& path) {
 MarkerMap readMarkerMap(const std::string& path, const TextMapParams& params) {
   std::ifstream file(path);
   std::stringstream content;
-  if (!file || !(content << file.rdbuf()))
-    throw std::runtime_error(path + ": cannot be read: " + (errno ? std::strerror(errno) : "it is empty"));
+  if (file) content << std::string(std::istreambuf_iterator<char>(file), {});
+  if (!file.is_open() || file.bad())
+    throw std::runtime_error(path + ": cannot be read: " + std::strerror(errno));
   return isYaml(path) ? parseYamlMap(content.str(), path) : parseTextMap(content, path, params);
 }
 

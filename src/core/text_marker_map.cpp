@@ -50,7 +50,11 @@ void addLine(const std::vector<std::string>& words, const TextMapParams& params,
   const std::string& name = words[0];
   if (const auto id = trailingId(name)) {
     const auto size = params.sizes.find(*id);
-    map.add({{params.family, *id}, size == params.sizes.end() ? params.size : size->second, name, pose, {}});
+    map.add({{params.family, *id},
+             size == params.sizes.end() ? params.size : size->second,
+             name,
+             pose,
+             Matrix6d::Zero()});
     return;
   }
   const auto parent = params.parents.find(name);

@@ -4,6 +4,7 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 #include <stdexcept>
@@ -15,7 +16,8 @@ namespace {
 
 // A mistake at a place in the file.
 struct Mistake : std::runtime_error {
-  Mistake(const YAML::Mark& mark, const std::string& what) : std::runtime_error(what), line(mark.line + 1) {}
+  Mistake(const YAML::Mark& mark, const std::string& what)
+      : std::runtime_error(what), line(std::max(1, mark.line + 1)) {}
   int line;
 };
 

@@ -1,0 +1,148 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sextant/core/marker_locator.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "test_cameras.hpp"
+
+namespace sextant {
+namespace {
+
+const std::string kFamily = "tag36h11";
+
+// Three markers on the wall x = 3 that look toward -x, one on the wall y = 2.
+MarkerMap room() {
+  MarkerMap map;
+  const Eigen::Vector3d toward_minus_x(M_PI_2, 0, -M_PI_2), toward_minus_y(M_PI_2, 0, 0);
+  for (int i = 0; i < 3; ++i)
+    map.add({{kFamily, i}, 0.2, "", poseFromXyzRpy({3, 0.6 * (i - 1), 1}, toward_minus_x), Matrix6d::Zero()});
+  map.add({{kFamily, 3}, 0.3, "", poseFromXyzRpy({2.2, 2, 1.2}, toward_minus_y), Matrix6d::Zero()});
+  return map;
+}
+
+const Pose kMount = poseFromXyzRpy({0.1, 0.02, 0.9}, {-M_PI_2, 0, -M_PI_2});
+const Pose kTruth = poseFromXyzRpy({0.7, 0.3, 0}, {0.01, -0.02, 0.35});
+
+MarkerView look(const MarkerMap& map, const CameraModel& camera, const Pose& T_map_base, double sigma,
+                int seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> noise(0, 1);
+  MarkerView view{camera, kMount, {}};
+  for (const auto& [key, marker] : map.markers()) {
+    Detection detection;
+    detection.key = key;
+    const Pose T_camera_marker = (T_map_base * kMount).inverse() * marker.T_map_marker;
+    for (int k = 0; k < 4; ++k)
+      detection.corners[k] = *camera.project(T_camera_marker * markerCorners(marker.size)[k]) +
+                             sigma * Eigen::Vector2d(noise(random), noise(random));
+    view.detections.push_back(detection);
+  }
+  return view;
+}
+
+LocatorParams mode(const std::string& name) {
+  LocatorParams params;
+  params.mode = name;
+  return params;
+}
+
+TEST(MarkerLocator, ExactCornersGiveTheExactPoseInEveryMode) {
+  for (const auto& calibration : testCalibrations()) {
+    const CameraModel camera(calibration, CameraModel::Image::raw);
+    for (const auto& name : locatorModes()) {
+      const auto result = MarkerLocator(mode(name)).locate(room(), {look(room(), camera, kTruth, 0, 1)});
+      ASSERT_TRUE(result.pose) << result.reason;
+      EXPECT_LT(poseError(kTruth, result.pose->T_map_base).norm(), 1e-5) << name;
+      EXPECT_EQ(result.pose->used.size(), name == "nearest" ? 1u : 4u);
+    }
+  }
+}
+
+TEST(MarkerLocator, NearestTakesTheSmallestDepth) {
+  const CameraModel camera(testCalibrations()[0], CameraModel::Image::raw);
+  const auto result = MarkerLocator(mode("nearest")).locate(room(), {look(room(), camera, kTruth, 0, 1)});
+  // Marker 0 is 1.75 m ahead, marker 3 closer by the straight line but 1.89 m ahead.
+  EXPECT_EQ(result.pose->used[0], (MarkerKey{kFamily, 0}));
+}
+
+TEST(MarkerLocator, JointIsConsistentAndBetterThanAverage) {
+  const CameraModel camera(testCalibrations()[1], CameraModel::Image::raw);
+  LocatorParams params = mode("joint");
+  params.corner_sigma = 0.3;
+  params.robust_width = 100;
+  const MarkerLocator joint(params), average(mode("average"));
+  const int n = 300;
+  double nees = 0, joint_squares = 0, average_squares = 0;
+  for (int i = 0; i < n; ++i) {
+    const MarkerView view = look(room(), camera, kTruth, params.corner_sigma, 100 + i);
+    const auto a = joint.locate(room(), {view}), b = average.locate(room(), {view});
+    ASSERT_TRUE(a.pose && b.pose);
+    const Vector6d error = poseError(kTruth, a.pose->T_map_base);
+    nees += error.dot(a.pose->covariance.inverse() * error) / n;
+    joint_squares += error.head<3>().squaredNorm();
+    average_squares += poseError(kTruth, b.pose->T_map_base).head<3>().squaredNorm();
+  }
+  EXPECT_NEAR(nees, 6.0, 0.7);  // chi-square, 6 degrees of freedom: sqrt(12 / 300) = 0.2 a deviation
+  EXPECT_LT(joint_squares, 0.25 * average_squares);
+}
+
+TEST(MarkerLocator, JointSurvivesOneFalseMarker) {
+  const CameraModel camera(testCalibrations()[0], CameraModel::Image::raw);
+  MarkerView view = look(room(), camera, kTruth, 0.1, 7);
+  for (auto& corner : view.detections[1].corners) corner += Eigen::Vector2d(4, -3);
+  const auto result = MarkerLocator(mode("joint")).locate(room(), {view});
+  ASSERT_TRUE(result.pose) << result.reason;
+  EXPECT_LT(poseError(kTruth, result.pose->T_map_base).head<3>().norm(), 0.02);
+}
+
+TEST(MarkerLocator, TwoCamerasAreOneProblem) {
+  const CameraModel camera(testCalibrations()[0], CameraModel::Image::raw);
+  MarkerView left = look(room(), camera, kTruth, 0, 1), right = left;
+  left.detections.resize(2);
+  right.detections.erase(right.detections.begin(), right.detections.begin() + 2);
+  const auto result = MarkerLocator(mode("joint")).locate(room(), {left, right});
+  ASSERT_TRUE(result.pose);
+  EXPECT_EQ(result.pose->used.size(), 4u);
+  EXPECT_LT(poseError(kTruth, result.pose->T_map_base).norm(), 1e-6);
+}
+
+TEST(MarkerLocator, SaysWhyThereIsNoPose) {
+  const CameraModel camera(testCalibrations()[0], CameraModel::Image::raw);
+  const MarkerLocator locator(mode("joint"));
+  const MarkerView good = look(room(), camera, kTruth, 0, 1);
+  const auto reason = [&](const MarkerView& view) {
+    const auto result = locator.locate(room(), {view});
+    EXPECT_FALSE(result.pose);
+    return result.reason;
+  };
+  MarkerView none = good, stranger = good, twice = good, wrong = good;
+  none.detections.clear();
+  EXPECT_EQ(reason(none), "no marker in sight");
+  stranger.detections.resize(1);
+  stranger.detections[0].key.id = 77;
+  EXPECT_EQ(reason(stranger), "no marker in sight is in the map");
+  twice.detections = {good.detections[0], good.detections[0]};
+  EXPECT_EQ(reason(twice), "the only mapped markers in sight are there more than once");
+  std::swap(wrong.detections[0].key, wrong.detections[3].key);
+  wrong.detections = {wrong.detections[0], wrong.detections[3]};
+  EXPECT_NE(reason(wrong).find("reprojection error"), std::string::npos);
+  EXPECT_EQ(locator.locate(room(), {}).reason, "no marker in sight");
+}
+
+TEST(LocatorParams, RefusesWhatIsOutOfRange) {
+  EXPECT_THROW(MarkerLocator(mode("best")), std::invalid_argument);
+  LocatorParams params;
+  params.corner_sigma = 0;
+  EXPECT_THROW(MarkerLocator{params}, std::invalid_argument);
+  params = {};
+  params.robust_width = std::nan("");
+  EXPECT_THROW(MarkerLocator{params}, std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace sextant
