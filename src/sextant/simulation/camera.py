@@ -1,0 +1,57 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Calibrations of simulated cameras."""
+
+from typing import Sequence
+
+import numpy as np
+
+import sextant
+
+HORIZONTAL_FOV = np.deg2rad(62.0)  # a usual webcam
+RESOLUTIONS = {"vga": (640, 480), "hd": (1280, 720), "full_hd": (1920, 1080)}  # pixels
+
+# Axes of the optical frame (z forward, x right, y down) in a mount's (x forward, y left, z up); REP-103.
+R_MOUNT_OPTICAL = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
+
+
+def camera_calibration(
+    width: int,
+    height: int,
+    horizontal_fov: float = HORIZONTAL_FOV,
+    distortion_model: str = "plumb_bob",
+    distortion: Sequence[float] = (),
+) -> "sextant.CameraCalibration":
+    """Calibration of a camera with square pixels and its principal point in the middle of the image.
+
+    :param horizontal_fov: radians that the width would span without distortion; below pi unless the lens is
+        equidistant
+    :param distortion: coefficients in OpenCV's order; none for an ideal lens
+    :raises ValueError: what the camera model refuses
+    """
+    equidistant = distortion_model == "equidistant"
+    limit = 2.0 * np.pi if equidistant else np.pi
+    if not 0.0 < horizontal_fov < limit:
+        raise ValueError(
+            f"horizontal_fov is {horizontal_fov}, allowed: (0, {limit:.4f}) for {distortion_model}"
+        )
+    half = 0.5 * horizontal_fov
+    f = 0.5 * width / (half if equidistant else np.tan(half))
+    calibration = sextant.CameraCalibration()
+    calibration.width, calibration.height = width, height
+    calibration.distortion_model = distortion_model
+    calibration.D = list(distortion) or [0.0] * _IDEAL_COEFFICIENTS.get(distortion_model, 5)
+    calibration.K = np.array([[f, 0.0, 0.5 * (width - 1)], [0.0, f, 0.5 * (height - 1)], [0.0, 0.0, 1.0]])
+    calibration.P = np.hstack([calibration.K, np.zeros((3, 1))])
+    sextant.CameraModel(calibration)  # refuses what it cannot project with
+    return calibration
+
+
+def camera_mount(xyz: Sequence[float], rpy: Sequence[float]) -> np.ndarray:
+    """T_base_camera (4x4) of a camera at xyz (metres) that looks along the x axis turned by rpy."""
+    T_mount_optical = np.eye(4)
+    T_mount_optical[:3, :3] = R_MOUNT_OPTICAL
+    return sextant.pose_from_xyz_rpy(xyz, rpy) @ T_mount_optical
+
+
+_IDEAL_COEFFICIENTS = {"plumb_bob": 5, "rational_polynomial": 8, "equidistant": 4}

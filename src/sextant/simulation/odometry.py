@@ -1,0 +1,85 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Wheel odometry that drifts as real wheels do, and knows how much."""
+
+from dataclasses import dataclass
+from typing import Tuple
+
+import numpy as np
+
+from sextant.simulation.motion import Motion
+
+
+@dataclass(frozen=True)
+class OdometryNoise:
+    """Standard deviations that grow with the square root of what was driven (Thrun, Burgard, Fox 2005,
+    "Probabilistic robotics", 5.4: variances proportional to distance and angle)."""
+
+    distance_per_metre: float = 0.02  # m / sqrt(m)
+    angle_per_metre: float = 0.02  # rad / sqrt(m)
+    angle_per_radian: float = 0.03  # rad / sqrt(rad)
+
+
+@dataclass(frozen=True)
+class OdometryReading:
+    """What the wheels say, and how far it may be off."""
+
+    motion: Motion  # in the frame odom
+    covariance: np.ndarray  # (3, 3) of x, y, yaw in odom (m^2, m rad, rad^2), first order
+    speed_variance: float  # (m/s)^2
+    turn_rate_variance: float  # (rad/s)^2
+
+
+class WheelOdometry:
+    """Integrates true motion with noise; the frame odom starts where the robot starts."""
+
+    def __init__(self, noise: OdometryNoise, seed: int):
+        self._noise = noise
+        self._random = np.random.default_rng([seed, 1])
+        self._last = None
+        self._pose = np.zeros(3)  # x, y, yaw in odom
+        self._covariance = np.zeros((3, 3))
+
+    def update(self, motion: Motion, seconds: float) -> OdometryReading:
+        """The reading after the robot came to this place in so many seconds; the first call starts odom."""
+        if self._last is None:
+            self._last = motion
+            return self._reading(motion.speed, motion.turn_rate, np.zeros(2))
+        distance, turn = _arc(self._last, motion)
+        self._last = motion
+        sigmas = self._sigmas(distance, turn)
+        self._spread(distance, turn, sigmas)
+        measured = np.array([distance, turn]) + sigmas * self._random.standard_normal(2)
+        heading = self._pose[2] + 0.5 * measured[1]
+        self._pose = self._pose + [measured[0] * np.cos(heading), measured[0] * np.sin(heading), measured[1]]
+        return self._reading(*(measured / seconds), (sigmas / seconds) ** 2)
+
+    def _reading(self, speed: float, turn_rate: float, variances: np.ndarray) -> OdometryReading:
+        x, y, yaw = self._pose
+        return OdometryReading(Motion(x, y, 0.0, yaw, speed, turn_rate), self._covariance.copy(), *variances)
+
+    def _sigmas(self, distance: float, turn: float) -> np.ndarray:
+        """Standard deviations of the measured (distance, turn)."""
+        noise = self._noise
+        by_distance, by_turn = np.sqrt(abs(distance)), np.sqrt(abs(turn))
+        return np.array(
+            [
+                noise.distance_per_metre * by_distance,
+                np.hypot(noise.angle_per_metre * by_distance, noise.angle_per_radian * by_turn),
+            ]
+        )
+
+    def _spread(self, distance: float, turn: float, sigmas: np.ndarray) -> None:
+        """P = F P F' + G Q G' with the derivatives F by the pose and G by distance and turn."""
+        heading = self._pose[2] + 0.5 * turn  # of the chord
+        c, s = np.cos(heading), np.sin(heading)
+        F = np.array([[1.0, 0.0, -distance * s], [0.0, 1.0, distance * c], [0.0, 0.0, 1.0]])
+        G = np.array([[c, -0.5 * distance * s], [s, 0.5 * distance * c], [0.0, 1.0]])
+        self._covariance = F @ self._covariance @ F.T + G @ np.diag(sigmas**2) @ G.T
+
+
+def _arc(start: Motion, end: Motion) -> Tuple[float, float]:
+    """(chord in metres, turn in radians) of the circular arc that leads from one pose to the other."""
+    turn = float(np.remainder(end.yaw - start.yaw + np.pi, 2.0 * np.pi) - np.pi)
+    heading = start.yaw + 0.5 * turn
+    return (end.x - start.x) * np.cos(heading) + (end.y - start.y) * np.sin(heading), turn

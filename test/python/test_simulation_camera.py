@@ -1,0 +1,47 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+import numpy as np
+import pytest
+
+import sextant
+from sextant.simulation.camera import RESOLUTIONS, camera_calibration, camera_mount
+
+
+@pytest.mark.parametrize("size", RESOLUTIONS.values())
+@pytest.mark.parametrize("model", ["plumb_bob", "rational_polynomial", "equidistant"])
+def test_half_the_field_of_view_lies_on_either_side(size, model):
+    camera = sextant.CameraModel(camera_calibration(*size, np.deg2rad(62.0), model))
+    for side, border in ((-1.0, -0.5), (1.0, size[0] - 0.5)):  # outer edges of the first and the last pixel
+        ray = [side * np.sin(np.deg2rad(31.0)), 0.0, np.cos(np.deg2rad(31.0))]
+        assert camera.project(ray) == pytest.approx([border, 0.5 * (size[1] - 1)])
+
+
+def test_fisheye_sees_more_than_half_of_the_world():
+    camera = sextant.CameraModel(camera_calibration(640, 480, np.deg2rad(200.0), "equidistant"))
+    assert camera.unproject([0.0, 239.5])[2] < 0.0
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        (640, 480, 0.0),
+        (640, 480, np.pi),
+        (640, 480, 7.0, "equidistant"),
+        (640, 480, 1.0, "no_such_model"),
+        (640, 480, 1.0, "plumb_bob", [0.1, 0.2]),
+        (640, 480, 1.0, "plumb_bob", [np.nan] * 5),
+    ],
+)
+def test_what_no_camera_has_is_refused(arguments):
+    with pytest.raises(ValueError):
+        camera_calibration(*arguments)
+
+
+def test_mounted_camera_looks_ahead_or_where_it_is_turned():
+    T = camera_mount([0.1, 0.0, 1.0], [0.0, 0.0, 0.0])
+    ahead_and_right = np.transpose([[0.0, 0.0, 2.0, 1.0], [1.0, 0.0, 0.0, 1.0]])  # as the image has them
+    np.testing.assert_allclose(
+        T @ ahead_and_right, np.transpose([[2.1, 0.0, 1.0, 1.0], [0.1, -1.0, 1.0, 1.0]])
+    )
+    T = camera_mount([0.0, 0.0, 0.0], [0.0, 0.0, 0.5 * np.pi])
+    np.testing.assert_allclose(T @ [0.0, 0.0, 1.0, 1.0], [0.0, 1.0, 0.0, 1.0], atol=1e-12)  # to the left
