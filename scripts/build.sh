@@ -1,0 +1,11 @@
+#!/usr/bin/env bash
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+#
+# Installs what apt must and builds Sextant; afterwards `. build/devel/setup.bash` and roslaunch.
+set -euo pipefail
+. "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
+
+install_packages "$root/scripts/apt_packages.txt"
+continue_as_owner "$@"
+build_package "$@"

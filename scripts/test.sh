@@ -1,0 +1,18 @@
+#!/usr/bin/env bash
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+#
+# Installs what apt must, builds Sextant and runs every test (gtest, pytest, rostest). Fails when one fails;
+# the last line is the total.
+set -euo pipefail
+. "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
+
+install_packages "$root/scripts/apt_packages.txt"
+continue_as_owner "$@"
+build_package all tests
+
+results=$build/test_results
+rm -rf "$results"
+timeout 40m make -C "$binary" --no-print-directory run_tests || say "the tests did not run to their end"
+catkin_test_results "$results" || true
+python3 "$root/scripts/test_totals.py" "$results"
