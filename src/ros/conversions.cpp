@@ -138,6 +138,7 @@ MarkerMapEntry toMsg(const MappedMarker& marker) {
 }
 
 MarkerMap fromMsg(const MarkerMapEntries& msg) {
+  if (msg.header.frame_id.empty()) throw std::invalid_argument("the map's header names no frame");
   MarkerMap map(msg.header.frame_id);
   for (const MarkerMapEntry& entry : msg.markers)
     map.add({{entry.family, entry.id},

@@ -45,6 +45,19 @@ cv::Mat view(const sensor_msgs::Image& msg, int type) {
           const_cast<uint8_t*>(msg.data.data()), msg.step};
 }
 
+// cv_bridge cannot read the other byte order, and eight bits are all that is needed.
+cv::Mat highBytes(const sensor_msgs::Image& msg) {
+  cv::Mat grey;
+  cv::extractChannel(view(msg, CV_8UC2), grey, msg.is_bigendian ? 0 : 1);
+  return grey;
+}
+
+cv::Mat converted(const sensor_msgs::ImageConstPtr& msg) {
+  const cv::Mat grey = cv_bridge::toCvShare(msg, encodings::MONO8)->image;
+  if (grey.type() != CV_8UC1) throw std::invalid_argument("its byte order is not supported");
+  return grey;
+}
+
 }  // namespace
 
 cv::Mat greyFromMsg(const sensor_msgs::ImageConstPtr& msg) {
@@ -53,8 +66,9 @@ cv::Mat greyFromMsg(const sensor_msgs::ImageConstPtr& msg) {
   if (msg->encoding == encodings::MONO8 || msg->encoding == encodings::TYPE_8UC1) return view(*msg, CV_8UC1);
   if (msg->encoding == encodings::TYPE_8UC3) return greyImage(view(*msg, CV_8UC3));
   if (msg->encoding == encodings::TYPE_8UC4) return greyImage(view(*msg, CV_8UC4));
+  if (msg->encoding == encodings::MONO16) return highBytes(*msg);
   try {
-    return cv_bridge::toCvShare(msg, encodings::MONO8)->image;
+    return converted(msg);
   } catch (const std::exception& error) {
     throw std::invalid_argument("the image of encoding " + msg->encoding +
                                 " cannot be read: " + error.what());

@@ -44,7 +44,7 @@ MarkerDetectorParams MarkerDetectorParams::fromRos(const ros::NodeHandle& privat
   reader.read("debug_rate", params.debug_rate);
   reader.read("debug_quality", params.debug_quality);
   reader.rejectUnknown();
-  params.validate();
+  reader.validate(params);
   return params;
 }
 

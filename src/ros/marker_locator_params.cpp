@@ -58,7 +58,7 @@ MarkerLocatorParams MarkerLocatorParams::fromRos(const ros::NodeHandle& private_
   reader.read("transform_timeout", params.transform_timeout);
   reader.rejectUnknown();
   params.text.sizes = byId(sizes);
-  params.validate();
+  reader.validate(params);
   return params;
 }
 

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sextant/ros/param_reader.hpp"
 
+#include <cmath>
+#include <limits>
 #include <stdexcept>
 
 namespace sextant {
@@ -12,6 +14,21 @@ const std::set<std::string>& foreign() {
   static const std::set<std::string> names = {"diagnostic_period", "diagnostic_updater", "image_transport",
                                               "num_worker_threads"};
   return names;
+}
+
+// A name with a slash, "tag36h11/5", is a table in a table on the parameter server.
+bool flatten(const XmlRpc::XmlRpcValue& table, const std::string& prefix, std::map<std::string, double>& out) {
+  using XmlRpc::XmlRpcValue;
+  if (table.getType() != XmlRpcValue::TypeStruct) return false;
+  for (const auto& [name, value] : table) {
+    if (value.getType() == XmlRpcValue::TypeInt)
+      out[prefix + name] = static_cast<int>(value);
+    else if (value.getType() == XmlRpcValue::TypeDouble)
+      out[prefix + name] = static_cast<double>(value);
+    else if (!flatten(value, prefix + name + "/", out))
+      return false;
+  }
+  return true;
 }
 
 }  // namespace
@@ -27,7 +44,7 @@ void ParamReader::read(const std::string& name, bool& value) { readAs(name, valu
 void ParamReader::read(const std::string& name, int& value) {
   double number = value;
   readAs(name, number, "a whole number");
-  if (number != static_cast<int>(number))
+  if (!(std::abs(number) <= std::numeric_limits<int>::max()) || number != std::trunc(number))
     throw std::invalid_argument("parameter " + node_.resolveName(name) + " must be a whole number");
   value = static_cast<int>(number);
 }
@@ -40,10 +57,23 @@ void ParamReader::read(const std::string& name, std::vector<double>& value) {
   readAs(name, value, "a list of numbers");
 }
 void ParamReader::read(const std::string& name, std::map<std::string, double>& value) {
-  readAs(name, value, "a table of names and numbers");
+  const char* type = "a table of names and numbers";
+  XmlRpc::XmlRpcValue table;
+  readAs(name, table, type);
+  if (!table.valid()) return;
+  value.clear();
+  if (!flatten(table, "", value))
+    throw std::invalid_argument("parameter " + node_.resolveName(name) + " must be " + type);
 }
 void ParamReader::read(const std::string& name, std::map<std::string, std::string>& value) {
   readAs(name, value, "a table of names and texts");
+}
+
+void ParamReader::readWord(const std::string& name, std::string& value) {
+  int number = 0;
+  if (!node_.getParam(name, number)) return read(name, value);
+  known_.insert(name);
+  value = std::to_string(number);
 }
 
 void ParamReader::rejectUnknown() const {

@@ -22,9 +22,9 @@ TransformLookup lookUp(const tf2_ros::Buffer& buffer, const std::string& target,
   }
 }
 
-std::string parentFrame(const tf2_ros::Buffer& buffer, const std::string& frame, const ros::Time& stamp) {
+std::string parentFrame(const tf2_ros::Buffer& buffer, const std::string& frame) {
   std::string parent;
-  return buffer._getParent(frame, stamp, parent) ? parent : "";
+  return buffer._getParent(frame, ros::Time(0), parent) ? parent : "";
 }
 
 }  // namespace sextant

@@ -37,7 +37,7 @@ Marker toMsg(const Detection& detection, double size, const std::optional<Planar
 Detection fromMsg(const Marker& marker);
 
 MarkerMapEntry toMsg(const MappedMarker& marker);
-/// @throws std::invalid_argument as MarkerMap::add
+/// @throws std::invalid_argument as MarkerMap::add, and for a map without a frame
 MarkerMap fromMsg(const MarkerMapEntries& map);
 
 }  // namespace sextant

@@ -6,6 +6,7 @@
 
 #include <map>
 #include <set>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -29,10 +30,23 @@ class ParamReader {
   void read(const std::string& name, std::map<std::string, double>& value);
   void read(const std::string& name, std::map<std::string, std::string>& value);
 
+  /// A text that may look like a number, which roslaunch and rosrun then make of it: 0 is read as "0".
+  void readWord(const std::string& name, std::string& value);
+
   /// Call after the last read().
   /// @throws std::invalid_argument that names the parameters that were set but never read, and those that
   /// exist
   void rejectUnknown() const;
+
+  /// params.validate(), whose messages begin with the name of a parameter, with that name in full.
+  template <typename Params>
+  void validate(const Params& params) const {
+    try {
+      params.validate();
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument("parameter " + node_.getNamespace() + "/" + error.what());
+    }
+  }
 
  private:
   template <typename T>

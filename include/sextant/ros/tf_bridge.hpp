@@ -22,7 +22,7 @@ struct TransformLookup {
 TransformLookup lookUp(const tf2_ros::Buffer& buffer, const std::string& target, const std::string& source,
                        const ros::Time& stamp);
 
-/// The frame above this one in the tree at that stamp; empty where there is none.
-std::string parentFrame(const tf2_ros::Buffer& buffer, const std::string& frame, const ros::Time& stamp);
+/// The frame above this one in the tree, by the newest that tf has heard; empty where there is none.
+std::string parentFrame(const tf2_ros::Buffer& buffer, const std::string& frame);
 
 }  // namespace sextant

@@ -1,0 +1,121 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <camera_info_manager/camera_info_manager.h>
+#include <diagnostic_updater/diagnostic_updater.h>
+#include <image_transport/camera_common.h>
+#include <image_transport/image_transport.h>
+#include <nodelet/nodelet.h>
+#include <sensor_msgs/Image.h>
+
+#include <boost/make_shared.hpp>
+#include <memory>
+#include <pluginlib/class_list_macros.hpp>
+
+#include "sextant/ros/calibration.hpp"
+#include "sextant/ros/camera_driver_params.hpp"
+#include "sextant/ros/trouble_log.hpp"
+
+namespace sextant {
+
+/// Publishes a camera, a video file or a folder of images with its calibration, stamped at the grab.
+class CameraDriverNodelet : public nodelet::Nodelet {
+  void onInit() override {
+    trouble_ = std::make_unique<TroubleLog>(getName());
+    std::unique_ptr<ImageSource> source;
+    std::string calibration_url;
+    try {
+      params_ = CameraDriverParams::fromRos(getPrivateNodeHandle());
+      calibration_url = calibrationUrl(params_.camera_info_url);
+      source = makeImageSource(params_.source);
+    } catch (const std::exception& error) {
+      NODELET_FATAL("%s: %s", getName().c_str(), error.what());
+      throw;
+    }
+    advertise(calibration_url);
+    player_ = std::make_unique<ImagePlayer>(
+        std::move(source), params_.player,
+        ImagePlayer::Outlet{
+            [this] { return image_pub_.getNumSubscribers() > 0; },
+            [this] { return image_pub_.getNumSubscribers() > 0 || info_pub_.getNumSubscribers() > 0; },
+            [this](const cv::Mat& picture, const ros::Time& stamp) { publish(picture, stamp); }},
+        *trouble_);
+    startDiagnostics();
+  }
+
+  void advertise(const std::string& calibration_url) {
+    ros::NodeHandle& node = getNodeHandle();
+    const std::string topic = node.resolveName("image_raw");
+    // set_camera_info is looked for beside the image, wherever that is.
+    const ros::NodeHandle beside(node, ros::names::parentNamespace(topic));
+    calibration_ = std::make_unique<camera_info_manager::CameraInfoManager>(beside, params_.camera_name,
+                                                                            calibration_url);
+    // Two publishers, not one of image_transport's for both: a file waits for who hears its images.
+    image_pub_ = image_transport::ImageTransport(node).advertise("image_raw", 1);
+    info_pub_ = node.advertise<sensor_msgs::CameraInfo>(image_transport::getCameraInfoTopic(topic), 1);
+  }
+
+  void startDiagnostics() {
+    ros::NodeHandle& node = getNodeHandle();
+    diagnostics_ = std::make_unique<diagnostic_updater::Updater>(node, getPrivateNodeHandle(), getName());
+    diagnostics_->setHardwareID(params_.source.source);
+    diagnostics_->add("camera", this, &CameraDriverNodelet::diagnose);
+    diagnostics_timer_ = node.createWallTimer(
+        ros::WallDuration(1.0), [this](const ros::WallTimerEvent&) { diagnostics_->force_update(); });
+  }
+
+  // In the player's thread. A message of its own for every picture: listeners in this process keep it.
+  void publish(const cv::Mat& picture, const ros::Time& stamp) {
+    auto image = boost::make_shared<sensor_msgs::Image>();
+    image->header.stamp = stamp;
+    image->header.frame_id = params_.frame_id;
+    image->encoding = params_.source.encoding;
+    image->width = picture.cols;
+    image->height = picture.rows;
+    image->step = picture.cols * picture.elemSize();
+    image->data.resize(image->step * image->height);
+    picture.copyTo(cv::Mat(picture.size(), picture.type(), image->data.data()));
+    info_pub_.publish(infoOf(*image));
+    image_pub_.publish(sensor_msgs::ImageConstPtr(image));
+  }
+
+  sensor_msgs::CameraInfoPtr infoOf(const sensor_msgs::Image& image) {
+    CheckedCalibration checked = calibrationFor(calibration_->getCameraInfo(), image.width, image.height);
+    if (!checked.trouble.empty()) trouble_->report("calibration", checked.trouble);
+    checked.info.header = image.header;
+    return boost::make_shared<sensor_msgs::CameraInfo>(checked.info);
+  }
+
+  void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
+    trouble_->fill(status);
+    const ImagePlayer::Counts counts = player_->counts();
+    const ros::SteadyTime now = ros::SteadyTime::now();
+    if (counts.finished)
+      status.summary(diagnostic_msgs::DiagnosticStatus::OK, "finished");
+    else if (counts.opened == 0 && status.level == diagnostic_msgs::DiagnosticStatus::OK)
+      status.message = "waits for a listener";
+    status.add("source", params_.source.source);
+    status.addf("rate", "%.1f Hz", (counts.published - published_) / (now - diagnosed_).toSec());
+    status.add("published", counts.published);
+    status.add("not decoded", counts.skipped);
+    status.add("late", counts.late);
+    status.add("opened", counts.opened);
+    published_ = counts.published;
+    diagnosed_ = now;
+  }
+
+  CameraDriverParams params_;
+  std::unique_ptr<TroubleLog> trouble_;
+  std::unique_ptr<camera_info_manager::CameraInfoManager> calibration_;
+  image_transport::Publisher image_pub_;
+  ros::Publisher info_pub_;
+  unsigned long published_ = 0;  // at the last diagnosis
+  ros::SteadyTime diagnosed_ = ros::SteadyTime::now();
+  // Their threads use what is above.
+  std::unique_ptr<ImagePlayer> player_;
+  std::unique_ptr<diagnostic_updater::Updater> diagnostics_;
+  ros::WallTimer diagnostics_timer_;
+};
+
+}  // namespace sextant
+
+PLUGINLIB_EXPORT_CLASS(sextant::CameraDriverNodelet, nodelet::Nodelet)
