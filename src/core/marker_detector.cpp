@@ -44,7 +44,11 @@ void DetectorParams::validate() const {
     throw std::invalid_argument(text.str());
   };
   if (families.empty()) throw std::invalid_argument("families is empty, name at least one marker family");
-  for (const auto& family : families) canonicalFamily(family);
+  try {
+    for (const auto& family : families) canonicalFamily(family);
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(std::string("families: ") + error.what());
+  }
   require(threads >= 1 && threads <= 64, "threads", threads, "[1, 64]");
   require(decimate >= 1 && decimate <= 8, "decimate", decimate, "[1, 8]");
   require(max_hamming >= 0 && max_hamming <= 3, "max_hamming", max_hamming, "[0, 3]");

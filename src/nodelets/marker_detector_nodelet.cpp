@@ -158,7 +158,10 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
     for (const ObservedMarker& marker : markers)
       msg->markers.push_back(toMsg(marker.detection, marker.size, marker.poses, marker.covariance));
     markers_pub_.publish(msg);
-    if (params_.publish_tf) broadcast(header, markers);
+    if (!params_.publish_tf) return;
+    if (header.stamp.isZero() || header.frame_id.empty())
+      throw std::invalid_argument("the image's header has no stamp or no frame: tf cannot take its markers");
+    broadcast(header, markers);
   }
 
   void broadcast(const std_msgs::Header& header, const std::vector<ObservedMarker>& markers) {

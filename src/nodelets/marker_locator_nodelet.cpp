@@ -27,8 +27,11 @@ namespace sextant {
 
 /// Tells the base's pose in the map from the markers that cameras see.
 class MarkerLocatorNodelet : public nodelet::Nodelet {
+  static constexpr double kJumpBack = 1.0;  // seconds; less is an image out of order
+
   struct Pending {
     MarkerArrayConstPtr markers;
+    ros::Time stamp;  // kept when the markers are done
     ros::SteadyTime deadline;
   };
 
@@ -81,10 +84,20 @@ class MarkerLocatorNodelet : public nodelet::Nodelet {
 
   void onMarkers(size_t camera, const MarkerArrayConstPtr& msg) {
     ++images_;
-    if (pending_[camera].markers)  // newest image wins, but the one that waited in vain is told of
+    Pending& pending = pending_[camera];
+    if (pending.markers)  // newest image wins, but the one that waited in vain is told of
       trouble_->report("transform", waiting_for_);
-    pending_[camera] = {msg, ros::SteadyTime::now() + ros::WallDuration(params_.transform_timeout)};
+    if (pending.stamp.toSec() - msg->header.stamp.toSec() > kJumpBack && !msg->header.stamp.isZero())
+      beginAnew();
+    pending = {msg, msg->header.stamp, ros::SteadyTime::now() + ros::WallDuration(params_.transform_timeout)};
     work();
+  }
+
+  // A bag plays again: as long as tf has the later transforms it refuses the earlier ones.
+  void beginAnew() {
+    trouble_->report("clock", "the images' stamps jumped back: what tf knew is forgotten");
+    tf_.clear();
+    visualization_.clear();
   }
 
   // Locates what waits; a missing transform may still come until its deadline.
@@ -182,7 +195,7 @@ class MarkerLocatorNodelet : public nodelet::Nodelet {
     if (params_.tf_output == "none") return;
     const bool to_odom = params_.tf_output == "map_to_odom";
     const std::string& child = to_odom ? params_.odom_frame : params_.base_frame;
-    const std::string parent = parentFrame(tf_, child, stamp);
+    const std::string parent = parentFrame(tf_, child);
     if (!parent.empty() && parent != map_->frame()) {
       trouble_->report("tf", "'" + child + "' already has the parent '" + parent + "': tf_output " +
                                  params_.tf_output + " would break the tree and is not sent");

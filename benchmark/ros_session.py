@@ -1,0 +1,73 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""A master of one's own and what is launched on it; all of it ends with the session."""
+
+import os
+import signal
+import socket
+import subprocess
+import time
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Callable, Dict, Iterator
+from xmlrpc.client import ServerProxy
+
+import rosgraph
+
+END = 20.0  # seconds that a launch has to end its nodes
+
+
+@contextmanager
+def ros_master(logs: Path) -> Iterator[None]:
+    """Runs a roscore on a free port, and sets this process's environment to it."""
+    with socket.socket() as probe:
+        probe.bind(("localhost", 0))
+        port = probe.getsockname()[1]
+    for name in ("ROS_NAMESPACE", "ROS_IP"):
+        os.environ.pop(name, None)
+    os.environ["ROS_MASTER_URI"] = f"http://localhost:{port}"
+    os.environ["ROS_HOSTNAME"] = "localhost"
+    os.environ["ROS_LOG_DIR"] = str(logs)
+    with _running(["roscore", "-p", str(port)]):
+        wait_for("the master", rosgraph.is_master_online, 30.0)
+        yield
+
+
+@contextmanager
+def launched(path: Path, arguments: Dict[str, str]) -> Iterator[None]:
+    """Runs a launch file."""
+    with _running(["roslaunch", str(path), *(f"{name}:={value}" for name, value in arguments.items())]):
+        yield
+
+
+@contextmanager
+def _running(command: list) -> Iterator[None]:
+    with subprocess.Popen(command, stdout=subprocess.DEVNULL) as process:
+        try:
+            yield
+        finally:
+            process.send_signal(signal.SIGINT)  # roslaunch then ends what it started
+            try:
+                process.wait(END)
+            except subprocess.TimeoutExpired:
+                process.terminate()
+
+
+def wait_for(what: str, condition: Callable[[], bool], timeout: float) -> None:
+    """:raises TimeoutError: not so within timeout seconds"""
+    end = time.monotonic() + timeout
+    while not condition():
+        if time.monotonic() > end:
+            raise TimeoutError(f"{what} did not come within {timeout:.0f} s")
+        time.sleep(0.05)
+
+
+def process_id(node: str) -> int:
+    """Of the process that runs a node."""
+    return ServerProxy(rosgraph.Master("/benchmark").lookupNode(node)).getPid("/benchmark")[2]
+
+
+def cpu_seconds(pid: int) -> float:
+    """User and system time that a process has used (proc(5): fields 14 and 15)."""
+    fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")

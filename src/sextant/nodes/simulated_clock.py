@@ -1,0 +1,44 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Simulated time on /clock, paced by the wall's clock."""
+
+import threading
+import time
+
+import rospy
+from rosgraph_msgs.msg import Clock
+
+STEP = 10_000_000  # nanoseconds of simulated time between two ticks at most
+
+
+class SimulatedClock:
+    """Time that never runs ahead of real_time_factor, and waits where the simulation is late."""
+
+    def __init__(self, start: int, real_time_factor: float, stop: threading.Event):
+        """:param start: first instant, nanoseconds
+        :param stop: set when the node ends; then nothing here waits any more
+        """
+        self._publisher = rospy.Publisher("/clock", Clock, queue_size=10)
+        self._now = start
+        self._factor = real_time_factor
+        self._stop = stop
+        self._due = time.monotonic()  # when the next tick may be at the earliest
+
+    def advance(self, instant: int) -> None:
+        """Ticks until /clock has told this instant (nanoseconds)."""
+        while self._now < instant and not self._stop.is_set():
+            step = min(STEP, instant - self._now)
+            self._due = max(self._due + 1e-9 * step / self._factor, time.monotonic() - 0.1)
+            self._stop.wait(max(0.0, self._due - time.monotonic()))
+            self._now += step
+            if not self._stop.is_set():
+                self.tell()
+
+    def tell(self) -> None:
+        """Publishes the present instant."""
+        self._publisher.publish(Clock(rospy.Time(nsecs=self._now)))
+
+    @property
+    def now(self) -> int:
+        """Nanoseconds."""
+        return self._now

@@ -1,0 +1,64 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Run by test_view_across_network.py on the viewing side: hears every topic once and prints what came.
+
+Arguments: topic of the pose, topic of the decompressed picture, seconds until it gives up.
+"""
+
+import json
+import sys
+import time
+
+import rosgraph
+import rospy
+from geometry_msgs.msg import PoseWithCovarianceStamped
+from sensor_msgs.msg import Image
+from tf2_msgs.msg import TFMessage
+from visualization_msgs.msg import MarkerArray as Drawing
+
+from sextant.msg import MarkerArray
+
+
+class Heard:
+    def __init__(self):
+        self.frames = set()  # of /tf_static, of which every node has a message of its own
+        self.messages = {}
+
+    def hear(self, name, topic, message_type):
+        rospy.Subscriber(topic, message_type, lambda message: self.messages.setdefault(name, message))
+
+    def complete(self):
+        return len(self.messages) == 4 and len(self.frames) >= 9
+
+
+def main():
+    pose, picture, seconds = sys.argv[1:]
+    rospy.init_node("late_listener", anonymous=True)
+    heard = Heard()
+    rospy.Subscriber(
+        "/tf_static", TFMessage, lambda all: heard.frames.update(t.child_frame_id for t in all.transforms)
+    )
+    heard.hear("pose", pose, PoseWithCovarianceStamped)
+    heard.hear("markers", "markers", MarkerArray)
+    heard.hear("boards", "marker_map", Drawing)
+    heard.hear("picture", picture, Image)
+    end = time.monotonic() + float(seconds)
+    while not heard.complete() and time.monotonic() < end:
+        time.sleep(0.1)
+    print(json.dumps(summary(heard)))
+
+
+def summary(heard):
+    _, subscribers, _ = rosgraph.Master("late_listener").getSystemState()
+    told = {
+        "pose": lambda message: message.header.frame_id,
+        "markers": lambda message: message.header.frame_id,
+        "boards": lambda message: len(message.markers),
+        "picture": lambda message: [message.width, message.encoding],
+    }
+    brief = {name: told[name](message) for name, message in heard.messages.items()}
+    return {**brief, "frames": sorted(heard.frames), "subscribers": dict(subscribers)}
+
+
+if __name__ == "__main__":
+    main()

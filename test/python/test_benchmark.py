@@ -1,0 +1,77 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""benchmark/markers.py as its caller sees it: exit status, table and JSON."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+BENCHMARK = Path(__file__).resolve().parents[2] / "benchmark"
+sys.path.insert(0, str(BENCHMARK))
+
+from tables import Table, Value  # noqa: E402
+
+
+def run(*arguments):
+    command = [sys.executable, str(BENCHMARK / "markers.py"), *map(str, arguments)]
+    return subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, timeout=300)
+
+
+def test_quick_run_of_a_simulated_drive(tmp_path):
+    done = run(
+        "--quick", "--only", "simulated", "--json", tmp_path / "figures.json", "--plot", tmp_path / "a.png"
+    )
+    assert done.returncode == 0, done.stderr
+    assert "joint, seed 1" in done.stdout and "every bar holds" in done.stdout
+    figures = json.loads((tmp_path / "figures.json").read_text())
+    assert (figures["holds"], figures["quick"], list(figures["parts"])) == (True, True, ["simulated"])
+    for table in figures["parts"]["simulated"]:
+        rows = {row["name"]: row for row in table["rows"]}
+        assert set(rows) == {f"{mode}, seed 1" for mode in ("nearest", "average", "joint")}
+        assert 0.0 < rows["joint, seed 1"]["mean"]["value"] < 20.0  # cm
+    assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_json_alone_is_on_standard_output():
+    done = run("--quick", "--only", "simulated", "--json", "-")
+    assert json.loads(done.stdout)["holds"]
+    assert "joint, seed 1" in done.stderr
+
+
+def test_absent_data_is_said_and_is_no_success(tmp_path):
+    done = run("--only", "photos", "--data", tmp_path)
+    assert done.returncode == 2
+    assert str(tmp_path) in done.stderr and "Traceback" not in done.stderr
+
+
+def test_an_unknown_part_is_refused():
+    done = run("--only", "photos,nonsense")
+    assert done.returncode == 2
+    assert "no part nonsense" in done.stderr
+
+
+@pytest.mark.parametrize(
+    "value, text, holds",
+    [
+        (Value(1.234), "1.23", True),
+        (Value(1.0, at_most=1.0), "1.00 (<= 1)", True),
+        (Value(1.01, at_most=1.0), "1.01 (<= 1) FAILS", False),
+        (Value(2.0, at_least=2.5), "2.00 (>= 2.5) FAILS", False),
+        (Value(float("nan"), at_most=1.0), "nan (<= 1) FAILS", False),
+        (Value(float("inf"), at_least=1.0), "inf (>= 1)", True),
+    ],
+)
+def test_a_figure_and_its_bar(value, text, holds):
+    assert (str(value), value.holds, value.as_json()["holds"]) == (text, holds, holds)
+
+
+def test_one_failing_bar_fails_the_table():
+    good, bad = ("a", [Value(1.0, at_most=2.0)]), ("bb", [Value(3.0, at_most=2.0)])
+    assert Table("title", ["figure"], [good]).holds
+    table = Table("title", ["figure"], [good, bad])
+    assert not table.holds
+    assert str(table).splitlines() == ["title", "    figure", "a   1.00 (<= 2)", "bb  3.00 (<= 2) FAILS"]
+    assert table.as_json()["rows"][1]["figure"]["holds"] is False

@@ -1,0 +1,167 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Every launch, configuration and map file that is shipped is loaded, by roslaunch's own loader."""
+
+import functools
+import re
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+
+import numpy as np
+import pytest
+import roslaunch.config
+import roslib.packages
+import yaml
+
+import sextant
+from sextant.nodes.drive_recorder import RecorderParams
+from sextant.nodes.marker_broadcaster import BroadcasterParams
+from sextant.nodes.params import parse_params
+from sextant.nodes.simulator import SimulatorParams
+from sextant.simulation.room import default_map
+
+ROOT = Path(__file__).resolve().parents[2]
+LAUNCH_FILES = sorted((ROOT / "launch").glob("*.launch"))
+ROOM = str(ROOT / "config" / "room.txt")
+
+# Arguments that, all together, enter every <... if=...> of the shipped files.
+BRANCHES = {
+    "robot.launch": [["map:=" + ROOM, "camera:=true", "camera_info:=calibration"], ["start_manager:=false"]],
+    "markers.launch": [["map:=" + ROOM, "camera_info:=calibration"], ["start_manager:=false"]],
+    "demo.launch": [["rviz:=true", "mode:=nearest"], ["mode:=average"]],
+    "view.launch": [["hostname:=laptop", "master:=http://robot:11311"], ["rviz:=false"]],
+}
+RUNS = [(path, args) for path in LAUNCH_FILES for args in [[], *BRANCHES.get(path.name, [])]]
+
+# Parameters of the rospy nodes; those of a nodelet are in the source that reads them.
+RECORDS = {
+    "marker_broadcaster": BroadcasterParams,
+    "drive_recorder": RecorderParams,
+    "simulator": SimulatorParams,
+}
+
+
+def load(path, args=()):
+    argv = [str(path), *args]
+    return roslaunch.config.load_config_default(
+        [(str(path), argv[1:])], 11311, verbose=False, assign_machines=False
+    )
+
+
+@functools.lru_cache(maxsize=None)
+def is_there(package, node_type):
+    return bool(roslib.packages.find_node(package, node_type))
+
+
+def tag_of(run):
+    path, args = run
+    return " ".join([path.name, *args]).replace(str(ROOT), ".")
+
+
+def loaded_classes(config):
+    """Names of nodes to the nodelets that they load."""
+    loads = [(node, re.match(r"load (\S+)", node.args or "")) for node in config.nodes]
+    return {node.name: match.group(1) for node, match in loads if match}
+
+
+def params_of(config, name):
+    """Private parameters of a node, nested ones as dictionaries."""
+    prefix, result = f"/{name}/", {}
+    for key, param in config.params.items():
+        if key.startswith(prefix):
+            first, _, rest = key[len(prefix) :].partition("/")
+            if rest:
+                result.setdefault(first, {})[rest] = param.value
+            else:
+                result[first] = param.value
+    return result
+
+
+def read_by_nodelet(name):
+    """Parameters that a nodelet's fromRos() asks for."""
+    stem = re.sub(r"(?<!^)(?=[A-Z])", "_", name).lower()
+    source = (ROOT / "src" / "ros" / f"{stem}_params.cpp").read_text()
+    return set(re.findall(r'reader\.read\w*\("(\w+)"', source))
+
+
+def declared(path):
+    """Arguments that a user of the file may set."""
+    return [each for each in ElementTree.parse(path).getroot().iter("arg") if each.get("value") is None]
+
+
+def own_declared(path):
+    return {each.get("name"): (each.get("default"), each.get("doc")) for each in declared(path)}
+
+
+def test_there_are_launch_files():
+    assert {"robot.launch", "markers.launch", "demo.launch", "view.launch"} <= {
+        path.name for path in LAUNCH_FILES
+    }
+
+
+@pytest.mark.parametrize("run", RUNS, ids=tag_of)
+def test_loads_and_every_node_exists(run):
+    config = load(*run)
+    assert config.nodes and not config.config_errors
+    for node in config.nodes:
+        assert is_there(node.package, node.type), f"{node.package}/{node.type}"
+    plugins = ElementTree.parse(ROOT / "nodelet_plugins.xml").getroot()
+    assert set(loaded_classes(config).values()) <= {each.get("name") for each in plugins.iter("class")}
+
+
+@pytest.mark.parametrize("run", RUNS, ids=tag_of)
+def test_nodes_know_their_parameters(run):
+    config = load(*run)
+    for node in config.nodes:
+        if node.type in RECORDS:
+            parse_params(RECORDS[node.type], params_of(config, node.name), node.name)
+    for node, nodelet in loaded_classes(config).items():
+        assert set(params_of(config, node)) <= read_by_nodelet(nodelet.split("/")[1]), node
+
+
+@pytest.mark.parametrize("path", LAUNCH_FILES, ids=lambda path: path.name)
+def test_every_argument_is_documented(path):
+    assert [each.get("name") for each in declared(path) if not each.get("doc")] == []
+
+
+def test_robot_launch_passes_every_argument_of_markers_launch():
+    robot, markers = own_declared(ROOT / "launch/robot.launch"), own_declared(ROOT / "launch/markers.launch")
+    assert {name: robot.get(name) for name in markers} == markers
+
+
+def test_defaults_are_those_of_the_core():
+    args = {name: default for name, (default, _) in own_declared(ROOT / "launch/markers.launch").items()}
+    detector, locator, text = sextant.DetectorParams(), sextant.LocatorParams(), sextant.TextMapParams()
+    assert yaml.safe_load(args["families"]) == list(detector.families)
+    assert float(args["decimate"]) == detector.decimate
+    assert int(args["threads"]) == detector.threads
+    assert args["mode"] == locator.mode
+    assert float(args["corner_sigma"]) == locator.corner_sigma
+    assert (args["map_frame"], args["map_family"], float(args["map_size"])) == (
+        text.frame,
+        text.family,
+        text.size,
+    )
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "config").glob("*.yaml")), ids=lambda path: path.name)
+def test_yaml_is_a_table(path):
+    assert isinstance(yaml.safe_load(path.read_text()), dict)
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "config").glob("*.rviz")), ids=lambda path: path.name)
+def test_rviz_topics_are_relative(path):
+    """So that the launch files can remap them and a namespace holds them."""
+    manager = yaml.safe_load(path.read_text())["Visualization Manager"]
+    topics = [display[key] for display in manager["Displays"] for key in display if key.endswith("Topic")]
+    assert len(topics) >= 5
+    assert [topic for topic in topics if topic.startswith("/")] == []
+
+
+def test_room_file_is_the_simulated_room():
+    room, expected = sextant.read_marker_map(ROOM), default_map()
+    assert [(each.family, each.id, each.size) for each in room.markers] == [
+        (each.family, each.id, each.size) for each in expected.markers
+    ]
+    for marker, truth in zip(room.markers, expected.markers):
+        np.testing.assert_allclose(marker.T_map_marker, truth.T_map_marker, atol=1e-12)
