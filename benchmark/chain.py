@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Whether the nodelets keep up: rendered frames at 1280 x 720 and 30 Hz, from image to pose in one manager."""
+"""Whether the nodelets keep up with 1280 x 720 at 30 Hz: rendered frames, image to pose in one manager."""
 
 import tempfile
 import time
@@ -20,6 +20,7 @@ from tf2_ros import StaticTransformBroadcaster
 from under_test import detector
 
 from sextant.nodes.conversions import transform_to_message
+from sextant.simulation.drive import SimulatedDrive
 
 RATE = 30.0  # Hz
 FRAMES = 1800
@@ -92,11 +93,10 @@ def chain_tables(quick: bool) -> List[Table]:
 
 def _run(folder: Path, family: str, decimate: float, count: int) -> Run:
     drive = drive_of(family)
-    files = write_drive(folder, drive, detector(family, decimate=decimate), count // PLAYED_FRAMES_A_RENDERED_ONE)
-    mount = TransformStamped(child_frame_id="camera_optical_frame", transform=transform_to_message(drive.T_base_camera))
-    mount.header.frame_id = "base_link"
+    find = detector(family, decimate=decimate)
+    files = write_drive(folder, drive, find, count // PLAYED_FRAMES_A_RENDERED_ONE)
     tf = StaticTransformBroadcaster()
-    tf.sendTransform(mount)
+    tf.sendTransform(_mount(drive))
     arguments = {**files, "families": f"[{family}]", "decimate": decimate, "rate": RATE, "count": count}
     run = Run()
     subscribers = [
@@ -108,6 +108,13 @@ def _run(folder: Path, family: str, decimate: float, count: int) -> Run:
     for subscriber in subscribers:
         subscriber.unregister()
     return run
+
+
+def _mount(drive: SimulatedDrive) -> TransformStamped:
+    message = TransformStamped(child_frame_id="camera_optical_frame")
+    message.header.frame_id = "base_link"
+    message.transform = transform_to_message(drive.T_base_camera)
+    return message
 
 
 def _play(run: Run, count: int) -> None:

@@ -22,7 +22,9 @@ def drive_of(family: str) -> SimulatedDrive:
     return SimulatedDrive(DriveParams(width=1280, height=720, rate=15.0), default_map(family))
 
 
-def write_drive(folder: Path, drive: SimulatedDrive, find: "sextant.MarkerDetector", count: int) -> Dict[str, str]:
+def write_drive(
+    folder: Path, drive: SimulatedDrive, find: "sextant.MarkerDetector", count: int
+) -> Dict[str, str]:
     """Writes frames, calibration, map and detector parameters of a drive.
 
     Only frames that give a pose are kept: of the others no chain, however fast, could tell one.

@@ -12,7 +12,7 @@ from tables import Row, Table, Value
 from under_test import MODES, locator
 
 TITLES = {
-    "tagslam_16": "tagslam_16: one camera, five tags in a row, 3.5 m; position error against the reference, cm",
+    "tagslam_16": "tagslam_16: one camera, five tags in a row; position error against the reference, cm",
     "tagslam_2": "tagslam_2: two fisheye cameras, 13 tags, 1-3 m; position error against the reference, cm",
 }
 JOINT_OF_SEVERAL = "joint, two markers or more"
@@ -58,16 +58,20 @@ def hold_out(recording: TagslamRecording) -> Tuple[np.ndarray, int]:
 
     The reference was made of the same corners; this is independent of it but for the map.
     """
-    joint, distances, count = locator("joint"), [], 0
-    for sighting in recording.referenced():
-        halves = [[each for each in sighting.detections if each.id % 2 == odd] for odd in (0, 1)]
-        views = [recording.view(replace(sighting, detections=half)) for half in halves if half]
-        count += len(views) == 2
-        poses = [joint.locate(recording.map, [view]).pose for view in views]
-        if len(poses) == 2 and all(poses):
+    images = [half for half in map(_halves, recording.referenced()) if all(half)]
+    joint, distances = locator("joint"), []
+    for halves in images:
+        poses = [joint.locate(recording.map, [recording.view(half)]).pose for half in halves]
+        if all(poses):
             even, odd = (pose.T_map_base[:3, 3] for pose in poses)
             distances.append(np.linalg.norm(even - odd) * 100.0)
-    return np.array(distances), count
+    return np.array(distances), len(images)
+
+
+def _halves(sighting: Sighting) -> List[Optional[Sighting]]:
+    """The sighting with its even ids and with its odd ids alone; None where there are none of them."""
+    halves = [[each for each in sighting.detections if each.id % 2 == odd] for odd in (0, 1)]
+    return [replace(sighting, detections=half) if half else None for half in halves]
 
 
 def position_errors(recording: TagslamRecording, instants: List[List[Sighting]], mode: str) -> np.ndarray:

@@ -13,12 +13,16 @@ install_packages "$root/scripts/apt_packages.txt"
 continue_as_owner "$@"
 build_package
 
-port=$(python3 -c 'import socket; s = socket.socket(); s.bind(("localhost", 0)); print(s.getsockname()[1])')
-export ROS_MASTER_URI=http://localhost:$port
+if [[ $* == --* ]]; then exec roslaunch sextant demo.launch "$@"; fi
 
-# roslaunch says on stderr that a node has died, but not by its exit status.
+port=$(python3 -c 'import socket; s = socket.socket(); s.bind(("localhost", 0)); print(s.getsockname()[1])')
+export ROS_MASTER_URI=http://localhost:$port PYTHONUNBUFFERED=1
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
-roslaunch -p "$port" sextant demo.launch "$@" 2> >(tee -i "$log" >&2)
-wait $!
-if grep -q 'process has died \[' "$log"; then die "the demo failed: a node has died"; fi
+roslaunch -p "$port" sextant demo.launch "$@" 2>&1 | tee -i "$log"
+
+# roslaunch's exit status does not tell that a node died, and its farewells hide the table.
+if grep -q 'process has died \[' "$log"; then die "the demo failed: a node has died, see above"; fi
+table=$(awk '/position error, cm/ {table = 1} /\033|killing on exit/ {table = 0} table' "$log")
+[[ -n $table ]] || die "the demo failed: no table of errors"
+printf '\n%s\n' "$table"

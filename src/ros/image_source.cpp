@@ -250,6 +250,11 @@ void requirePicture(ImageSource& source, const ImageSourceParams& params) {
   throw std::runtime_error(trouble);
 }
 
+void requireSide(const std::string& name, int side) {
+  if (side < 0 || side > kLongestSide)
+    throw std::invalid_argument(name + " must be in [0, " + std::to_string(kLongestSide) + "] pixels");
+}
+
 }  // namespace
 
 void ImageSourceParams::validate() const {
@@ -257,8 +262,8 @@ void ImageSourceParams::validate() const {
     throw std::invalid_argument("source must name a device, a video file, an image or a folder of images");
   if (encoding != "mono8" && encoding != "bgr8")
     throw std::invalid_argument("encoding is '" + encoding + "', it must be mono8 or bgr8");
-  if (width < 0 || width > kLongestSide) throw std::invalid_argument("width must be in [0, 16384] pixels");
-  if (height < 0 || height > kLongestSide) throw std::invalid_argument("height must be in [0, 16384] pixels");
+  requireSide("width", width);
+  requireSide("height", height);
   if (!(rate >= 0 && rate <= 1000)) throw std::invalid_argument("rate must be in [0, 1000] Hz");
   if (!fourcc.empty() && fourcc.size() != 4)
     throw std::invalid_argument("fourcc is '" + fourcc + "', it must be empty or four letters such as MJPG");

@@ -22,9 +22,9 @@ bool flatten(const XmlRpc::XmlRpcValue& table, const std::string& prefix, std::m
   if (table.getType() != XmlRpcValue::TypeStruct) return false;
   for (const auto& [name, value] : table) {
     if (value.getType() == XmlRpcValue::TypeInt)
-      out[prefix + name] = static_cast<int>(value);
+      out[prefix + name] = static_cast<const int&>(value);
     else if (value.getType() == XmlRpcValue::TypeDouble)
-      out[prefix + name] = static_cast<double>(value);
+      out[prefix + name] = static_cast<const double&>(value);
     else if (!flatten(value, prefix + name + "/", out))
       return false;
   }

@@ -17,7 +17,7 @@ from tables import Table, Value  # noqa: E402
 
 def run(*arguments):
     command = [sys.executable, str(BENCHMARK / "markers.py"), *map(str, arguments)]
-    return subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, timeout=300)
+    return subprocess.run(command, capture_output=True, text=True, timeout=300)
 
 
 def test_quick_run_of_a_simulated_drive(tmp_path):

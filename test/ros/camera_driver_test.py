@@ -73,11 +73,10 @@ class CameraDriverTest(unittest.TestCase):
         return self.path("images")
 
     def start(self, **params):
-        log = open(self.path("log"), "w")
-        self.addCleanup(log.close)
         command = ["rosrun", "sextant", "camera_driver", "__name:=driver"]
         command += [f"_{name}:={value}" for name, value in params.items()]
-        node = subprocess.Popen(command, stdout=log, stderr=subprocess.STDOUT)
+        with open(self.path("log"), "w") as log:
+            node = subprocess.Popen(command, stdout=log, stderr=subprocess.STDOUT)
         self.addCleanup(self.stop, node)
         return node
 

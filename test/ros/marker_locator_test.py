@@ -107,7 +107,7 @@ class MarkerLocatorTest(unittest.TestCase):
         )
         for _ in range(3):
             self.assert_located(self.locate())
-        self.assertTrue(self.diagnostics.reaches("c_locator: localization", "not used: tf", 3))
+        self.assertTrue(self.diagnostics.reaches("c/locator: localization", "not used: tf", 3))
         self.assertFalse([key for key in self.heard_tf.seen if key[:2] == ("map", "base_c")])
 
     def test_map_to_odom_waits_for_odometry_and_never_uses_an_old_one(self):
@@ -121,29 +121,28 @@ class MarkerLocatorTest(unittest.TestCase):
         without = self.show()
         self.assertIsNone(self.poses.at(without, 1.2))
         self.drive(without + rospy.Duration(0.005))
-        self.assertTrue(self.diagnostics.reaches("d_locator: localization", "not used: transform", 1))
+        self.assertTrue(self.diagnostics.reaches("d/locator: localization", "not used: transform", 1))
         self.assertFalse(self.poses.has(without))
         self.assertFalse([key for key in self.heard_tf.seen if key[1:] == ("odom_d", without)])
 
     def test_a_recording_that_is_played_twice(self):
         self.robot("d")
+        played = [rospy.Time(second) for second in range(1000, 1015)]  # longer than what tf keeps
         for _ in range(2):
-            for second in range(1000, 1015):  # longer than what tf keeps
-                stamp = rospy.Time(second)
-
-                def located(stamp=stamp):
-                    self.drive(stamp)
-                    self.show(stamp)
-                    return self.poses.at(stamp, 0.2) is not None
-
-                self.assertTrue(until(located), second)
-                self.assert_located(stamp)
             self.poses.forget()
+            for stamp in played:
+                self.drive(stamp)
+                self.show(stamp)
+                self.poses.at(stamp, 0.3)
+            located = [stamp for stamp in played if self.poses.has(stamp)]
+            self.assertGreaterEqual(len(located), len(played) - 2)  # what comes with the jump may be lost
+            for stamp in located:
+                self.assert_located(stamp)
 
     def test_a_map_that_comes_while_running(self):
         self.robot("e")
         self.fixed.sendTransform(transform(T_BASE_CAMERA, "base_e", "camera_e", rospy.Time.now()))
-        status = "e_locator: localization"
+        status = "e/locator: localization"
         self.assertTrue(until(lambda: self.diagnostics.summary(status) == "no marker map yet"))
         self.assertIsNone(self.poses.at(self.show(), 0.2))
         maps = rospy.Publisher("/e/marker_map/entries", MarkerMapEntries, queue_size=1, latch=True)

@@ -18,7 +18,7 @@ class SimulatedClock:
         """:param start: first instant, nanoseconds
         :param stop: set when the node ends; then nothing here waits any more
         """
-        self._publisher = rospy.Publisher("/clock", Clock, queue_size=10)
+        self._publisher = rospy.Publisher("/clock", Clock, queue_size=100)  # late ticks come at once
         self._now = start
         self._factor = real_time_factor
         self._stop = stop
