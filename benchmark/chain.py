@@ -2,11 +2,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Whether the nodelets keep up with 1280 x 720 at 30 Hz: rendered frames, image to pose in one manager."""
 
+import os
 import tempfile
 import time
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Dict, List, Tuple
+from typing import Dict, List, Optional, Tuple
 
 import numpy as np
 import rospy
@@ -77,7 +78,7 @@ class Run:
 
 def chain_tables(quick: bool) -> List[Table]:
     """Runs each chain on a master of its own. :raises OSError: it could not be started"""
-    count = QUICK_FRAMES if quick else FRAMES
+    count, load = QUICK_FRAMES if quick else FRAMES, os.getloadavg()[0]
     with tempfile.TemporaryDirectory() as folder, ros_master(Path(folder) / "logs"):
         rospy.init_node("benchmark", argv=["benchmark"], anonymous=True, disable_signals=True)
         try:
@@ -88,7 +89,7 @@ def chain_tables(quick: bool) -> List[Table]:
         finally:
             rospy.signal_shutdown("measured")
     bar = None if quick else SHARE * count
-    return [_keeping_up(runs, count, bar), *(_stage_table(name, run) for name, run in runs.items())]
+    return [_keeping_up(runs, count, bar, load), *(_stage_table(name, run) for name, run in runs.items())]
 
 
 def _run(folder: Path, family: str, decimate: float, count: int) -> Run:
@@ -133,13 +134,14 @@ def _play(run: Run, count: int) -> None:
     time.sleep(2 * DIAGNOSTICS_PERIOD)  # the last second's stages
 
 
-def _keeping_up(runs: Dict[str, Run], count: int, bar: float) -> Table:
+def _keeping_up(runs: Dict[str, Run], count: int, bar: Optional[float], load: float) -> Table:
     columns = ["poses", "images a second", "latency, ms: mean", "95 %", "CPU of the manager, ms a frame"]
     rows = [(name, _keeping_up_cells(run, count, bar)) for name, run in runs.items()]
-    return Table(f"Chain from image to pose, 1280 x 720 at {RATE:g} Hz, {count} frames", columns, rows)
+    title = f"Chain from image to pose, 1280 x 720 at {RATE:g} Hz, {count} frames"
+    return Table(f"{title}; load of the machine before: {load:.1f}", columns, rows)
 
 
-def _keeping_up_cells(run: Run, count: int, bar: float) -> List[Value]:
+def _keeping_up_cells(run: Run, count: int, bar: Optional[float]) -> List[Value]:
     latencies, stamps = np.array(list(run.latencies.values())) * 1e3, sorted(run.latencies)
     return [
         Value(len(stamps), 0, at_least=bar),

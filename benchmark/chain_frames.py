@@ -18,7 +18,7 @@ PLAYED_FRAMES_A_RENDERED_ONE = 6  # so that the rendered ones fit into memory, d
 
 
 def drive_of(family: str) -> SimulatedDrive:
-    """A 1280 x 720 drive along the eight, twice as fast as it is recorded."""
+    """1280 x 720, an eight of 300 frames; played at 30 Hz the robot drives twice as fast, unseen."""
     return SimulatedDrive(DriveParams(width=1280, height=720, rate=15.0), default_map(family))
 
 

@@ -85,19 +85,23 @@ CameraModel::CameraModel(const CameraCalibration& calibration, Image image)
   f_ = {K(0, 0), K(1, 1)};
   c_ = {K(0, 2), K(1, 2)};
   skew_ = K(0, 1);
-  if (rectified) {
-    requireFinite("R", calibration.R.data(), calibration.R.size());
-    if (!(calibration.R * calibration.R.transpose()).isIdentity(1e-3) || calibration.R.determinant() < 0)
-      throw std::invalid_argument(
-          "camera calibration: R is no rotation, but the image is said to be rectified");
-    R_model_camera_ = Eigen::Quaterniond(calibration.R).normalized().toRotationMatrix();
-  } else {
-    checkDistortion(calibration);
-    requireFinite("D", calibration.D.data(), static_cast<Eigen::Index>(calibration.D.size()));
-    std::copy(calibration.D.begin(), calibration.D.end(), d_.begin());
-    if (calibration.distortion_model == "equidistant") lens_ = Lens::equidistant;
-  }
+  rectified ? setRectification(calibration.R) : setDistortion(calibration);
   limit_ = lens_ == Lens::equidistant ? equidistantLimit() : polynomialLimit();
+}
+
+void CameraModel::setRectification(const Eigen::Matrix3d& R) {
+  requireFinite("R", R.data(), R.size());
+  if (!(R * R.transpose()).isIdentity(1e-3) || R.determinant() < 0)
+    throw std::invalid_argument(
+        "camera calibration: R is no rotation, but the image is said to be rectified");
+  R_model_camera_ = Eigen::Quaterniond(R).normalized().toRotationMatrix();
+}
+
+void CameraModel::setDistortion(const CameraCalibration& calibration) {
+  checkDistortion(calibration);
+  requireFinite("D", calibration.D.data(), static_cast<Eigen::Index>(calibration.D.size()));
+  std::copy(calibration.D.begin(), calibration.D.end(), d_.begin());
+  if (calibration.distortion_model == "equidistant") lens_ = Lens::equidistant;
 }
 
 // The radius at which r (1 + k1 r^2 + ...) / (1 + k4 r^2 + ...) stops rising: beyond it two rays share a

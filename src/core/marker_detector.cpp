@@ -2,12 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sextant/core/marker_detector.hpp"
 
-#include <sstream>
 #include <stdexcept>
 
 #include "apriltag_detector.hpp"
 #include "aruco_detector.hpp"
 #include "sextant/core/marker_family.hpp"
+#include "sextant/core/range.hpp"
 
 namespace sextant {
 namespace {
@@ -37,25 +37,18 @@ class CombinedDetector : public MarkerDetector {
 }  // namespace
 
 void DetectorParams::validate() const {
-  const auto require = [](bool good, const char* name, double value, const char* allowed) {
-    if (good) return;
-    std::ostringstream text;
-    text << name << " is " << value << ", allowed is " << allowed;
-    throw std::invalid_argument(text.str());
-  };
   if (families.empty()) throw std::invalid_argument("families is empty, name at least one marker family");
   try {
     for (const auto& family : families) canonicalFamily(family);
   } catch (const std::invalid_argument& error) {
     throw std::invalid_argument(std::string("families: ") + error.what());
   }
-  require(threads >= 1 && threads <= 64, "threads", threads, "[1, 64]");
-  require(decimate >= 1 && decimate <= 8, "decimate", decimate, "[1, 8]");
-  require(max_hamming >= 0 && max_hamming <= 3, "max_hamming", max_hamming, "[0, 3]");
-  require(min_decision_margin >= 0 && min_decision_margin <= 255, "min_decision_margin", min_decision_margin,
-          "[0, 255]");
-  require(error_correction >= 0 && error_correction <= 1, "error_correction", error_correction, "[0, 1]");
-  require(min_perimeter > 0 && min_perimeter <= 4, "min_perimeter", min_perimeter, "(0, 4]");
+  Range::closed(1, 64).require("threads", threads);
+  Range::closed(1, 8).require("decimate", decimate);
+  Range::closed(0, 3).require("max_hamming", max_hamming);
+  Range::closed(0, 255).require("min_decision_margin", min_decision_margin);
+  Range::closed(0, 1).require("error_correction", error_correction);
+  Range::openLow(0, 4).require("min_perimeter", min_perimeter);
 }
 
 std::unique_ptr<MarkerDetector> makeMarkerDetector(const DetectorParams& params) {

@@ -4,10 +4,10 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <sstream>
 #include <stdexcept>
 
 #include "sextant/core/marker_pose.hpp"
+#include "sextant/core/range.hpp"
 #include "sextant/core/reprojection.hpp"
 
 namespace sextant {
@@ -38,6 +38,12 @@ std::vector<Sighting> sightings(const std::vector<Seen>& all) {
   return corners;
 }
 
+// Symmetric to the last bit.
+Matrix6d inverseOf(const Matrix6d& information) {
+  const Matrix6d inverse = information.ldlt().solve(Matrix6d::Identity());
+  return 0.5 * (inverse + inverse.transpose());
+}
+
 bool repeated(const MarkerView& view, const MarkerKey& key) {
   return std::count_if(view.detections.begin(), view.detections.end(),
                        [&](const Detection& other) { return other.key == key; }) > 1;
@@ -65,7 +71,7 @@ std::optional<LocatedPose> single(const Seen& seen, const LocatorParams& params)
   const auto fit =
       minimizeReprojection(sightings({seen}), basePose(seen, seen.poses.best), {params.corner_sigma, 1e9});
   if (!fit) return std::nullopt;
-  return LocatedPose{fit->T_map_base, fit->information.inverse(), fit->rms, {seen.mapped->key}};
+  return LocatedPose{fit->T_map_base, inverseOf(fit->information), fit->rms, {seen.mapped->key}};
 }
 
 std::optional<LocatedPose> nearest(const std::vector<Seen>& all, const LocatorParams& params) {
@@ -122,7 +128,7 @@ std::optional<LocatedPose> joint(const std::vector<Seen>& all, const LocatorPara
     if (fit && (!best || fit->cost < best->cost)) best = fit;
   }
   if (!best) return std::nullopt;
-  LocatedPose pose{best->T_map_base, best->information.inverse(), best->rms, {}};
+  LocatedPose pose{best->T_map_base, inverseOf(best->information), best->rms, {}};
   for (const Seen& seen : all) pose.used.push_back(seen.mapped->key);
   return pose;
 }
@@ -145,18 +151,11 @@ std::string whyNothing(const std::vector<MarkerView>& views, const LocatorResult
 }  // namespace
 
 void LocatorParams::validate() const {
-  const auto require = [](bool good, const char* name, double value, const char* allowed) {
-    if (good) return;
-    std::ostringstream text;
-    text << name << " is " << value << ", allowed is " << allowed;
-    throw std::invalid_argument(text.str());
-  };
   if (modes().count(mode) == 0)
     throw std::invalid_argument("mode is '" + mode + "', allowed are nearest, average and joint");
-  require(corner_sigma > 0 && corner_sigma <= 10, "corner_sigma", corner_sigma, "(0, 10] px");
-  require(max_reprojection_error > 0 && max_reprojection_error <= 1000, "max_reprojection_error",
-          max_reprojection_error, "(0, 1000] px");
-  require(robust_width >= 0.5 && robust_width <= 1000, "robust_width", robust_width, "[0.5, 1000]");
+  Range::openLow(0, 10).require("corner_sigma", corner_sigma, "px");
+  Range::openLow(0, 1000).require("max_reprojection_error", max_reprojection_error, "px");
+  Range::closed(0.5, 1000).require("robust_width", robust_width);
 }
 
 MarkerLocator::MarkerLocator(const LocatorParams& params) : params_(params) { params_.validate(); }

@@ -28,6 +28,16 @@ bool isConvex(const Corners& corners) {
   return smallest > 0 && area > kMinArea;
 }
 
+std::optional<std::array<Eigen::Vector3d, 4>> raysTo(const CameraModel& camera, const Corners& corners) {
+  std::array<Eigen::Vector3d, 4> rays;
+  for (int i = 0; i < 4; ++i) {
+    const auto ray = camera.unproject(corners[i]);
+    if (!ray) return std::nullopt;
+    rays[i] = *ray;
+  }
+  return rays;
+}
+
 // Rotation of a virtual camera that looks straight at the marker, so that no lens is too wide for the plane z
 // = 1.
 std::optional<Eigen::Matrix3d> towardMarker(const std::array<Eigen::Vector3d, 4>& rays) {
@@ -81,6 +91,21 @@ bool same(const Pose& a, const Pose& b) {
          difference.tail<3>().norm() < kSameRotation;
 }
 
+// The different ones, the best first.
+std::vector<MarkerPose> localMinima(const CameraModel& camera, const Corners& corners, double size,
+                                    const std::vector<Pose>& starts) {
+  std::vector<MarkerPose> minima;
+  for (const Pose& start : starts) {
+    const auto solution = refined(camera, corners, size, start);
+    if (solution && (minima.empty() || !same(minima[0].T_camera_marker, solution->T_camera_marker)))
+      minima.push_back(*solution);
+  }
+  std::sort(minima.begin(), minima.end(), [](const MarkerPose& a, const MarkerPose& b) {
+    return a.reprojection_error < b.reprojection_error;
+  });
+  return minima;
+}
+
 }  // namespace
 
 double PlanarPoses::ambiguity() const {
@@ -91,26 +116,13 @@ double PlanarPoses::ambiguity() const {
 
 std::optional<PlanarPoses> solveMarkerPose(const CameraModel& camera, const Corners& corners, double size) {
   if (!(size > 0) || !isConvex(corners)) return std::nullopt;
-  std::array<Eigen::Vector3d, 4> rays;
-  for (int i = 0; i < 4; ++i) {
-    const auto ray = camera.unproject(corners[i]);
-    if (!ray) return std::nullopt;
-    rays[i] = *ray;
-  }
-  const auto R = towardMarker(rays);
+  const auto rays = raysTo(camera, corners);
+  const auto R = rays ? towardMarker(*rays) : std::nullopt;
   if (!R) return std::nullopt;
-  std::vector<MarkerPose> solutions;
-  for (const Pose& start : ippe(rays, *R, size)) {
-    const auto solution = refined(camera, corners, size, start);
-    if (solution && (solutions.empty() || !same(solutions[0].T_camera_marker, solution->T_camera_marker)))
-      solutions.push_back(*solution);
-  }
-  if (solutions.empty()) return std::nullopt;
-  std::sort(solutions.begin(), solutions.end(), [](const MarkerPose& a, const MarkerPose& b) {
-    return a.reprojection_error < b.reprojection_error;
-  });
-  PlanarPoses both{solutions[0], std::nullopt};
-  if (solutions.size() > 1) both.alternative = solutions[1];
+  auto minima = localMinima(camera, corners, size, ippe(*rays, *R, size));
+  if (minima.empty()) return std::nullopt;
+  PlanarPoses both{minima[0], std::nullopt};
+  if (minima.size() > 1) both.alternative = minima[1];
   return both;
 }
 
@@ -128,7 +140,8 @@ std::optional<Matrix6d> markerPoseCovariance(const CameraModel& camera, const Po
   const Eigen::LLT<Matrix6d> cholesky(information);
   if (cholesky.info() != Eigen::Success) return std::nullopt;
   const Matrix6d covariance = cholesky.solve(Matrix6d::Identity());
-  return covariance.allFinite() ? std::optional<Matrix6d>(covariance) : std::nullopt;
+  if (!covariance.allFinite()) return std::nullopt;
+  return Matrix6d(0.5 * (covariance + covariance.transpose()));  // symmetric to the last bit
 }
 
 }  // namespace sextant

@@ -6,11 +6,12 @@
 #include <stdexcept>
 
 #include "sextant/core/marker_family.hpp"
+#include "sextant/core/range.hpp"
 
 namespace sextant {
 namespace {
 
-constexpr double kMaxSize = 100.0;  // metres
+const Range kSizes = Range::openLow(0, 100);
 
 bool namesMarker(const std::string& name) {
   const size_t slash = name.rfind('/');
@@ -23,14 +24,11 @@ bool namesMarker(const std::string& name) {
 }  // namespace
 
 void MarkerSizes::validate() const {
-  if (!(size > 0 && size <= kMaxSize))
-    throw std::invalid_argument("marker_size is " + std::to_string(size) + ", allowed is (0, 100] m");
+  kSizes.require("marker_size", size, "m");
   for (const auto& [name, value] : sizes) {
     if (!namesMarker(name))
       throw std::invalid_argument("marker_sizes: '" + name + "' names no marker, write an id or family/id");
-    if (!(value > 0 && value <= kMaxSize))
-      throw std::invalid_argument("marker_sizes: that of " + name + " is " + std::to_string(value) +
-                                  ", allowed is (0, 100] m");
+    kSizes.require("marker_sizes: that of " + name, value, "m");
   }
 }
 

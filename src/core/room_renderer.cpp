@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <opencv2/imgproc.hpp>
-#include <sstream>
 #include <stdexcept>
 #include <string>
+
+#include "sextant/core/range.hpp"
 
 namespace sextant {
 namespace {
@@ -16,15 +18,6 @@ constexpr int kTile = 16;                  // pixels
 constexpr int kNoiseTable = 1 << 20;       // long against a row, so that rows share no visible pattern
 constexpr std::uint16_t kFine = 1U << 15;  // marks surfaces whose details may hide between pixels
 constexpr float kFineDetail = 2.5F;        // pixels
-
-void require(bool condition, const char* field, const char* allowed, double value) {
-  if (condition) return;
-  std::ostringstream reason;
-  reason << field << " is " << value << ", allowed: " << allowed;
-  throw std::invalid_argument(reason.str());
-}
-
-bool inRange(double value, double low, double high) { return value >= low && value <= high; }
 
 /// count points in a unit square, spread so that no two share a row or a column (Korobov lattice): an edge
 /// along the pixel grid is resolved as finely as any other.
@@ -64,12 +57,12 @@ struct RoomRenderer::Shot {
 };
 
 void RoomRendererParams::validate() const {
-  require(inRange(supersampling, 1, 16), "supersampling", "[1, 16]", supersampling);
-  require(inRange(blur_sigma, 0, 20), "blur_sigma", "[0, 20] px", blur_sigma);
-  require(inRange(noise_sigma, 0, 100), "noise_sigma", "[0, 100]", noise_sigma);
-  require(inRange(vignette, 0, 1), "vignette", "[0, 1]", vignette);
-  require(white_level > 0 && white_level <= 1000, "white_level", "(0, 1000]", white_level);
-  require(seed >= 0, "seed", ">= 0", seed);
+  Range::closed(1, 16).require("supersampling", supersampling);
+  Range::closed(0, 20).require("blur_sigma", blur_sigma, "px");
+  Range::closed(0, 100).require("noise_sigma", noise_sigma);
+  Range::closed(0, 1).require("vignette", vignette);
+  Range::openLow(0, 1000).require("white_level", white_level);
+  Range::closed(0, std::numeric_limits<int>::max()).require("seed", seed);
 }
 
 RoomRenderer::RoomRenderer(const RoomRendererParams& params, std::shared_ptr<const RoomScene> scene,

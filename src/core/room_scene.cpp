@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <sstream>
 #include <stdexcept>
 
 #include "sextant/core/marker_family.hpp"
+#include "sextant/core/range.hpp"
 
 namespace sextant {
 namespace {
@@ -21,22 +21,12 @@ constexpr float kNoDetail = std::numeric_limits<float>::infinity();
 // A board on a wall lies in the wall's plane: it wins by this much, metres.
 constexpr float kBoardThickness = 0.004F;
 
-void require(bool condition, const std::string& field, const std::string& allowed, double value) {
-  if (condition) return;
-  std::ostringstream reason;
-  reason << field << " is " << value << ", allowed: " << allowed;
-  throw std::invalid_argument(reason.str());
-}
-
-bool inRange(double value, double low, double high) { return value >= low && value <= high; }
-
 void validateObstacle(const RoomObstacle& obstacle) {
   for (int i = 0; i < 3; ++i) {
-    require(std::isfinite(obstacle.center[i]), "obstacles.center", "finite", obstacle.center[i]);
-    require(obstacle.size[i] > 0 && std::isfinite(obstacle.size[i]), "obstacles.size", "> 0",
-            obstacle.size[i]);
+    Range::closed(-1e5, 1e5).require("obstacles.center", obstacle.center[i], "m");
+    Range::openLow(0, 1e5).require("obstacles.size", obstacle.size[i], "m");
   }
-  require(inRange(obstacle.reflectance, 0, 1), "obstacles.reflectance", "[0, 1]", obstacle.reflectance);
+  Range::closed(0, 1).require("obstacles.reflectance", obstacle.reflectance);
 }
 
 // The face's own axes: u, v and the axis across.
@@ -56,12 +46,12 @@ bool isBlack(const cv::Mat_<std::uint8_t>& modules, const cv::Point& module) {
 
 void RoomSceneParams::validate() const {
   for (int i = 0; i < 3; ++i) {
-    require(inRange(size[i], 0.5, 1000), "size", "[0.5, 1000] m", size[i]);
-    require(inRange(floor_center[i], -1e5, 1e5), "floor_center", "[-1e5, 1e5] m", floor_center[i]);
+    Range::closed(0.5, 1000).require("size", size[i], "m");
+    Range::closed(-1e5, 1e5).require("floor_center", floor_center[i], "m");
   }
-  require(inRange(quiet_zone, 1, 10), "quiet_zone", "[1, 10] modules", quiet_zone);
-  require(inRange(light_unevenness, 0, 1), "light_unevenness", "[0, 1]", light_unevenness);
-  require(seed >= 0, "seed", ">= 0", seed);
+  Range::closed(1, 10).require("quiet_zone", quiet_zone, "modules");
+  Range::closed(0, 1).require("light_unevenness", light_unevenness);
+  Range::closed(0, std::numeric_limits<int>::max()).require("seed", seed);
   for (const RoomObstacle& obstacle : obstacles) validateObstacle(obstacle);
 }
 

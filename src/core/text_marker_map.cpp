@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "atomic_file.hpp"
+#include "sextant/core/range.hpp"
 
 namespace sextant {
 namespace {
@@ -83,12 +84,9 @@ void requireTextual(const MappedMarker& marker, const MappedMarker& first) {
 }  // namespace
 
 void TextMapParams::validate() const {
-  if (!(size > 0 && size <= 100))
-    throw std::invalid_argument("size is " + shortestDecimal(size) + ", allowed is (0, 100] m");
-  for (const auto& entry : sizes)
-    if (!(entry.second > 0 && entry.second <= 100))
-      throw std::invalid_argument("sizes: that of marker " + std::to_string(entry.first) + " is " +
-                                  shortestDecimal(entry.second) + ", allowed is (0, 100] m");
+  Range::openLow(0, 100).require("size", size, "m");
+  for (const auto& [id, value] : sizes)
+    Range::openLow(0, 100).require("sizes: that of marker " + std::to_string(id), value, "m");
   if (frame.empty()) throw std::invalid_argument("frame is empty, name the map's tf frame");
 }
 

@@ -4,19 +4,17 @@
 
 #include <stdexcept>
 
+#include "sextant/core/range.hpp"
+
 namespace sextant {
 
 void MarkerDetectorParams::validate() const {
   detector.validate();
   sizes.validate();
-  if (!(corner_sigma > 0 && corner_sigma <= 10))
-    throw std::invalid_argument("corner_sigma must be in (0, 10] px");
-  if (debug_width < 0 || debug_width > 10000)
-    throw std::invalid_argument("debug_width must be in [0, 10000] px");
-  if (!(debug_rate >= 0 && debug_rate <= 1000))
-    throw std::invalid_argument("debug_rate must be in [0, 1000] Hz");
-  if (debug_quality < 1 || debug_quality > 100)
-    throw std::invalid_argument("debug_quality must be in [1, 100]");
+  Range::openLow(0, 10).require("corner_sigma", corner_sigma, "px");
+  Range::closed(0, 10000).require("debug_width", debug_width, "px");
+  Range::closed(0, 1000).require("debug_rate", debug_rate, "Hz");
+  Range::closed(1, 100).require("debug_quality", debug_quality);
   if (publish_tf && tf_prefix.empty())
     throw std::invalid_argument("tf_prefix is empty: the frames could be those of the marker map");
 }

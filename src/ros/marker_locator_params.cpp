@@ -5,6 +5,8 @@
 #include <set>
 #include <stdexcept>
 
+#include "sextant/core/range.hpp"
+
 namespace sextant {
 namespace {
 
@@ -32,8 +34,7 @@ void MarkerLocatorParams::validate() const {
     throw std::invalid_argument("tf_output " + tf_output + " needs a base_frame");
   if (tf_output == "map_to_odom" && (odom_frame.empty() || odom_frame == base_frame))
     throw std::invalid_argument("tf_output map_to_odom needs an odom_frame that is not the base_frame");
-  if (!(transform_timeout >= 0 && transform_timeout <= 10))
-    throw std::invalid_argument("transform_timeout must be in [0, 10] s");
+  Range::closed(0, 10).require("transform_timeout", transform_timeout, "s");
   if (cameras.empty()) throw std::invalid_argument("cameras is empty, name at least one topic of markers");
 }
 

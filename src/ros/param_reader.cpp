@@ -17,7 +17,8 @@ const std::set<std::string>& foreign() {
 }
 
 // A name with a slash, "tag36h11/5", is a table in a table on the parameter server.
-bool flatten(const XmlRpc::XmlRpcValue& table, const std::string& prefix, std::map<std::string, double>& out) {
+bool flatten(const XmlRpc::XmlRpcValue& table, const std::string& prefix,
+             std::map<std::string, double>& out) {
   using XmlRpc::XmlRpcValue;
   if (table.getType() != XmlRpcValue::TypeStruct) return false;
   for (const auto& [name, value] : table) {

@@ -94,12 +94,39 @@ void expectPictureOrReason(const sensor_msgs::ImagePtr& msg) {
 }
 
 TEST(ImageBridge, WhateverTheHeaderSays) {
-  const std::vector<std::string> names = {
-      "mono8",       "mono16",      "bgr8",        "rgb8",         "bgra8",        "rgba8",  "bgr16",
-      "rgb16",       "bgra16",      "rgba16",      "8UC1",         "8UC2",         "8UC3",   "8UC4",
-      "8SC1",        "16UC1",       "16SC1",       "32SC1",        "32FC1",        "64FC1",  "8UC17",
-      "bayer_rggb8", "bayer_bggr8", "bayer_gbrg8", "bayer_grbg16", "bayer_rggb16", "yuv422", "yuv422_yuy2",
-      "nv21",        "nv24",        "",            "mono",         "8UC"};
+  const std::vector<std::string> names = {"mono8",
+                                          "mono16",
+                                          "bgr8",
+                                          "rgb8",
+                                          "bgra8",
+                                          "rgba8",
+                                          "bgr16",
+                                          "rgb16",
+                                          "bgra16",
+                                          "rgba16",
+                                          "8UC1",
+                                          "8UC2",
+                                          "8UC3",
+                                          "8UC4",
+                                          "8SC1",
+                                          "16UC1",
+                                          "16SC1",
+                                          "32SC1",
+                                          "32FC1",
+                                          "64FC1",
+                                          "8UC17",
+                                          "bayer_rggb8",
+                                          "bayer_bggr8",
+                                          "bayer_gbrg8",
+                                          "bayer_grbg16",
+                                          "bayer_rggb16",
+                                          "yuv422",
+                                          "yuv422_yuy2",
+                                          "nv21",
+                                          "nv24",
+                                          "",
+                                          "mono",
+                                          "8UC"};
   std::mt19937 random(3);
   const auto below = [&](uint32_t limit) { return random() % limit; };
   for (int i = 0; i < 20000; ++i) {

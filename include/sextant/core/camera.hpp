@@ -61,6 +61,8 @@ class CameraModel {
     Eigen::Vector2d xy;
     Eigen::Matrix2d jacobian;
   };
+  void setRectification(const Eigen::Matrix3d& R);
+  void setDistortion(const CameraCalibration& calibration);
   double polynomialLimit() const;
   double equidistantLimit() const;
   double distortAngle(double theta) const;

@@ -33,7 +33,7 @@ def camera_calibration(
     limit = 2.0 * np.pi if equidistant else np.pi
     if not 0.0 < horizontal_fov < limit:
         raise ValueError(
-            f"horizontal_fov is {horizontal_fov}, allowed: (0, {limit:.4f}) for {distortion_model}"
+            f"horizontal_fov is {horizontal_fov}, allowed is (0, {limit:.4f}) for {distortion_model}"
         )
     half = 0.5 * horizontal_fov
     f = 0.5 * width / (half if equidistant else np.tan(half))

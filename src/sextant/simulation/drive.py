@@ -57,11 +57,11 @@ class DriveParams:
         for name, (low, high) in _RANGES.items():
             value = getattr(self, name)
             if not low <= value <= high:
-                raise ValueError(f"{name} is {value}, allowed: [{low}, {high}]")
+                raise ValueError(f"{name} is {value}, allowed is [{low}, {high}]")
         for name in ("camera_xyz", "camera_rpy"):
             value = np.asarray(getattr(self, name), dtype=float)
             if value.shape != (3,) or not np.all(np.isfinite(value)):
-                raise ValueError(f"{name} is {value.tolist()}, allowed: three finite numbers")
+                raise ValueError(f"{name} is {value.tolist()}, allowed are three finite numbers")
         self.scene_params(sextant.MarkerMap()).validate()
         self.renderer_params().validate()
         self.calibration()

@@ -1,0 +1,19 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sextant/core/range.hpp"
+
+#include <sstream>
+#include <stdexcept>
+
+namespace sextant {
+
+void Range::require(const std::string& name, double value, const std::string& unit) const {
+  const bool above = open_ ? value > low_ : value >= low_;
+  if (above && value <= high_) return;
+  std::ostringstream text;
+  text << name << " is " << value << ", allowed is " << (open_ ? "(" : "[") << low_ << ", " << high_ << "]"
+       << (unit.empty() ? "" : " ") << unit;
+  throw std::invalid_argument(text.str());
+}
+
+}  // namespace sextant
