@@ -28,11 +28,11 @@ def readable_encodings(grey):
     opaque, wide = np.full_like(grey, 255), grey.astype(np.uint16) * 257
     bgr, bgra = stacked(grey, grey, grey), stacked(grey, grey, grey, opaque)
     colourless = np.full_like(grey, 128)
-    images = {
-        name: grey for name in ["mono8", "8UC1", "bayer_rggb8", "bayer_grbg8", "bayer_gbrg8", "bayer_bggr8"]
-    }
-    images.update({name: bgr for name in ["bgr8", "rgb8", "8UC3"]})
-    images.update({name: bgra for name in ["bgra8", "rgba8", "8UC4"]})
+    images = dict.fromkeys(
+        ["mono8", "8UC1", "bayer_rggb8", "bayer_grbg8", "bayer_gbrg8", "bayer_bggr8"], grey
+    )
+    images.update(dict.fromkeys(["bgr8", "rgb8", "8UC3"], bgr))
+    images.update(dict.fromkeys(["bgra8", "rgba8", "8UC4"], bgra))
     images.update({"mono16": wide, "bgr16": stacked(wide, wide, wide), "yuv422": stacked(colourless, grey)})
     return images
 

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""A node that was given what cannot be does not start, and says which parameter, or which line of the map, it is."""
+"""What cannot be is not started with: the log names the parameter, or the line of the map."""
+
 import math
 import os
 import subprocess
@@ -10,8 +11,8 @@ import unittest
 
 import rospy
 import rostest
-from roslib.packages import find_node
 from ros_probe import WAIT, Recorder
+from roslib.packages import find_node
 
 from sextant.msg import MarkerArray
 
@@ -67,7 +68,9 @@ MAPS = [
 
 
 def start(*command):
-    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True)
+    return subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True
+    )
 
 
 class BadParametersTest(unittest.TestCase):
@@ -79,7 +82,9 @@ class BadParametersTest(unittest.TestCase):
                 node = f"{type_}_{number}"
                 rospy.set_param(f"/{node}", {name: value})
                 self.addCleanup(rospy.delete_param, f"/{node}")
-                started.append((start(find_node("sextant", type_)[0], "__name:=" + node), reason.format(node=node)))
+                started.append(
+                    (start(find_node("sextant", type_)[0], "__name:=" + node), reason.format(node=node))
+                )
             for process, reason in started:
                 self.assert_ended(process, reason)
 
@@ -111,7 +116,10 @@ class BadParametersTest(unittest.TestCase):
     def test_a_nodelet_that_is_refused_leaves_its_manager_alone(self):
         rospy.wait_for_service("manager/load_nodelet", WAIT)
         load = [find_node("nodelet", "nodelet")[0], "load"]
-        for type_, argument in [("sextant/MarkerDetector", "_threads:=0"), ("sextant/MarkerLocator", "_mode:=best")]:
+        for type_, argument in [
+            ("sextant/MarkerDetector", "_threads:=0"),
+            ("sextant/MarkerLocator", "_mode:=best"),
+        ]:
             process = start(*load, type_, "manager", "__name:=refused", argument)
             self.assert_ended(process, "Failed to load nodelet", status=255)
             rospy.delete_param("/refused")

@@ -2,6 +2,7 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
 """A bag is played, and played again: /clock, tf and the images' stamps jump back."""
+
 import rospy
 import rostest
 import tf2_ros

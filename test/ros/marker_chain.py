@@ -78,7 +78,7 @@ class ChainTest(PoseTest):
         return image.header.stamp
 
     def assert_still_right(self):
-        """With a good calibration and a good image there is a pose again, and tearDown sees that it is true."""
+        """A good calibration and a good image give a pose again; tearDown sees that it is true."""
 
         def answered():
             self.infos.publish(camera_info())

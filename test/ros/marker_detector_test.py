@@ -53,7 +53,7 @@ class MarkerDetectorTest(unittest.TestCase):
         return msg.header.stamp
 
     def seen(self, recorder, publisher, make):
-        """What is told of the first image that is looked at: the calibration comes by a connection of its own."""
+        """Markers by id of the first image looked at: the calibration has a connection of its own."""
 
         def answered():
             self.answer = recorder.at(self.show(make(), publisher), 0.3)

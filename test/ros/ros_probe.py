@@ -31,7 +31,7 @@ def matrix(msg):
 
 
 def transform(T_parent_child, parent, child, stamp):
-    """Message of a pose (4 x 4) that is turned about one of its axes or not at all, or of any rotation."""
+    """Message of a pose (4 x 4)."""
     msg = TransformStamped(child_frame_id=child)
     msg.header.frame_id, msg.header.stamp = parent, stamp
     t, q = msg.transform.translation, msg.transform.rotation
