@@ -65,7 +65,7 @@ continue_as_owner() {
   local -a as_owner=(setpriv "--reuid=$owner" "--regid=$group" "$groups" env "HOME=$home")
   "${as_owner[@]}" test -w "$root" || return 0
   "${as_owner[@]}" test -w . || cd "$root" || return
-  exec "${as_owner[@]}" bash "$(readlink -f "$0")" "$@"
+  exec "${as_owner[@]}" bash "$root/scripts/${0##*/}" "$@"
 }
 
 # Compilers of Eigen, OpenCV and pybind11 code take up to 1.5 GB each.
@@ -76,9 +76,9 @@ make_jobs() {
 link_sources() {
   local entry
   mkdir -p "$source"
-  find "$source" -maxdepth 1 -type l -delete
+  find "$source" -maxdepth 1 -xtype l -delete  # what the checkout no longer has
   for entry in "$root"/*; do
-    [[ $entry == "$build" ]] || ln -s "$entry" "$source/"
+    [[ $entry == "$build" ]] || ln -sfn "$entry" "$source/${entry##*/}"
   done
 }
 

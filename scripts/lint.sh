@@ -19,14 +19,18 @@ if ! cmp -s "$wanted" "$build/lint/installed"; then
   cp "$wanted" "$build/lint/installed"
 fi
 
-# The project's own files: build/ holds copies and generated ones.
+# The core's compile commands are those of $source; everything else is checked in its place.
+configure >/dev/null
 mapfile -t cpp < <(find include src test benchmark -name '*.[ch]pp' | sort)
 mapfile -t python < <(find setup.py src scripts test benchmark -name '*.py' | sort)
 mapfile -t shell < <(find scripts -name '*.sh'; echo .ci/run)
-mapfile -t core < <(find "$source"/src/core/ -name '*.cpp' | sort)
+mapfile -t core < <(find "$source/src/core/" -name '*.cpp' | sort)
 
 format() { clang-format-14 --dry-run -Werror "${cpp[@]}"; }
-names() { configure >/dev/null && printf '%s\n' "${core[@]}" | xargs -P "$(nproc)" -n 4 clang-tidy-14 --quiet --extra-arg-before=-std=c++17 -p "$binary" 2>/dev/null; }
+names() {
+  printf '%s\n' "${core[@]}" |
+    xargs -r -P "$(nproc)" -n 4 clang-tidy-14 --quiet --extra-arg-before=-std=c++17 -p "$binary" 2>/dev/null
+}
 python_style() { "$build/lint/bin/ruff" check --quiet --output-format=concise .; }
 shell_style() { shellcheck -x -P scripts "${shell[@]}"; }
 catkin_style() { catkin_lint --config .catkin_lint --offline --quiet --strict -W1 "$root"; }

@@ -13,6 +13,9 @@ build_package all tests
 
 results=$build/test_results
 rm -rf "$results"
-timeout 40m make -C "$binary" --no-print-directory run_tests || say "the tests did not run to their end"
+complete=0
+timeout 40m make -C "$binary" --no-print-directory run_tests || complete=$?  # 0 even where a test failed
 catkin_test_results "$results" || true
+((complete == 0)) || say "the tests did not run to their end"
 python3 "$root/scripts/test_totals.py" "$results"
+exit "$complete"

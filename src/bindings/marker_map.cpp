@@ -70,8 +70,9 @@ void bindMarkerMap(py::module_& module) {
       .def("validate", &TextMapParams::validate);
   module.def("read_marker_map", &readMarkerMap, "path"_a, "text"_a = TextMapParams(),
              "Reads YAML or the plain text format; RuntimeError 'file:line: reason'.");
-  module.def("write_marker_map", &writeMarkerMap, "map"_a, "path"_a,
-             "Writes atomically; the ending tells the format.");
+  module.def(
+      "write_marker_map", &writeMarkerMap, "map"_a, "path"_a, "text"_a = TextMapParams(),
+      "Writes atomically; the ending tells the format, text what a plain text file will be read with.");
 }
 
 }  // namespace sextant

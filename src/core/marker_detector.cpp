@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sextant/core/marker_detector.hpp"
 
+#include <set>
 #include <stdexcept>
 
 #include "apriltag_detector.hpp"
@@ -38,8 +39,11 @@ class CombinedDetector : public MarkerDetector {
 
 void DetectorParams::validate() const {
   if (families.empty()) throw std::invalid_argument("families is empty, name at least one marker family");
+  std::set<std::string> prints;
   try {
-    for (const auto& family : families) canonicalFamily(family);
+    for (const auto& family : families)
+      if (!prints.insert(canonicalFamily(family)).second)
+        throw std::invalid_argument("'" + family + "' is there twice: each marker would be found twice");
   } catch (const std::invalid_argument& error) {
     throw std::invalid_argument(std::string("families: ") + error.what());
   }

@@ -35,8 +35,8 @@ MarkerMap readMarkerMap(const std::string& path, const TextMapParams& params) {
   return isYaml(path) ? parseYamlMap(content.str(), path) : parseTextMap(content, path, params);
 }
 
-void writeMarkerMap(const MarkerMap& map, const std::string& path) {
-  writeFileAtomically(path, isYaml(path) ? formatYamlMap(map) : formatTextMap(map));
+void writeMarkerMap(const MarkerMap& map, const std::string& path, const TextMapParams& text) {
+  writeFileAtomically(path, isYaml(path) ? formatYamlMap(map) : formatTextMap(map, text));
 }
 
 }  // namespace sextant

@@ -51,6 +51,7 @@ std::vector<ObservedMarker> observeMarkers(const CameraModel& camera,
     if (marker.poses)
       marker.covariance =
           markerPoseCovariance(camera, marker.poses->best.T_camera_marker, marker.size, sigma);
+    if (!marker.covariance) marker.poses.reset();  // a pose of unknown exactness would pass for exact
     markers.push_back(std::move(marker));
   }
   return markers;

@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "atomic_file.hpp"
+#include "sextant/core/marker_family.hpp"
 #include "sextant/core/range.hpp"
 
 namespace sextant {
@@ -41,6 +42,16 @@ std::vector<std::string> fields(const std::string& line) {
   return words;
 }
 
+double sizeOf(int id, const TextMapParams& params) {
+  const auto size = params.sizes.find(id);
+  return size == params.sizes.end() ? params.size : size->second;
+}
+
+std::string parentOf(const std::string& name, const TextMapParams& params) {
+  const auto parent = params.parents.find(name);
+  return parent == params.parents.end() ? params.frame : parent->second;
+}
+
 void addLine(const std::vector<std::string>& words, const TextMapParams& params, MarkerMap& map) {
   if (words.size() != kFields)
     throw std::invalid_argument("has " + std::to_string(words.size()) +
@@ -50,16 +61,10 @@ void addLine(const std::vector<std::string>& words, const TextMapParams& params,
   const Pose pose = poseFromXyzRpy({v[0], v[1], v[2]}, {v[3], v[4], v[5]});
   const std::string& name = words[0];
   if (const auto id = trailingId(name)) {
-    const auto size = params.sizes.find(*id);
-    map.add({{params.family, *id},
-             size == params.sizes.end() ? params.size : size->second,
-             name,
-             pose,
-             Matrix6d::Zero()});
+    map.add({{params.family, *id}, sizeOf(*id, params), name, pose, Matrix6d::Zero()});
     return;
   }
-  const auto parent = params.parents.find(name);
-  map.addFrame({name, parent == params.parents.end() ? params.frame : parent->second, pose});
+  map.addFrame({name, parentOf(name, params), pose});
 }
 
 std::string formatLine(const std::string& name, const Pose& pose) {
@@ -70,15 +75,18 @@ std::string formatLine(const std::string& name, const Pose& pose) {
   return line + "\n";
 }
 
-void requireTextual(const MappedMarker& marker, const MappedMarker& first) {
-  const auto refuse = [&](const std::string& why) {
-    throw std::runtime_error("the plain text format cannot hold marker '" + marker.name + "': " + why +
-                             "; write a .yaml file");
-  };
-  if (trailingId(marker.name) != marker.key.id) refuse("its name does not end in its id");
-  if (marker.key.family != first.key.family) refuse("the map has several families");
-  if (marker.size != first.size) refuse("the map has several sizes");
-  if (!marker.covariance.isZero(0.0)) refuse("it has a covariance");
+[[noreturn]] void refuse(const std::string& what, const std::string& why) {
+  throw std::runtime_error("the plain text format cannot hold " + what + ": " + why + "; write a .yaml file");
+}
+
+void requireTextual(const MappedMarker& marker, const TextMapParams& params) {
+  const std::string what = "marker '" + marker.name + "'";
+  if (trailingId(marker.name) != marker.key.id) refuse(what, "its name does not end in its id");
+  if (marker.key.family != canonicalFamily(params.family))
+    refuse(what, "it is of family " + marker.key.family);
+  if (marker.size != sizeOf(marker.key.id, params))
+    refuse(what, "its size is " + shortestDecimal(marker.size) + " m");
+  if (!marker.covariance.isZero(0.0)) refuse(what, "it has a covariance");
 }
 
 }  // namespace
@@ -107,16 +115,17 @@ MarkerMap parseTextMap(std::istream& in, const std::string& path, const TextMapP
   return map;
 }
 
-std::string formatTextMap(const MarkerMap& map) {
+std::string formatTextMap(const MarkerMap& map, const TextMapParams& params) {
+  if (map.frame() != params.frame) refuse("the map's frame", "it is '" + map.frame() + "'");
   std::string text =
       "# name Tx Ty Tz Rx Ry Rz: metres; roll, pitch, yaw in radians; parent " + map.frame() + "\n";
   for (const auto& entry : map.markers()) {
-    requireTextual(entry.second, map.markers().begin()->second);
+    requireTextual(entry.second, params);
     text += formatLine(entry.second.name, entry.second.T_map_marker);
   }
   for (const MappedFrame& frame : map.frames()) {
-    if (frame.parent != map.frame())
-      throw std::runtime_error("the plain text format cannot hold the parent of frame '" + frame.name + "'");
+    if (frame.parent != parentOf(frame.name, params))
+      refuse("frame '" + frame.name + "'", "its parent is '" + frame.parent + "'");
     text += formatLine(frame.name, frame.T_parent_frame);
   }
   return text;

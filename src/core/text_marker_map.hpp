@@ -11,7 +11,7 @@ namespace sextant {
 
 /// The plain text format. @throws std::runtime_error "path:line: reason"
 MarkerMap parseTextMap(std::istream& in, const std::string& path, const TextMapParams& params);
-/// @throws std::runtime_error for a map that the format cannot hold
-std::string formatTextMap(const MarkerMap& map);
+/// @throws std::runtime_error for a map that would not come back when it is read with these parameters
+std::string formatTextMap(const MarkerMap& map, const TextMapParams& params);
 
 }  // namespace sextant

@@ -48,8 +48,14 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
     diagnostics_ = std::make_unique<diagnostic_updater::Updater>(node, getPrivateNodeHandle(), getName());
     diagnostics_->setHardwareID("none");
     diagnostics_->add("detection", this, &MarkerDetectorNodelet::diagnose);
-    diagnostics_timer_ = node.createWallTimer(
-        ros::WallDuration(1.0), [this](const ros::WallTimerEvent&) { diagnostics_->force_update(); });
+    diagnostics_timer_ =
+        node.createWallTimer(ros::WallDuration(1.0), [this](const ros::WallTimerEvent&) { everySecond(); });
+  }
+
+  // A listener that came before the nodelet's queue was open was not told of.
+  void everySecond() {
+    updateSubscription();
+    diagnostics_->force_update();
   }
 
   // No work without a listener: images are only heard while somebody hears us.
@@ -66,6 +72,8 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
 
   void subscribe() {
     ros::NodeHandle& node = getNodeHandle();
+    info_.reset();  // the camera may have been changed meanwhile
+    camera_.reset();
     const auto newest = ros::TransportHints().tcpNoDelay();
     info_sub_ = node.subscribe(infoTopic(), 1, &MarkerDetectorNodelet::onInfo, this, newest);
     if (params_.compressed)

@@ -27,12 +27,18 @@ namespace sextant {
 
 /// Tells the base's pose in the map from the markers that cameras see.
 class MarkerLocatorNodelet : public nodelet::Nodelet {
-  static constexpr double kJumpBack = 1.0;  // seconds; less is an image out of order
+  static constexpr size_t kMaxPending = 30;  // images of one camera that wait for a transform
+  static constexpr double kJumpBack = 1.0;   // seconds; less is an image out of order
 
+  // Markers that may wait for a transform.
   struct Pending {
     MarkerArrayConstPtr markers;
-    ros::Time stamp;  // kept when the markers are done
     ros::SteadyTime deadline;
+    std::string missing;  // the transform, with the reason
+  };
+  struct Camera {
+    std::deque<Pending> pending;
+    ros::Time newest;
   };
 
   void onInit() override {
@@ -57,20 +63,30 @@ class MarkerLocatorNodelet : public nodelet::Nodelet {
     diagnostics_ = std::make_unique<diagnostic_updater::Updater>(node, getPrivateNodeHandle(), getName());
     diagnostics_->setHardwareID("none");
     diagnostics_->add("localization", this, &MarkerLocatorNodelet::diagnose);
-    diagnostics_timer_ = node.createWallTimer(
-        ros::WallDuration(1.0), [this](const ros::WallTimerEvent&) { diagnostics_->force_update(); });
+    diagnostics_timer_ =
+        node.createWallTimer(ros::WallDuration(1.0), [this](const ros::WallTimerEvent&) { everySecond(); });
     retry_timer_ = node.createWallTimer(
         ros::WallDuration(0.002), [this](const ros::WallTimerEvent&) { work(); }, false, false);
   }
 
+  // A latched map that came before the nodelet's queue was open is lost: it is asked for again.
+  void everySecond() {
+    if (!map_) subscribeMap();
+    diagnostics_->force_update();
+  }
+
+  void subscribeMap() {
+    map_sub_ = getNodeHandle().subscribe("marker_map/entries", 1, &MarkerLocatorNodelet::onMap, this);
+  }
+
   void subscribe() {
     ros::NodeHandle& node = getNodeHandle();
-    map_sub_ = node.subscribe("marker_map/entries", 1, &MarkerLocatorNodelet::onMap, this);
-    pending_.resize(params_.cameras.size());
+    subscribeMap();
+    cameras_.resize(params_.cameras.size());
     for (size_t i = 0; i < params_.cameras.size(); ++i)
       marker_subs_.push_back(node.subscribe<MarkerArray>(
-          params_.cameras[i], 1, [this, i](const MarkerArrayConstPtr& msg) { onMarkers(i, msg); }, {},
-          ros::TransportHints().tcpNoDelay()));
+          params_.cameras[i], 1, [this, i](const MarkerArrayConstPtr& msg) { onMarkers(cameras_[i], msg); },
+          {}, ros::TransportHints().tcpNoDelay()));
   }
 
   void onMap(const MarkerMapEntriesConstPtr& msg) {
@@ -82,34 +98,45 @@ class MarkerLocatorNodelet : public nodelet::Nodelet {
     }
   }
 
-  void onMarkers(size_t camera, const MarkerArrayConstPtr& msg) {
+  void onMarkers(Camera& camera, const MarkerArrayConstPtr& msg) {
     ++images_;
-    Pending& pending = pending_[camera];
-    if (pending.markers)  // newest image wins, but the one that waited in vain is told of
-      trouble_->report("transform", waiting_for_);
-    if (pending.stamp.toSec() - msg->header.stamp.toSec() > kJumpBack && !msg->header.stamp.isZero())
-      beginAnew();
-    pending = {msg, msg->header.stamp, ros::SteadyTime::now() + ros::WallDuration(params_.transform_timeout)};
+    const ros::Time stamp = msg->header.stamp;
+    if (!stamp.isZero() && camera.newest.toSec() - stamp.toSec() > kJumpBack) beginAnew();
+    camera.newest = stamp;
+    camera.pending.push_back(
+        {msg, ros::SteadyTime::now() + ros::WallDuration(params_.transform_timeout), ""});
+    if (camera.pending.size() > kMaxPending) giveUp(camera);
     work();
   }
 
   // A bag plays again: as long as tf has the later transforms it refuses the earlier ones.
   void beginAnew() {
     trouble_->report("clock", "the images' stamps jumped back: what tf knew is forgotten");
+    for (Camera& camera : cameras_) camera.pending.clear();
     tf_.clear();
     visualization_.clear();
   }
 
-  // Locates what waits; a missing transform may still come until its deadline.
+  // The oldest that waits is told of and dropped.
+  void giveUp(Camera& camera) {
+    trouble_->report("transform", camera.pending.front().missing);
+    camera.pending.pop_front();
+  }
+
+  // Locates what waits, in the order of arrival; a missing transform may still come until its deadline.
   void work() {
     bool waiting = false;
-    for (Pending& pending : pending_) {
-      if (!pending.markers) continue;
-      const bool done = tryLocate(*pending.markers);
-      const bool late = !done && ros::SteadyTime::now() >= pending.deadline;
-      if (late) trouble_->report("transform", waiting_for_);
-      if (done || late) pending.markers.reset();
-      waiting = waiting || !(done || late);
+    for (Camera& camera : cameras_) {
+      while (!camera.pending.empty()) {
+        Pending& oldest = camera.pending.front();
+        if (tryLocate(oldest))
+          camera.pending.pop_front();
+        else if (ros::SteadyTime::now() >= oldest.deadline)
+          giveUp(camera);
+        else
+          break;
+      }
+      waiting = waiting || !camera.pending.empty();
     }
     waiting ? retry_timer_.start() : retry_timer_.stop();
   }
@@ -120,35 +147,36 @@ class MarkerLocatorNodelet : public nodelet::Nodelet {
     Pose T_odom_base = Pose::Identity();
   };
 
-  std::optional<Frames> lookUpFrames(const std_msgs::Header& header) {
+  std::optional<Frames> lookUpFrames(const std_msgs::Header& header, std::string& missing) {
     Frames frames;
     if (params_.base_frame.empty()) return frames;
     const auto mount = lookUp(tf_, params_.base_frame, header.frame_id, header.stamp);
-    waiting_for_ = mount.reason;
+    missing = mount.reason;
     if (!mount.T_target_source) return std::nullopt;
     frames.T_base_camera = *mount.T_target_source;
     if (params_.tf_output != "map_to_odom") return frames;
     const auto odometry = lookUp(tf_, params_.odom_frame, params_.base_frame, header.stamp);
-    waiting_for_ = odometry.reason;
+    missing = odometry.reason;
     if (!odometry.T_target_source) return std::nullopt;
     frames.T_odom_base = *odometry.T_target_source;
     return frames;
   }
 
   // False: a transform is missing.
-  bool tryLocate(const MarkerArray& msg) {
+  bool tryLocate(Pending& pending) {
+    const MarkerArray& msg = *pending.markers;
     if (!map_) {
       trouble_->report("map", "no marker map yet: set ~map_file, or start marker_broadcaster (" +
                                   map_sub_.getTopic() + ")");
       return true;
     }
     clock_.start();
-    const auto frames = lookUpFrames(msg.header);
+    const auto frames = lookUpFrames(msg.header, pending.missing);
     if (!frames) return false;
     try {
       const LocatorResult result = locator_->locate(*map_, {view(msg, frames->T_base_camera)});
       clock_.finish("localization");
-      report(result);
+      report(result, msg.markers.empty());
       if (result.pose) publish(msg.header, *frames, *result.pose);
       clock_.finish("publication");
     } catch (const std::exception& error) {
@@ -164,7 +192,7 @@ class MarkerLocatorNodelet : public nodelet::Nodelet {
     return view;
   }
 
-  void report(const LocatorResult& result) {
+  void report(const LocatorResult& result, bool nothing_seen) {
     for (const MarkerKey& key : result.unmapped) ++unmapped_[key];
     for (const MarkerKey& key : result.repeated)
       trouble_->report("repeated marker",
@@ -174,9 +202,13 @@ class MarkerLocatorNodelet : public nodelet::Nodelet {
       ++poses_;
       reprojection_error_ = result.pose->reprojection_error;
       trouble_->succeeded();
-    } else if (!result.reason.empty()) {
-      ++reasons_[result.reason];
+      return;
     }
+    ++reasons_[result.reason];
+    if (nothing_seen)
+      trouble_->succeeded();
+    else
+      trouble_->report("markers in vain", "no pose: " + result.reason);
   }
 
   void publish(const std_msgs::Header& header, const Frames& frames, const LocatedPose& located) {
@@ -196,7 +228,7 @@ class MarkerLocatorNodelet : public nodelet::Nodelet {
     const bool to_odom = params_.tf_output == "map_to_odom";
     const std::string& child = to_odom ? params_.odom_frame : params_.base_frame;
     const std::string parent = parentFrame(tf_, child);
-    if (!parent.empty() && parent != map_->frame()) {
+    if (!parent.empty() && parent != map_->frame() && parent != sent_parent_) {
       trouble_->report("tf", "'" + child + "' already has the parent '" + parent + "': tf_output " +
                                  params_.tf_output + " would break the tree and is not sent");
       return;
@@ -205,7 +237,7 @@ class MarkerLocatorNodelet : public nodelet::Nodelet {
     last_transform_ = stamp;
     geometry_msgs::TransformStamped transform;
     transform.header.stamp = stamp;
-    transform.header.frame_id = map_->frame();
+    transform.header.frame_id = sent_parent_ = map_->frame();
     transform.child_frame_id = child;
     transform.transform = toTransformMsg(to_odom ? T_map_base * frames.T_odom_base.inverse() : T_map_base);
     broadcaster_.sendTransform(transform);
@@ -231,9 +263,9 @@ class MarkerLocatorNodelet : public nodelet::Nodelet {
   MarkerLocatorParams params_;
   std::unique_ptr<MarkerLocator> locator_;
   std::optional<MarkerMap> map_;
-  std::vector<Pending> pending_;  // newest of each camera that waits for a transform
-  std::string waiting_for_;
+  std::vector<Camera> cameras_;
   ros::Time last_transform_;
+  std::string sent_parent_;  // the map's frame may change: this one is ours
   LocatorVisualization visualization_;
   unsigned long images_ = 0, poses_ = 0;
   double reprojection_error_ = 0.0;

@@ -36,7 +36,7 @@ CameraDriverParams CameraDriverParams::fromRos(const ros::NodeHandle& private_no
   reader.read("camera_info_url", params.camera_info_url);
   reader.read("frame_id", params.frame_id);
   reader.rejectUnknown();
-  params.validate();
+  reader.validate(params);
   return params;
 }
 

@@ -11,8 +11,7 @@ namespace {
 
 // Read by libraries in the node's private namespace, not by us.
 const std::set<std::string>& foreign() {
-  static const std::set<std::string> names = {"diagnostic_period", "diagnostic_updater", "image_transport",
-                                              "num_worker_threads"};
+  static const std::set<std::string> names = {"num_worker_threads"};
   return names;
 }
 

@@ -124,6 +124,7 @@ TEST(DetectorParams, RefusesWhatIsOutOfRange) {
   };
   refused([](DetectorParams& p) { p.families = {}; });
   refused([](DetectorParams& p) { p.families = {"DICT_9X9_50"}; });
+  refused([](DetectorParams& p) { p.families = {"tag36h11", "DICT_APRILTAG_36h11"}; });  // one print
   refused([](DetectorParams& p) { p.decimate = 0.5; });
   refused([](DetectorParams& p) { p.max_hamming = 4; });
   refused([](DetectorParams& p) { p.min_perimeter = 0; });

@@ -174,6 +174,12 @@ TEST_F(MarkerMapFile, TextFormatRefusesWhatItCannotHold) {
   std::ofstream(path("map.txt")) << "7 1 2 3 0 0 0\n";
   EXPECT_THROW(writeMarkerMap(map, path("map.txt")), std::runtime_error);
   EXPECT_EQ(readMarkerMap(path("map.txt")).markers().size(), 1u);  // what was there is still there
+  MarkerMap large;                                                 // would come back with another size
+  large.add({{"tag36h11", 7}, 0.3, "7", Pose::Identity(), Matrix6d::Zero()});
+  EXPECT_THROW(writeMarkerMap(large, path("map.txt")), std::runtime_error);
+  TextMapParams params;
+  params.size = 0.3;
+  EXPECT_NO_THROW(writeMarkerMap(large, path("map.txt"), params));
 }
 
 TEST_F(MarkerMapFile, KeepsTheFilesModeAndFailsLoudly) {

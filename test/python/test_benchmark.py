@@ -35,6 +35,15 @@ def test_quick_run_of_a_simulated_drive(tmp_path):
     assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
 
 
+def test_quick_run_of_the_chain():
+    done = run("--quick", "--only", "chain", "--json", "-")
+    assert done.returncode == 0, done.stderr
+    tables = json.loads(done.stdout)["parts"]["chain"]
+    poses = {row["name"]: row["poses"]["value"] for row in tables[0]["rows"]}
+    assert min(poses.values()) > 0
+    assert "localization: localization" in done.stderr
+
+
 def test_json_alone_is_on_standard_output():
     done = run("--quick", "--only", "simulated", "--json", "-")
     assert json.loads(done.stdout)["holds"]

@@ -25,7 +25,7 @@ DETECTOR = [
     ("threads", 65, "parameter /{node}/threads is 65, allowed is [1, 64]"),
     ("decimate", 0.5, "parameter /{node}/decimate is 0.5, allowed is [1, 8]"),
     ("decimate", math.nan, "parameter /{node}/decimate is nan, allowed is [1, 8]"),
-    ("corner_sigma", 0, "parameter /{node}/corner_sigma must be in (0, 10] px"),
+    ("corner_sigma", 0, "parameter /{node}/corner_sigma is 0, allowed is (0, 10] px"),
     ("rectified", 1, "parameter /{node}/rectified must be true or false"),
     ("families", "tag36h11", "parameter /{node}/families must be a list of texts"),
     ("families", [], "parameter /{node}/families is empty"),
@@ -33,7 +33,7 @@ DETECTOR = [
     ("marker_size", -0.1, "parameter /{node}/marker_size is -0.1"),
     ("marker_sizes", {"5": "large"}, "parameter /{node}/marker_sizes must be a table of names and numbers"),
     ("marker_sizes", {"five": 0.1}, "parameter /{node}/marker_sizes: 'five' names no marker"),
-    ("debug_quality", 0, "parameter /{node}/debug_quality must be in [1, 100]"),
+    ("debug_quality", 0, "parameter /{node}/debug_quality is 0, allowed is [1, 100]"),
 ]
 LOCATOR = [
     ("publish_tf", True, "unknown parameter /{node}/publish_tf"),
@@ -41,7 +41,7 @@ LOCATOR = [
     ("mode", 3, "parameter /{node}/mode must be a text"),
     ("tf_output", "odom", "parameter /{node}/tf_output is 'odom'"),
     ("max_reprojection_error", 0, "parameter /{node}/max_reprojection_error is 0"),
-    ("transform_timeout", 11, "parameter /{node}/transform_timeout must be in [0, 10] s"),
+    ("transform_timeout", 11, "parameter /{node}/transform_timeout is 11, allowed is [0, 10] s"),
     ("cameras", [], "parameter /{node}/cameras is empty"),
     ("sizes", {"five": 0.1}, "sizes: 'five' is no marker id"),
     ("map_file", "/nowhere/map.txt", "/nowhere/map.txt"),

@@ -125,6 +125,17 @@ class MarkerLocatorTest(unittest.TestCase):
         self.assertFalse(self.poses.has(without))
         self.assertFalse([key for key in self.heard_tf.seen if key[1:] == ("odom_d", without)])
 
+    def test_odometry_that_lags_by_more_than_an_image(self):
+        self.robot("d")
+        shown = []
+        for _ in range(8):
+            shown.append(self.show())
+            rospy.sleep(1 / 30)
+            if len(shown) > 2:
+                self.drive(shown[-3])
+        for stamp in shown[1:-2]:
+            self.assert_located(stamp)
+
     def test_a_recording_that_is_played_twice(self):
         self.robot("d")
         played = [rospy.Time(second) for second in range(1000, 1015)]  # longer than what tf keeps

@@ -31,6 +31,7 @@ MarkerMap readMarkerMap(const std::string& path, const TextMapParams& text = {})
 
 /// Writes YAML, or the plain text format for any other ending, atomically (temporary file, fsync, rename).
 /// @throws std::runtime_error when the file cannot be written, or when the text format cannot hold the map.
-void writeMarkerMap(const MarkerMap& map, const std::string& path);
+/// @param text what a plain text file will be read with
+void writeMarkerMap(const MarkerMap& map, const std::string& path, const TextMapParams& text = {});
 
 }  // namespace sextant

@@ -94,7 +94,7 @@ class MarkerBroadcaster:
                 added = sextant.MarkerMap(self._map)
                 added.set(marker_from_entry(request.marker))
                 if request.save:
-                    sextant.write_marker_map(added, self._path)
+                    sextant.write_marker_map(added, self._path, self._text)
             except (ValueError, RuntimeError) as error:
                 return AddMarkerResponse(False, str(error))
             self._publish(added)
