@@ -72,8 +72,6 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
 
   void subscribe() {
     ros::NodeHandle& node = getNodeHandle();
-    info_.reset();  // the camera may have been changed meanwhile
-    camera_.reset();
     const auto newest = ros::TransportHints().tcpNoDelay();
     info_sub_ = node.subscribe(infoTopic(), 1, &MarkerDetectorNodelet::onInfo, this, newest);
     if (params_.compressed)

@@ -28,6 +28,10 @@ def why_not():
         return "needs root: network namespaces"
     if not shutil.which("ip"):
         return "needs the command ip (package iproute2)"
+    command = ["unshare", "--mount", "--propagation", "slave", "true"]
+    private = subprocess.run(command, capture_output=True, text=True)
+    if private.returncode:  # a chroot: ip would leave its mounts behind
+        return "no mounts of its own here: " + private.stderr.strip()
     name = f"sextant_try_{os.getpid()}"
     tried = ip("netns", "add", name)
     ip("netns", "del", name)

@@ -131,8 +131,13 @@ class BadImageTest(ChainTest):
     def test_half_an_image_is_no_pose_that_is_wrong(self):
         half = self.picture.copy()
         half[:, WIDTH // 2 :] = 0
-        stamp = self.show(image_msg(half, None))
-        self.assertEqual(len(self.markers.at(stamp).markers), 1)
+
+        def answered():
+            self.shown = self.show(image_msg(half, None))
+            return self.markers.at(self.shown, 0.5) is not None
+
+        self.assertTrue(until(answered), "no answer to half an image")
+        self.assertEqual(len(self.markers.at(self.shown).markers), 1)
 
 
 if __name__ == "__main__":

@@ -135,8 +135,10 @@ class MarkerBroadcasterTest(unittest.TestCase):
         self.assertEqual(heights, {3: 1.0, 7: 2.5})
 
     def test_what_the_file_cannot_hold_is_neither_saved_nor_added(self):
-        self.start()  # two sizes, and another parent than the map
-        answer = self.add(entry_of(3, name="Id3"), save=True)
+        self.start()
+        entry = entry_of(3, name="Id3")
+        entry.size = 0.77  # would come back as the parameter's
+        answer = self.add(entry, save=True)
         self.assertFalse(answer.success)
         self.assertIn("the plain text format cannot hold", answer.message)
         self.assertEqual(list(self.entries()), [7, 9])
