@@ -29,12 +29,22 @@ void bindMarkerLocator(py::module_& module) {
       .def_readwrite("corner_sigma", &LocatorParams::corner_sigma)
       .def_readwrite("max_reprojection_error", &LocatorParams::max_reprojection_error)
       .def_readwrite("robust_width", &LocatorParams::robust_width)
+      .def_readwrite("gate", &LocatorParams::gate)
+      .def_readwrite("floor_height_sigma", &LocatorParams::floor_height_sigma)
+      .def_readwrite("floor_tilt_sigma", &LocatorParams::floor_tilt_sigma)
+      .def_readwrite("decided", &LocatorParams::decided)
+      .def_readwrite("ambiguous", &LocatorParams::ambiguous)
+      .def_readwrite("constant_covariance", &LocatorParams::constant_covariance)
       .def("validate", &LocatorParams::validate);
+  py::class_<PosePrior>(module, "PosePrior", "What is known of a pose before the image.")
+      .def(py::init<Pose, Matrix6d>(), "T_map_base"_a, "covariance"_a);
   py::class_<LocatedPose>(module, "LocatedPose")
       .def_readonly("T_map_base", &LocatedPose::T_map_base)
       .def_readonly("covariance", &LocatedPose::covariance, "6 x 6, order of PoseWithCovariance")
       .def_readonly("reprojection_error", &LocatedPose::reprojection_error, "RMS, pixels")
-      .def_property_readonly("used", [](const LocatedPose& pose) { return pairs(pose.used); });
+      .def_property_readonly("used", [](const LocatedPose& pose) { return pairs(pose.used); })
+      .def_property_readonly("left_out", [](const LocatedPose& pose) { return pairs(pose.left_out); })
+      .def_readonly("probability", &LocatedPose::probability);
   py::class_<LocatorResult>(module, "LocatorResult", "Either a pose or the reason why there is none.")
       .def_readonly("pose", &LocatorResult::pose)
       .def_readonly("reason", &LocatorResult::reason)
@@ -42,7 +52,7 @@ void bindMarkerLocator(py::module_& module) {
       .def_property_readonly("repeated", [](const LocatorResult& result) { return pairs(result.repeated); });
   py::class_<MarkerLocator>(module, "MarkerLocator", "Locates a robot from mapped markers.")
       .def(py::init<const LocatorParams&>(), "params"_a = LocatorParams())
-      .def("locate", &MarkerLocator::locate, "map"_a, "views"_a,
+      .def("locate", &MarkerLocator::locate, "map"_a, "views"_a, "prior"_a = py::none(),
            "LocatorResult; views: MarkerView of one instant.");
   module.def("locator_modes", &locatorModes);
 }

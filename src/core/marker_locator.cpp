@@ -7,13 +7,12 @@
 #include <stdexcept>
 
 #include "sextant/core/marker_pose.hpp"
+#include "sextant/core/pose_posterior.hpp"
 #include "sextant/core/range.hpp"
 #include "sextant/core/reprojection.hpp"
 
 namespace sextant {
 namespace {
-
-constexpr size_t kRefined = 3;  // joint: the best so many candidates are refined
 
 // A mapped marker in a view, with the base poses that its two planar solutions give.
 struct Seen {
@@ -27,21 +26,11 @@ Pose basePose(const Seen& seen, const MarkerPose& solution) {
   return seen.mapped->T_map_marker * solution.T_camera_marker.inverse() * seen.view->T_base_camera.inverse();
 }
 
-std::vector<Sighting> sightings(const std::vector<Seen>& all) {
-  std::vector<Sighting> corners;
-  for (const Seen& seen : all) {
-    const auto points = markerCorners(seen.mapped->size);
-    for (int k = 0; k < 4; ++k)
-      corners.push_back({&seen.view->camera, seen.view->T_base_camera.inverse(),
-                         seen.mapped->T_map_marker * points[k], seen.detection->corners[k]});
-  }
-  return corners;
-}
-
-// Symmetric to the last bit.
-Matrix6d inverseOf(const Matrix6d& information) {
-  const Matrix6d inverse = information.ldlt().solve(Matrix6d::Identity());
-  return 0.5 * (inverse + inverse.transpose());
+MarkerSighting sighting(const Seen& seen, double sigma) {
+  return {&seen.view->camera,        seen.view->T_base_camera.inverse(),
+          seen.mapped->T_map_marker, seen.mapped->size,
+          seen.detection->corners,   {sigma, sigma, sigma, sigma},
+          seen.mapped->covariance};
 }
 
 bool repeated(const MarkerView& view, const MarkerKey& key) {
@@ -67,73 +56,96 @@ std::vector<Seen> mappedMarkers(const MarkerMap& map, const std::vector<MarkerVi
   return all;
 }
 
-std::optional<LocatedPose> single(const Seen& seen, const LocatorParams& params) {
-  const auto fit =
-      minimizeReprojection(sightings({seen}), basePose(seen, seen.poses.best), {params.corner_sigma, 1e9});
-  if (!fit) return std::nullopt;
-  return LocatedPose{fit->T_map_base, inverseOf(fit->information), fit->rms, {seen.mapped->key}};
+std::vector<PoseStart> starts(const std::vector<Seen>& all) {
+  std::vector<PoseStart> poses;
+  for (size_t i = 0; i < all.size(); ++i) {
+    poses.push_back({basePose(all[i], all[i].poses.best), i});
+    if (all[i].poses.alternative) poses.push_back({basePose(all[i], *all[i].poses.alternative), i});
+  }
+  return poses;
 }
 
-std::optional<LocatedPose> nearest(const std::vector<Seen>& all, const LocatorParams& params) {
+Matrix6d constantCovariance(const LocatorParams& params) {
+  return Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(params.constant_covariance.data());
+}
+
+std::optional<FloorPrior> floorPrior(const LocatorParams& params) {
+  if (params.floor_height_sigma == 0) return std::nullopt;
+  return FloorPrior{params.floor_height_sigma, params.floor_tilt_sigma};
+}
+
+LocatedPose located(const std::vector<Seen>& all, const PoseHypothesis& best,
+                    const PosePosterior& posterior) {
+  LocatedPose pose{best.T_map_base, posterior.covariance, best.rms, {}, {}, posterior.probability};
+  for (size_t i = 0; i < all.size(); ++i) {
+    const bool used = std::find(best.used.begin(), best.used.end(), i) != best.used.end();
+    (used ? pose.used : pose.left_out).push_back(all[i].mapped->key);
+  }
+  return pose;
+}
+
+LocatorResult none(const std::string& reason) {
+  LocatorResult result;
+  result.reason = reason;
+  return result;
+}
+
+LocatorResult result(const LocatedPose& pose) {
+  LocatorResult result;
+  result.pose = pose;
+  return result;
+}
+
+LocatorResult joint(const std::vector<Seen>& all, const LocatorParams& params,
+                    const std::optional<PosePrior>& prior) {
+  std::vector<MarkerSighting> sightings;
+  for (const Seen& seen : all) sightings.push_back(sighting(seen, params.corner_sigma));
+  const auto floor = floorPrior(params);
+  const auto hypotheses =
+      poseHypotheses(sightings, starts(all), {params.robust_width, params.gate, floor}, prior);
+  if (hypotheses.empty())
+    return none(
+        "no pose explains a marker within the gate: do map, marker size, mount, calibration and corner_sigma "
+        "fit?");
+  const PosePosterior posterior = posePosterior(sightings, hypotheses, {params.decided, floor});
+  if (posterior.probability < params.decided && params.ambiguous == "skip")
+    return none("ambiguous: more than one pose explains the markers");
+  return result(located(all, hypotheses[posterior.best], posterior));
+}
+
+LocatorResult nearest(const std::vector<Seen>& all, const LocatorParams& params,
+                      const std::optional<PosePrior>& prior) {
   const auto depth = [](const Seen& seen) { return seen.poses.best.T_camera_marker.translation().z(); };
-  return single(*std::min_element(all.begin(), all.end(),
-                                  [&](const Seen& a, const Seen& b) { return depth(a) < depth(b); }),
-                params);
+  return joint({*std::min_element(all.begin(), all.end(),
+                                  [&](const Seen& a, const Seen& b) { return depth(a) < depth(b); })},
+               params, prior);
 }
 
-std::optional<LocatedPose> average(const std::vector<Seen>& all, const LocatorParams& params) {
+LocatorResult average(const std::vector<Seen>& all, const LocatorParams& params,
+                      const std::optional<PosePrior>& prior) {
   std::vector<Pose> poses;
-  LocatedPose mean{Pose::Identity(), Matrix6d::Zero(), 0.0, {}};
+  LocatedPose mean{Pose::Identity(), Matrix6d::Zero(), 0.0, {}, {}};
+  LocatorResult last;
   double squares = 0;
   for (const Seen& seen : all) {
-    const auto located = single(seen, params);
-    if (!located) continue;
-    poses.push_back(located->T_map_base);
-    mean.covariance += located->covariance;
-    squares += located->reprojection_error * located->reprojection_error;
+    last = joint({seen}, params, prior);
+    if (!last.pose) continue;
+    poses.push_back(last.pose->T_map_base);
+    mean.covariance += last.pose->covariance;
+    mean.probability = std::min(mean.probability, last.pose->probability);
+    squares += last.pose->reprojection_error * last.pose->reprojection_error;
     mean.used.push_back(seen.mapped->key);
   }
-  if (poses.empty()) return std::nullopt;
+  if (poses.empty()) return last;
   const auto n = static_cast<double>(poses.size());
   mean.T_map_base = meanPose(poses);
   mean.covariance /= n * n;
   mean.reprojection_error = std::sqrt(squares / n);
-  return mean;
+  return result(mean);
 }
 
-// Every single-marker candidate, the best ones by the robust cost of all corners first.
-std::vector<Pose> candidates(const std::vector<Seen>& all, const std::vector<Sighting>& corners,
-                             const ReprojectionParams& params) {
-  std::vector<std::pair<double, Pose>> scored;
-  const auto score = [&](const Pose& pose) {
-    scored.emplace_back(reprojectionCost(corners, pose, params), pose);
-  };
-  for (const Seen& seen : all) {
-    score(basePose(seen, seen.poses.best));
-    if (seen.poses.alternative) score(basePose(seen, *seen.poses.alternative));
-  }
-  std::sort(scored.begin(), scored.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-  if (scored.size() > kRefined) scored.resize(kRefined);
-  std::vector<Pose> poses;
-  for (const auto& entry : scored) poses.push_back(entry.second);
-  return poses;
-}
-
-std::optional<LocatedPose> joint(const std::vector<Seen>& all, const LocatorParams& params) {
-  const ReprojectionParams robust{params.corner_sigma, params.robust_width};
-  const auto corners = sightings(all);
-  std::optional<ReprojectionFit> best;
-  for (const Pose& start : candidates(all, corners, robust)) {
-    const auto fit = minimizeReprojection(corners, start, robust);
-    if (fit && (!best || fit->cost < best->cost)) best = fit;
-  }
-  if (!best) return std::nullopt;
-  LocatedPose pose{best->T_map_base, inverseOf(best->information), best->rms, {}};
-  for (const Seen& seen : all) pose.used.push_back(seen.mapped->key);
-  return pose;
-}
-
-using Mode = std::optional<LocatedPose> (*)(const std::vector<Seen>&, const LocatorParams&);
+using Mode = LocatorResult (*)(const std::vector<Seen>&, const LocatorParams&,
+                               const std::optional<PosePrior>&);
 
 const std::map<std::string, Mode>& modes() {
   static const std::map<std::string, Mode> table = {
@@ -156,25 +168,38 @@ void LocatorParams::validate() const {
   Range::openLow(0, 10).require("corner_sigma", corner_sigma, "px");
   Range::openLow(0, 1000).require("max_reprojection_error", max_reprojection_error, "px");
   Range::closed(0.5, 1000).require("robust_width", robust_width);
+  Range::closed(8, 1e6).require("gate", gate);
+  Range::closed(0, 10).require("floor_height_sigma", floor_height_sigma, "m");
+  Range::openLow(0, 1).require("floor_tilt_sigma", floor_tilt_sigma, "rad");
+  Range::closed(0.5, 0.999999).require("decided", decided);
+  if (ambiguous != "cover" && ambiguous != "skip")
+    throw std::invalid_argument("ambiguous is '" + ambiguous + "', allowed are cover and skip");
+  if (constant_covariance.empty()) return;
+  if (constant_covariance.size() != 36 || !isCovariance(constantCovariance(*this)))
+    throw std::invalid_argument(
+        "constant_covariance must be empty or a symmetric positive matrix of 36 numbers, row by row");
 }
 
 MarkerLocator::MarkerLocator(const LocatorParams& params) : params_(params) { params_.validate(); }
 
-LocatorResult MarkerLocator::locate(const MarkerMap& map, const std::vector<MarkerView>& views) const {
+LocatorResult MarkerLocator::locate(const MarkerMap& map, const std::vector<MarkerView>& views,
+                                    const std::optional<PosePrior>& prior) const {
   LocatorResult result;
   const auto seen = mappedMarkers(map, views, result);
   if (seen.empty()) {
     result.reason = whyNothing(views, result);
     return result;
   }
-  result.pose = modes().at(params_.mode)(seen, params_);
-  if (!result.pose) {
-    result.reason = "the corners leave the pose undetermined";
-  } else if (!(result.pose->reprojection_error <= params_.max_reprojection_error)) {
+  const LocatorResult found = modes().at(params_.mode)(seen, params_, prior);
+  result.pose = found.pose;
+  result.reason = found.reason;
+  if (result.pose && !(result.pose->reprojection_error <= params_.max_reprojection_error)) {
     result.reason =
         "reprojection error above max_reprojection_error: do map, marker size and calibration fit?";
     result.pose.reset();
   }
+  if (result.pose && !params_.constant_covariance.empty())
+    result.pose->covariance = constantCovariance(params_);
   return result;
 }
 

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sextant/core/marker_map.hpp"
 
-#include <Eigen/Eigenvalues>
-#include <algorithm>
 #include <stdexcept>
 
 #include "sextant/core/marker_family.hpp"
@@ -16,12 +14,6 @@ constexpr double kMaxSize = 100.0;  // metres
 [[noreturn]] void refuse(const MappedMarker& marker, const std::string& why) {
   throw std::invalid_argument("marker " + std::to_string(marker.key.id) + " (" + marker.key.family +
                               "): " + why);
-}
-
-bool isCovariance(const Matrix6d& matrix) {
-  if (!matrix.allFinite() || (matrix - matrix.transpose()).norm() > 1e-9 * matrix.norm()) return false;
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(matrix, Eigen::EigenvaluesOnly);
-  return solver.eigenvalues()[0] >= -1e-12 * std::max(1.0, solver.eigenvalues()[5]);
 }
 
 MappedMarker checked(MappedMarker marker) {

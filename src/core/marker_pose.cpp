@@ -70,17 +70,11 @@ std::vector<Pose> ippe(const std::array<Eigen::Vector3d, 4>& rays, const Eigen::
   return poses;
 }
 
-std::vector<Sighting> sightings(const CameraModel& camera, const Corners& corners, double size) {
-  std::vector<Sighting> all;
-  const auto points = markerCorners(size);
-  for (int i = 0; i < 4; ++i) all.push_back({&camera, Pose::Identity(), points[i], corners[i]});
-  return all;
-}
-
 // The optimum over T_marker_camera, as T_camera_marker; nothing for a marker seen from behind.
 std::optional<MarkerPose> refined(const CameraModel& camera, const Corners& corners, double size,
                                   const Pose& start) {
-  const auto fit = minimizeReprojection(sightings(camera, corners, size), start.inverse(), {});
+  const auto fit = minimizeReprojection({{&camera, Pose::Identity(), Pose::Identity(), size, corners}},
+                                        start.inverse(), {});
   if (!fit || fit->T_map_base.translation().z() <= 0) return std::nullopt;
   return MarkerPose{fit->T_map_base.inverse(), fit->rms};
 }

@@ -74,6 +74,12 @@ Pose meanPose(const std::vector<Pose>& poses) {
   return mean;
 }
 
+bool isCovariance(const Matrix6d& matrix) {
+  if (!matrix.allFinite() || (matrix - matrix.transpose()).norm() > 1e-9 * matrix.norm()) return false;
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(matrix, Eigen::EigenvaluesOnly);
+  return solver.eigenvalues()[0] >= -1e-12 * std::max(1.0, solver.eigenvalues()[5]);
+}
+
 bool isFinite(const Pose& pose) { return pose.matrix().allFinite(); }
 
 }  // namespace sextant

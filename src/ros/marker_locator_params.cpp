@@ -46,6 +46,12 @@ MarkerLocatorParams MarkerLocatorParams::fromRos(const ros::NodeHandle& private_
   reader.read("corner_sigma", params.locator.corner_sigma);
   reader.read("max_reprojection_error", params.locator.max_reprojection_error);
   reader.read("robust_width", params.locator.robust_width);
+  reader.read("gate", params.locator.gate);
+  reader.read("floor_height_sigma", params.locator.floor_height_sigma);
+  reader.read("floor_tilt_sigma", params.locator.floor_tilt_sigma);
+  reader.read("decided", params.locator.decided);
+  reader.read("ambiguous", params.locator.ambiguous);
+  reader.read("constant_covariance", params.locator.constant_covariance);
   reader.read("cameras", params.cameras);
   reader.read("map_file", params.map_file);
   reader.read("frame", params.text.frame);

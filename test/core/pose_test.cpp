@@ -60,5 +60,18 @@ TEST(Pose, MeanTakesOppositeQuaternionsAsOneRotation) {
   EXPECT_THROW(meanPose({}), std::invalid_argument);
 }
 
+TEST(Pose, KnowsACovariance) {
+  Matrix6d matrix = Matrix6d::Identity();
+  EXPECT_TRUE(isCovariance(matrix));
+  EXPECT_TRUE(isCovariance(Matrix6d::Zero()));
+  matrix(0, 1) = 0.5;
+  EXPECT_FALSE(isCovariance(matrix));
+  matrix(1, 0) = 0.5;
+  EXPECT_TRUE(isCovariance(matrix));
+  matrix(0, 1) = matrix(1, 0) = 1.5;
+  EXPECT_FALSE(isCovariance(matrix));
+  EXPECT_FALSE(isCovariance(Matrix6d::Constant(std::nan(""))));
+}
+
 }  // namespace
 }  // namespace sextant

@@ -60,7 +60,7 @@ def declaration_of(member, text):
 
 def value_of(kind, literal):
     if not literal:
-        return {"std::string": "", "std::map": {}}[kind.partition("<")[0]]
+        return {"std::string": "", "std::map": {}, "std::vector": []}[kind.partition("<")[0]]
     return yaml.safe_load(literal.strip().replace("{", "[").replace("}", "]"))
 
 

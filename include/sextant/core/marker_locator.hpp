@@ -11,6 +11,7 @@
 #include "sextant/core/marker.hpp"
 #include "sextant/core/marker_map.hpp"
 #include "sextant/core/pose.hpp"
+#include "sextant/core/pose_hypotheses.hpp"
 
 namespace sextant {
 
@@ -25,9 +26,19 @@ struct LocatorParams {
   std::string mode = "joint";  ///< nearest | average | joint
   double corner_sigma = 0.3;   ///< noise of a corner coordinate, pixels, (0, 10]
   double max_reprojection_error =
-      5.0;  ///< RMS over all used corners above which there is no pose, pixels, (0, 1000]
+      2.0;  ///< RMS over all used corners above which there is no pose, pixels, (0, 1000]
   double robust_width =
-      3.0;  ///< joint: residuals beyond this many corner_sigma count less (Huber), [0.5, 1000]
+      5.0;              ///< joint: a marker farther off than so many sigma counts less at first, [0.5, 1000]
+  double gate = 100.0;  ///< joint: squared Mahalanobis distance beyond which a marker is left out, [8, 1e6]
+  double floor_height_sigma =
+      0.0;  ///< joint: the base stands on the map's plane z = 0 so exactly, metres, [0, 10]; 0: it does not
+  double floor_tilt_sigma =
+      0.02;  ///< joint: roll and pitch are 0 so exactly, radians, (0, 1]; with floor_height_sigma
+  double decided = 0.9999;  ///< joint: probability from which one of two poses is told as certain, [0.5, 1)
+  std::string ambiguous =
+      "cover";  ///< joint: else tell the better one with a covariance that holds both (cover), or none (skip)
+  std::vector<double> constant_covariance;  ///< empty: the measurement's own; or 36 numbers that are told
+                                            ///< instead, row by row, order x y z roll pitch yaw
 
   /// @throws std::invalid_argument that names the first field out of range.
   void validate() const;
@@ -39,6 +50,8 @@ struct LocatedPose {
   Matrix6d covariance;              ///< position, rotation in the map's axes, order of PoseWithCovariance
   double reprojection_error = 0.0;  ///< RMS over the coordinates of the corners used, pixels
   std::vector<MarkerKey> used;
+  std::vector<MarkerKey> left_out;  ///< seen and mapped, but standing elsewhere than the others say
+  double probability = 1.0;         ///< of the pose against the others that explain the image
 };
 
 /// Either a pose or the reason why there is none.
@@ -64,7 +77,9 @@ class MarkerLocator {
   const LocatorParams& params() const { return params_; }
 
   /// @param views of one instant, one a camera
-  LocatorResult locate(const MarkerMap& map, const std::vector<MarkerView>& views) const;
+  /// @param prior the last pose moved by odometry: it decides where the markers do not, and is not mixed in
+  LocatorResult locate(const MarkerMap& map, const std::vector<MarkerView>& views,
+                       const std::optional<PosePrior>& prior = std::nullopt) const;
 
  private:
   LocatorParams params_;

@@ -42,6 +42,9 @@ Vector6d poseError(const Pose& truth, const Pose& estimate);
 /// @throws std::invalid_argument when there is nothing to average.
 Pose meanPose(const std::vector<Pose>& poses);
 
+/// Finite, symmetric and without a negative variance in any direction.
+bool isCovariance(const Matrix6d& matrix);
+
 /// All 16 numbers are finite.
 bool isFinite(const Pose& pose);
 

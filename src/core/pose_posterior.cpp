@@ -1,0 +1,164 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sextant/core/pose_posterior.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "tilt_lattice.hpp"
+
+namespace sextant {
+namespace {
+
+constexpr double kRegion95 = 12.591587;  // chi-square, 6 degrees of freedom
+constexpr double kHeld = 0.92;           // at least, by that region where undecided
+constexpr double kNegligible = 1e-7;     // probability of a hypothesis that is not looked at
+constexpr double kCurved = 0.01;         // squared deviations by which the arc may leave its tangent
+
+// A Gaussian about a pose, one of many that make up the distribution.
+struct Component {
+  Pose T_map_base;
+  Matrix6d covariance;
+  double weight;
+  size_t hypothesis;
+};
+
+// How far, in squared deviations, the arc on which the base lies about its markers leaves its tangent: half
+// the second-order term of Exp(r) (p - c), summed over the principal rotations.
+double curvature(const PoseHypothesis& found, const Eigen::Vector3d& centre) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> rotation(found.covariance.bottomRightCorner<3, 3>());
+  const Eigen::Vector3d arm = found.T_map_base.translation() - centre;
+  Vector6d bend = Vector6d::Zero();
+  for (int i = 0; i < 3; ++i) {
+    const Eigen::Matrix3d turn = skew(rotation.eigenvectors().col(i));
+    bend.head<3>() += 0.5 * rotation.eigenvalues()[i] * turn * turn * arm;
+  }
+  return bend.dot(found.covariance.ldlt().solve(bend));
+}
+
+// The hypotheses as Gaussians, as the minima are.
+std::vector<Component> gaussians(const std::vector<PoseHypothesis>& hypotheses) {
+  std::vector<Component> all;
+  for (size_t i = 0; i < hypotheses.size(); ++i)
+    if (hypotheses[i].weight > kNegligible)
+      all.push_back({hypotheses[i].T_map_base, hypotheses[i].covariance, hypotheses[i].weight, i});
+  return all;
+}
+
+// Those that explain the same markers as the best one.
+std::vector<size_t> peers(const std::vector<PoseHypothesis>& hypotheses) {
+  std::vector<size_t> same;
+  for (size_t i = 0; i < hypotheses.size(); ++i)
+    if (hypotheses[i].used == hypotheses[0].used) same.push_back(i);
+  return same;
+}
+
+// The lattice's cells instead of the Gaussians of the peers, with their share.
+std::vector<Component> refined(const std::vector<PoseHypothesis>& hypotheses, const std::vector<size_t>& same,
+                               const std::vector<TiltCell>& cells) {
+  std::vector<Component> all;
+  double share = 0.0, sum = 0.0, largest = -std::numeric_limits<double>::infinity();
+  for (const size_t i : same) share += hypotheses[i].weight;
+  const auto logarithm = [&](const TiltCell& cell) {
+    return cell.log_density + hypotheses[same[cell.hypothesis]].log_prior;
+  };
+  for (const TiltCell& cell : cells) largest = std::max(largest, logarithm(cell));
+  for (const TiltCell& cell : cells) sum += std::exp(logarithm(cell) - largest);
+  for (const TiltCell& cell : cells)
+    all.push_back({cell.T_map_base, cell.covariance, share * std::exp(logarithm(cell) - largest) / sum,
+                   same[cell.hypothesis]});
+  for (const Component& other : gaussians(hypotheses))
+    if (std::find(same.begin(), same.end(), other.hypothesis) == same.end()) all.push_back(other);
+  return all;
+}
+
+std::vector<Component> components(const std::vector<MarkerSighting>& sightings,
+                                  const std::vector<PoseHypothesis>& hypotheses,
+                                  const PosteriorParams& params) {
+  std::vector<MarkerSighting> used;
+  for (const size_t i : hypotheses[0].used) used.push_back(sightings[i]);
+  if (curvature(hypotheses[0], Pivot(used).centre()) < kCurved) return gaussians(hypotheses);
+  const auto same = peers(hypotheses);
+  std::vector<PoseHypothesis> minima;
+  for (const size_t i : same) minima.push_back(hypotheses[i]);
+  const auto cells = tiltLattice(used, minima, params.floor);
+  return cells.empty() ? gaussians(hypotheses) : refined(hypotheses, same, cells);
+}
+
+// Second moment of the components about a pose.
+Matrix6d secondMoment(const std::vector<Component>& all, const Pose& about) {
+  Matrix6d moment = Matrix6d::Zero();
+  double sum = 0.0;
+  for (const Component& component : all) {
+    const Vector6d e = poseError(component.T_map_base, about);
+    moment += component.weight * (component.covariance + e * e.transpose());
+    sum += component.weight;
+  }
+  return moment / sum;
+}
+
+// Probability that a sum of squares with this mean and variance is below x: Wilson and Hilferty's cube root
+// of the chi-square distribution that has them (Patnaik 1949).
+double probabilityBelow(double x, double mean, double variance) {
+  const double v = variance / (9 * mean * mean);  // 2 / (9 degrees of freedom)
+  return 0.5 * std::erfc(-(std::cbrt(x / mean) - (1 - v)) / std::sqrt(2 * v));
+}
+
+// The factor on a covariance with which its 95 % region about a pose holds kHeld.
+double regionScale(const std::vector<Component>& all, const Pose& about, const Matrix6d& covariance) {
+  struct Squares {
+    double weight, mean, variance;
+  };
+  const Eigen::LLT<Matrix6d> cholesky(covariance);
+  std::vector<Squares> squares;
+  for (const Component& component : all) {
+    const Vector6d m = cholesky.matrixL().solve(poseError(component.T_map_base, about));
+    const Matrix6d half = cholesky.matrixL().solve(component.covariance);
+    const Matrix6d S = cholesky.matrixL().solve(half.transpose());
+    squares.push_back(
+        {component.weight, m.squaredNorm() + S.trace(), 2 * S.squaredNorm() + 4 * m.dot(S * m)});
+  }
+  double low = 0.05, high = 20.0;
+  for (int i = 0; i < 20; ++i) {  // bisection, of the logarithm
+    const double middle = std::sqrt(low * high);
+    double held = 0.0, sum = 0.0;
+    for (const Squares& s : squares) {
+      held += s.weight * probabilityBelow(middle * kRegion95, s.mean, s.variance);
+      sum += s.weight;
+    }
+    (held < kHeld * sum ? low : high) = middle;
+  }
+  return high;
+}
+
+}  // namespace
+
+PosePosterior posePosterior(const std::vector<MarkerSighting>& sightings,
+                            const std::vector<PoseHypothesis>& hypotheses, const PosteriorParams& params) {
+  auto all = components(sightings, hypotheses, params);
+  std::vector<double> weights(hypotheses.size(), 0.0);
+  double sum = 0.0;
+  for (const Component& component : all) {
+    weights[component.hypothesis] += component.weight;
+    sum += component.weight;
+  }
+  PosePosterior posterior;
+  posterior.best = std::max_element(weights.begin(), weights.end()) - weights.begin();
+  posterior.probability = weights[posterior.best] / sum;
+  const Pose& about = hypotheses[posterior.best].T_map_base;
+  if (posterior.probability >= params.decided) {
+    all.erase(std::remove_if(all.begin(), all.end(),
+                             [&](const Component& c) { return c.hypothesis != posterior.best; }),
+              all.end());
+    posterior.covariance = secondMoment(all, about);
+  } else {
+    posterior.covariance = secondMoment(all, about);
+    posterior.covariance *= std::max(1.0, regionScale(all, about, posterior.covariance));
+  }
+  return posterior;
+}
+
+}  // namespace sextant

@@ -1,0 +1,33 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "sextant/core/pose.hpp"
+#include "sextant/core/pose_hypotheses.hpp"
+#include "sextant/core/reprojection.hpp"
+
+namespace sextant {
+
+/// A piece of the distribution of poses: the best pose of one tilt, and how the rest scatters about it.
+struct TiltCell {
+  Pose T_map_base;
+  Matrix6d
+      covariance;      ///< of the other four degrees of freedom: position, rotation in the map's axes; rank 4
+  double log_density;  ///< up to a common constant
+  size_t hypothesis;   ///< whose minimum it belongs to
+};
+
+/// The distribution of a pose that one plane of markers leaves, for which an ellipsoid is no picture: from
+/// afar the base lies on an arc about the markers, or on two, one for each planar solution. Over a lattice of
+/// the two weakest rotations, grown from the minima down to exp(-kDepth / 2) of the peak, the other four
+/// degrees of freedom are minimized and taken as Gaussian.
+/// @param minima of the sightings' cost, the first gives the lattice; all explain the same markers
+/// @return empty where the lattice finds no density
+std::vector<TiltCell> tiltLattice(const std::vector<MarkerSighting>& sightings,
+                                  const std::vector<PoseHypothesis>& minima,
+                                  const std::optional<FloorPrior>& floor);
+
+}  // namespace sextant

@@ -1,0 +1,40 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <random>
+#include <vector>
+
+#include "sextant/core/reprojection.hpp"
+
+namespace sextant {
+
+/// A marker frame on the wall x = const of a room, turned toward a robot that looks along +x.
+inline Pose markerOnWall(const Eigen::Vector3d& position, double yaw = 0) {
+  Pose pose = poseFromXyzRpy({0, 0, 0}, {0, 0, yaw}) * poseFromXyzRpy({0, 0, 0}, {M_PI_2, 0, -M_PI_2});
+  pose.translation() = position;
+  return pose;
+}
+
+/// A camera that looks ahead from this far above the base.
+inline Pose forwardMount(double height) { return poseFromXyzRpy({0.1, 0.02, height}, {-M_PI_2, 0, -M_PI_2}); }
+
+/// The markers as the camera sees them from a base pose, with noise of sigma pixels.
+inline std::vector<MarkerSighting> seenFrom(const Pose& T_map_base, const CameraModel& camera,
+                                            const Pose& mount, const std::vector<Pose>& markers, double size,
+                                            double sigma, std::mt19937& random) {
+  std::normal_distribution<double> noise(0, 1);
+  std::vector<MarkerSighting> all;
+  for (const Pose& T_map_marker : markers) {
+    MarkerSighting sighting{&camera, mount.inverse(), T_map_marker, size, {}, {}, Matrix6d::Zero()};
+    const Pose T_camera_marker = (T_map_base * mount).inverse() * T_map_marker;
+    for (int k = 0; k < 4; ++k)
+      sighting.corners[k] = *camera.project(T_camera_marker * markerCorners(size)[k]) +
+                            sigma * Eigen::Vector2d(noise(random), noise(random));
+    sighting.sigmas.fill(sigma > 0 ? sigma : 0.3);
+    all.push_back(sighting);
+  }
+  return all;
+}
+
+}  // namespace sextant
