@@ -35,14 +35,15 @@ void bindMarkerLocalization(py::module_& module) {
       .def(py::init<const LocalizationParams&>(), "params"_a = LocalizationParams())
       .def_property("params", &MarkerLocalization::params, &MarkerLocalization::setParams)
       .def("locate", &MarkerLocalization::locate, "map"_a, "views"_a, "T_odom_base"_a = py::none(),
-           "LocatorResult; views: MarkerView of one instant, always in the same order of cameras.")
+           "LocatorResult; views: MarkerView of one instant, one a camera.")
       .def_property_readonly(
           "T_map_odom", [](const MarkerLocalization& self) { return self.correction().T_map_odom(); },
           "4 x 4, or None before the first pose with odometry")
       .def_property_readonly("moved", [](const MarkerLocalization& self) { return self.watch().moved(); })
       .def(
-          "noise_scale", [](const MarkerLocalization& self, size_t view) { return self.noise().scale(view); },
-          "view"_a, "factor on corner_sigma that the residuals of this camera say")
+          "noise_scale",
+          [](const MarkerLocalization& self, size_t camera) { return self.noise().scale(camera); },
+          "camera"_a = 0, "factor on corner_sigma that the residuals of this camera say")
       .def("reset", &MarkerLocalization::reset,
            "Forgets everything: another map, or a clock that jumped back.");
 }

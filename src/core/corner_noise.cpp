@@ -20,18 +20,18 @@ void CornerNoise::add(const LocatedPose& pose) {
   if (n < 2) return;  // one marker's pose takes up six of its eight, and with them what is wrong
   for (const LocatedMarker& marker : pose.markers) {
     if (!marker.used) continue;
-    if (marker.view >= cameras_.size()) cameras_.resize(marker.view + 1);
-    const double before = scale(marker.view);
-    Camera& camera = cameras_[marker.view];
+    if (marker.camera_index >= cameras_.size()) cameras_.resize(marker.camera_index + 1);
+    const double before = scale(marker.camera_index);
+    Camera& camera = cameras_[marker.camera_index];
     const double keep = std::exp(-(8 - 6 / n) / kMemory);
     camera.squares = keep * camera.squares + marker.squared_distance * before * before;
     camera.freedoms = keep * camera.freedoms + 8 - 6 / n;
   }
 }
 
-double CornerNoise::scale(size_t view) const {
-  if (view >= cameras_.size() || cameras_[view].freedoms < kEnough) return 1.0;
-  return std::clamp(std::sqrt(cameras_[view].squares / cameras_[view].freedoms), kLeast, kMost);
+double CornerNoise::scale(size_t camera) const {
+  if (camera >= cameras_.size() || cameras_[camera].freedoms < kEnough) return 1.0;
+  return std::clamp(std::sqrt(cameras_[camera].squares / cameras_[camera].freedoms), kLeast, kMost);
 }
 
 }  // namespace sextant

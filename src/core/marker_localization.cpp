@@ -22,7 +22,7 @@ void MarkerLocalization::setParams(const LocalizationParams& params) {
 LocatorResult MarkerLocalization::locate(const MarkerMap& map, std::vector<MarkerView> views,
                                          const std::optional<Pose>& T_odom_base) {
   if (params_.estimate_noise)
-    for (size_t i = 0; i < views.size(); ++i) views[i].noise_scale = noise_.scale(i);
+    for (MarkerView& view : views) view.noise_scale = noise_.scale(view.camera_index);
   const LocatorResult result =
       T_odom_base ? reconciled(map, views, *T_odom_base) : locator_.locate(map, views);
   if (!result.pose) return result;
@@ -58,9 +58,13 @@ LocatorResult MarkerLocalization::judged(LocatorResult result, const Pose& T_odo
   return result;
 }
 
-void MarkerLocalization::reset() {
+void MarkerLocalization::forgetMap() {
   correction_.reset();
   watch_.reset();
+}
+
+void MarkerLocalization::reset() {
+  forgetMap();
   noise_.reset();
 }
 

@@ -17,7 +17,6 @@ namespace {
 // A mapped marker in a view, with the base poses that its two planar solutions give.
 struct Seen {
   const MarkerView* view;
-  size_t view_index;
   const Detection* detection;
   const MappedMarker* mapped;
   PlanarPoses poses;
@@ -43,8 +42,7 @@ bool repeated(const MarkerView& view, const MarkerKey& key) {
 std::vector<Seen> mappedMarkers(const MarkerMap& map, const std::vector<MarkerView>& views,
                                 LocatorResult& result) {
   std::vector<Seen> all;
-  for (size_t i = 0; i < views.size(); ++i) {
-    const MarkerView& view = views[i];
+  for (const MarkerView& view : views) {
     for (const Detection& detection : view.detections) {
       const MappedMarker* mapped = map.find(detection.key);
       if (!mapped) {
@@ -52,7 +50,7 @@ std::vector<Seen> mappedMarkers(const MarkerMap& map, const std::vector<MarkerVi
       } else if (repeated(view, detection.key)) {
         result.repeated.push_back(detection.key);
       } else if (const auto poses = solveMarkerPose(view.camera, detection.corners, mapped->size)) {
-        all.push_back({&view, i, &detection, mapped, *poses});
+        all.push_back({&view, &detection, mapped, *poses});
       }
     }
   }
@@ -80,7 +78,7 @@ std::optional<FloorPrior> floorPrior(const LocatorParams& params) {
 LocatedMarker located(const Seen& seen, const MarkerSighting& sighting, const Pose& T_map_base, bool used) {
   const Eigen::Vector3d p_camera = seen.poses.best.T_camera_marker.translation();
   return {seen.mapped->key,
-          seen.view_index,
+          seen.view->camera_index,
           used,
           squaredMahalanobis(sighting, T_map_base),
           T_map_base * (seen.view->T_base_camera * p_camera),

@@ -25,11 +25,11 @@ Matrix6d drift(const OdometryParams& params, const Pose& step) {
 }  // namespace
 
 void OdometryParams::validate() const {
-  Range::openLow(0, 10).require("position_drift", position_drift, "m");
-  Range::openLow(0, 10).require("heading_drift", heading_drift, "rad");
-  Range::openLow(0, 10).require("turn_drift", turn_drift, "rad");
+  Range::openLow(0, 10).require("odometry_position_drift", position_drift, "m");
+  Range::openLow(0, 10).require("odometry_heading_drift", heading_drift, "rad");
+  Range::openLow(0, 10).require("odometry_turn_drift", turn_drift, "rad");
   Range::closed(12, 1e6).require("odometry_gate", gate);
-  Range::closed(1, 1000).require("recovery", recovery);
+  Range::closed(1, 1000).require("odometry_recovery", recovery);
 }
 
 OdometryCorrection::OdometryCorrection(const OdometryParams& params) : params_(params) { params_.validate(); }

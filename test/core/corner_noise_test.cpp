@@ -18,6 +18,7 @@ CornerNoise after(int images, double left_sigma, double right_sigma) {
   for (int i = 0; i < images; ++i) {
     MarkerView left = look(room(), camera, kTruth, left_sigma, 2 * i),
                right = look(room(), camera, kTruth, right_sigma, 2 * i + 1);
+    right.camera_index = 1;
     left.noise_scale = noise.scale(0);
     right.noise_scale = noise.scale(1);
     const auto result = locator.locate(room(), {left, right});

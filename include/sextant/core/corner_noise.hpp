@@ -18,7 +18,7 @@ class CornerNoise {
   void add(const LocatedPose& pose);
 
   /// For MarkerView::noise_scale; 1 until enough was seen.
-  double scale(size_t view) const;
+  double scale(size_t camera) const;
 
   void reset() { cameras_.clear(); }
 

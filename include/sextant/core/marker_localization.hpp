@@ -34,7 +34,7 @@ class MarkerLocalization {
   /// Keeps what is remembered. @throws as the constructor, and changes nothing then
   void setParams(const LocalizationParams& params);
 
-  /// @param views of one instant, always in the same order of cameras
+  /// @param views of one instant, one a camera
   /// @param T_odom_base odometry at that instant, where there is some
   LocatorResult locate(const MarkerMap& map, std::vector<MarkerView> views,
                        const std::optional<Pose>& T_odom_base);
@@ -43,7 +43,9 @@ class MarkerLocalization {
   const MarkerWatch& watch() const { return watch_; }
   const CornerNoise& noise() const { return noise_; }
 
-  /// Forgets everything: another map, or a clock that jumped back.
+  /// Another map: forgets all but the cameras' noise.
+  void forgetMap();
+  /// Forgets everything: a clock that jumped back.
   void reset();
 
  private:

@@ -20,6 +20,7 @@ struct MarkerView {
   CameraModel camera;
   Pose T_base_camera = Pose::Identity();  ///< mount
   std::vector<Detection> detections;
+  size_t camera_index = 0;   ///< which of the robot's cameras: the same in every image of it
   double noise_scale = 1.0;  ///< factor on LocatorParams::corner_sigma, see CornerNoise
 };
 
@@ -48,7 +49,7 @@ struct LocatorParams {
 /// A mapped marker that was seen, against the pose that was found.
 struct LocatedMarker {
   MarkerKey key;
-  size_t view;              ///< index of the view that saw it
+  size_t camera_index;      ///< of the camera that saw it
   bool used;                ///< false: left out, since it stands elsewhere than the others say
   double squared_distance;  ///< Mahalanobis, of its eight coordinates
   Eigen::Vector3d p_map;    ///< where its centre is seen, metres
