@@ -37,7 +37,7 @@ void bindMarkerLocalization(py::module_& module) {
       .def("locate", &MarkerLocalization::locate, "map"_a, "views"_a, "T_odom_base"_a = py::none(),
            "LocatorResult; views: MarkerView of one instant, one a camera.")
       .def_property_readonly(
-          "T_map_odom", [](const MarkerLocalization& self) { return self.correction().T_map_odom(); },
+          "T_map_odom", [](const MarkerLocalization& self) { return self.correction().transform(); },
           "4 x 4, or None before the first pose with odometry")
       .def_property_readonly("moved", [](const MarkerLocalization& self) { return self.watch().moved(); })
       .def(

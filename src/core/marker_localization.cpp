@@ -49,7 +49,7 @@ LocatorResult MarkerLocalization::reconciled(const MarkerMap& map, const std::ve
 LocatorResult MarkerLocalization::judged(LocatorResult result, const Pose& T_odom_base) {
   const LocatedPose& pose = *result.pose;
   const bool certain = pose.probability >= params_.locator.decided;
-  if (!certain && correction_.T_map_odom()) return result;
+  if (!certain && correction_.transform()) return result;
   if (correction_.update(T_odom_base, pose.T_map_base, pose.covariance) !=
       OdometryCorrection::Verdict::contradicts)
     return result;

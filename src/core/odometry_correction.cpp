@@ -96,7 +96,7 @@ OdometryCorrection::Verdict OdometryCorrection::refuse(const State& measured) {
   return Verdict::recovered;
 }
 
-std::optional<Pose> OdometryCorrection::T_map_odom() const {
+std::optional<Pose> OdometryCorrection::transform() const {
   if (!state_) return std::nullopt;
   return state_->T_map_base * state_->T_odom_base.inverse();
 }

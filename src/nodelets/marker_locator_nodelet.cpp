@@ -235,7 +235,7 @@ class MarkerLocatorNodelet : public nodelet::Nodelet {
     pose_pub_.publish(msg);
     report_->published((ros::Time::now() - instant.stamp).toSec());
     if (params_.tf_output == "map_to_base") send(instant.stamp, located.T_map_base);
-    const auto T_map_odom = localization_->correction().T_map_odom();
+    const auto T_map_odom = localization_->correction().transform();
     if (params_.tf_output == "map_to_odom" && T_map_odom) send(instant.stamp, *T_map_odom);
     if (visualization_pub_.getNumSubscribers() > 0)
       visualization_pub_.publish(visualization_.update(
@@ -250,7 +250,7 @@ class MarkerLocatorNodelet : public nodelet::Nodelet {
   // As long as odometry comes, so does map -> odom: whoever asks for a frame in the map finds it at every
   // stamp that odometry has.
   void keepTransform() {
-    const auto T_map_odom = localization_->correction().T_map_odom();
+    const auto T_map_odom = localization_->correction().transform();
     if (!map_ || !T_map_odom) return;
     const ros::Time newest = newestCommonTime(tf_, params_.odom_frame, params_.base_frame);
     if (!newest.isZero()) send(newest, *T_map_odom);

@@ -44,7 +44,7 @@ TEST(MarkerLocalization, OdometryKeepsToTheTrueBranch) {
   EXPECT_GE(published, 295);
   EXPECT_LE(outside, 9);
   EXPECT_LT(largest_turn, 0.8);  // the other branch would be up to 1.2 rad away
-  const Pose error = T_map_odom.inverse() * *localization.correction().T_map_odom();
+  const Pose error = T_map_odom.inverse() * *localization.correction().transform();
   EXPECT_LT(error.translation().norm(), 0.5);
 }
 
@@ -75,7 +75,7 @@ TEST(MarkerLocalization, RecoversWhereTheOdometryWasWrong) {
       !localization.locate(room(), {look(room(), camera, carried, 0.3, 2 + refused)}, Pose::Identity()).pose)
     ++refused;
   EXPECT_EQ(refused, params.odometry.recovery - 1);
-  EXPECT_LT(poseError(carried, *localization.correction().T_map_odom()).norm(), 0.1);
+  EXPECT_LT(poseError(carried, *localization.correction().transform()).norm(), 0.1);
 }
 
 TEST(MarkerLocalization, CovarianceFollowsTheNoiseThatTheCameraHas) {
@@ -96,9 +96,9 @@ TEST(MarkerLocalization, ForgetsOnDemand) {
   const CameraModel camera(testCalibrations()[0], CameraModel::Image::raw);
   MarkerLocalization localization{LocalizationParams{}};
   localization.locate(room(), {look(room(), camera, kTruth, 0.3, 1)}, Pose::Identity());
-  EXPECT_TRUE(localization.correction().T_map_odom());
+  EXPECT_TRUE(localization.correction().transform());
   localization.reset();
-  EXPECT_FALSE(localization.correction().T_map_odom());
+  EXPECT_FALSE(localization.correction().transform());
 }
 
 TEST(MarkerLocalization, RefusedParametersChangeNothing) {

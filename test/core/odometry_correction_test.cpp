@@ -28,7 +28,7 @@ Vector6d drawn(const Matrix6d& covariance, std::mt19937& random) {
 TEST(OdometryCorrection, KnowsNothingBeforeTheFirstPose) {
   const OdometryCorrection correction({});
   EXPECT_FALSE(correction.predict(Pose::Identity()));
-  EXPECT_FALSE(correction.T_map_odom());
+  EXPECT_FALSE(correction.transform());
   EXPECT_FALSE(correction.contradicts(Pose::Identity(), Pose::Identity(), spread(0.1, 0.1)));
 }
 
@@ -54,7 +54,7 @@ TEST(OdometryCorrection, EqualPosesAreAveraged) {
   OdometryCorrection correction({});
   correction.update(Pose::Identity(), poseFromXyzRpy({1, 0, 0}, {0, 0, 0}), spread(0.1, 0.1));
   correction.update(Pose::Identity(), poseFromXyzRpy({1.1, 0, 0}, {0, 0, 0}), spread(0.1, 0.1));
-  EXPECT_NEAR(correction.T_map_odom()->translation().x(), 1.05, 1e-9);
+  EXPECT_NEAR(correction.transform()->translation().x(), 1.05, 1e-9);
   EXPECT_NEAR(correction.predict(Pose::Identity())->covariance(0, 0), 0.005 + 0.0001, 1e-9);
 }
 
@@ -93,7 +93,7 @@ TEST(OdometryCorrection, OneFalsePoseIsRefused) {
              wrong = poseFromXyzRpy({0.5, 3, 0}, {0, 0, 1});
   EXPECT_TRUE(correction.contradicts(T_odom_base, wrong, noise));
   EXPECT_EQ(correction.update(T_odom_base, wrong, noise), Verdict::contradicts);
-  EXPECT_LT(poseError(Pose::Identity(), *correction.T_map_odom()).norm(), 1e-12);
+  EXPECT_LT(poseError(Pose::Identity(), *correction.transform()).norm(), 1e-12);
   EXPECT_EQ(correction.update(T_odom_base, T_odom_base, noise), Verdict::taken);
 }
 
@@ -110,7 +110,7 @@ TEST(OdometryCorrection, PosesThatAgreeOverruleTheOdometry) {
     EXPECT_EQ(correction.update(T_odom_base, carried * T_odom_base, noise),
               i < 3 ? Verdict::contradicts : Verdict::recovered);
   }
-  EXPECT_LT(poseError(carried, *correction.T_map_odom()).norm(), 1e-9);
+  EXPECT_LT(poseError(carried, *correction.transform()).norm(), 1e-9);
 }
 
 TEST(OdometryCorrection, PosesThatContradictOneAnotherTooNeverDo) {

@@ -132,7 +132,8 @@ class TrustedPoseTest(unittest.TestCase):
         stands = {**T_MAP_MARKER, 8: pose(WALL_AXES, [3, 0.0, 1.1])}
         surveyed = {**stands, 8: pose(WALL_AXES, [3, 0.08, 1.1])}
         maps.publish(map_msg(surveyed))
-        seen = [marker_msg(id, corners=corners_at(np.linalg.inv(T_MAP_CAMERA) @ T)) for id, T in stands.items()]
+        T_camera_map = np.linalg.inv(T_MAP_CAMERA)
+        seen = [marker_msg(id, corners=corners_at(T_camera_map @ T)) for id, T in stands.items()]
         status = "c/locator: localization"
         text = f"marker 8 ({FAMILY}) stands 8 cm from where the map has it"
 

@@ -46,8 +46,8 @@ class OdometryCorrection {
   /// contradicts: the pose was not used.
   Verdict update(const Pose& T_odom_base, const Pose& T_map_base, const Matrix6d& covariance);
 
-  /// Nothing before the first pose.
-  std::optional<Pose> T_map_odom() const;
+  /// T_map_odom; nothing before the first pose.
+  std::optional<Pose> transform() const;
 
   void reset();
 
