@@ -15,6 +15,7 @@ void bindMarkerDetector(py::module_& module) {
   py::class_<DetectorParams>(module, "DetectorParams")
       .def(py::init<>())
       .def_readwrite("families", &DetectorParams::families)
+      .def_readwrite("search", &DetectorParams::search)
       .def_readwrite("threads", &DetectorParams::threads)
       .def_readwrite("decimate", &DetectorParams::decimate)
       .def_readwrite("max_hamming", &DetectorParams::max_hamming)

@@ -13,7 +13,10 @@ namespace sextant {
 
 struct DetectorParams {
   std::vector<std::string> families = {
-      "tag36h11"};        ///< any of markerFamilies(); several are searched one after another
+      "tag36h11"};  ///< any of markerFamilies(); several are searched one after another
+  /// full: every image by itself. tracking: images of one camera in order; markers are looked for where they
+  /// should be, and new ones in one image of three.
+  std::string search = "full";
   int threads = 1;        ///< [1, 64]; threads of the AprilTag backend (OpenCV's are the process's own)
   double decimate = 1.0;  ///< [1, 8]; AprilTag: quads are searched in an image smaller by this factor
   int max_hamming = 2;    ///< [0, 3]; AprilTag: more corrected bits than this is no detection

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "marker_search.hpp"
 #include "sextant/core/marker_detector.hpp"
 
 namespace sextant {
@@ -13,7 +14,7 @@ namespace sextant {
 /// libapriltag, any number of its families in one pass.
 /// @throws std::out_of_range for an unknown family
 /// @throws std::invalid_argument for a table of corrected codes that would not fit in memory
-std::unique_ptr<MarkerDetector> makeAprilTagDetector(const DetectorParams& params,
-                                                     const std::vector<std::string>& families);
+std::unique_ptr<MarkerSearch> makeAprilTagSearch(const DetectorParams& params,
+                                                 const std::vector<std::string>& families);
 
 }  // namespace sextant

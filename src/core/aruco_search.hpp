@@ -3,13 +3,14 @@
 #pragma once
 
 #include <memory>
+#include <string>
 
+#include "marker_search.hpp"
 #include "sextant/core/marker_detector.hpp"
 
 namespace sextant {
 
 /// OpenCV's aruco module, one dictionary. @throws std::out_of_range for an unknown dictionary
-std::unique_ptr<MarkerDetector> makeArucoDetector(const DetectorParams& params,
-                                                  const std::string& dictionary);
+std::unique_ptr<MarkerSearch> makeArucoSearch(const DetectorParams& params, const std::string& dictionary);
 
 }  // namespace sextant

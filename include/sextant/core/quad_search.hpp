@@ -1,0 +1,41 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+#include <opencv2/core/types.hpp>
+#include <vector>
+
+namespace sextant {
+
+/// A place in an image that is worth a detector's time.
+struct QuadCandidate {
+  cv::Rect box;  ///< of the quad, pixels
+  double side;   ///< its shortest side, pixels
+};
+
+/// Finds quadrilaterals (dark on light or light on dark) in an image of half the width and height, as
+/// OpenCV's aruco module does in the whole one: adaptive thresholds, contours, polygons. A print too small to
+/// be read there still has its outline; most contours that noise makes in the whole image are gone. Keeps its
+/// memory from image to image.
+class QuadSearch {
+ public:
+  /// @param image 8-bit grey
+  /// @param part of it that is searched
+  /// @param min_side pixels; shortest side of the smallest quad
+  /// @param blocks widths of the neighbourhoods whose mean is the threshold, odd, pixels of the half image
+  /// @return the largest first, one for quads on both sides of one edge; valid until the next call
+  const std::vector<QuadCandidate>& find(const cv::Mat& image, const cv::Rect& part, double min_side,
+                                         const std::vector<int>& blocks);
+
+ private:
+  void collect(const cv::Point& origin, double min_side);
+  void dropDoubles();
+
+  cv::Mat half_, dark_;
+  std::vector<std::vector<cv::Point>> contours_;
+  std::vector<cv::Point> polygon_;
+  std::vector<QuadCandidate> found_, kept_;
+};
+
+}  // namespace sextant

@@ -1,0 +1,87 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "marker_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace sextant {
+namespace {
+
+constexpr double kLeastMargin = 6;  // pixels about a quad, which must not touch a window's border
+constexpr double kQuiet = 0.1;      // of its size, likewise
+
+// One print seen twice, not two prints with one id.
+bool same(const MarkerKey& key, const Corners& corners, const Detection& other) {
+  const double larger = std::max(perimeter(corners), perimeter(other.corners));
+  return other.key == key && (centre(corners) - centre(other.corners)).norm() < larger / 8;
+}
+
+double crossProduct(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
+
+bool inside(const Corners& corners, const Eigen::Vector2d& pixel) {
+  int left = 0;
+  for (int i = 0; i < 4; ++i) left += crossProduct(corners[(i + 1) % 4] - corners[i], pixel - corners[i]) > 0;
+  return left == 0 || left == 4;
+}
+
+}  // namespace
+
+Eigen::Vector2d centre(const Corners& corners) {
+  return 0.25 * (corners[0] + corners[1] + corners[2] + corners[3]);
+}
+
+double perimeter(const Corners& corners) {
+  double sum = 0;
+  for (int i = 0; i < 4; ++i) sum += (corners[i] - corners[(i + 1) % 4]).norm();
+  return sum;
+}
+
+double shortestSide(const Corners& corners) {
+  double least = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < 4; ++i) least = std::min(least, (corners[i] - corners[(i + 1) % 4]).norm());
+  return least;
+}
+
+cv::Rect widened(const cv::Rect& box, double margin, const cv::Size& image) {
+  const int pixels = static_cast<int>(std::ceil(margin));
+  const cv::Rect wide(box.x - pixels, box.y - pixels, box.width + 2 * pixels, box.height + 2 * pixels);
+  return wide & cv::Rect({0, 0}, image);
+}
+
+void readQuads(const std::vector<QuadCandidate>& quads, const cv::Mat& image, MarkerSearch& search,
+               Effort effort, FoundMarkers& found) {
+  for (const QuadCandidate& quad : quads) {
+    if (found.cover(0.5 * cv::Point2d(quad.box.tl() + quad.box.br()))) continue;
+    const double margin = kLeastMargin + kQuiet * std::max(quad.box.width, quad.box.height);
+    search.within(image, widened(quad.box, margin, image.size()), quad.side, effort, found);
+  }
+}
+
+void FoundMarkers::add(const Detection& detection) {
+  const auto twin = std::find_if(markers.begin(), markers.end(), [&](const Detection& other) {
+    return same(detection.key, detection.corners, other);
+  });
+  if (twin == markers.end())
+    markers.push_back(detection);
+  else if (perimeter(detection.corners) > perimeter(twin->corners))
+    *twin = detection;
+}
+
+bool FoundMarkers::cover(const cv::Point2d& pixel) const {
+  return std::any_of(markers.begin(), markers.end(), [&](const Detection& found) {
+    return inside(found.corners, {pixel.x, pixel.y});
+  });
+}
+
+bool FoundMarkers::include(const MarkerKey& key, const Corners& near) const {
+  return std::any_of(markers.begin(), markers.end(), [&](const Detection& found) {
+    const double reach = perimeter(near) / 4;
+    return found.key == key && (centre(found.corners) - centre(near)).norm() < reach;
+  });
+}
+
+}  // namespace sextant

@@ -1,0 +1,54 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+#include <opencv2/core/types.hpp>
+#include <vector>
+
+#include "sextant/core/corner_refiner.hpp"
+#include "sextant/core/marker.hpp"
+#include "sextant/core/quad_search.hpp"
+
+namespace sextant {
+
+/// Markers that were found so far in one image; one on both sides of its edge counts once, as the larger one.
+class FoundMarkers {
+ public:
+  void add(const Detection& detection);
+  /// Whether a marker covers this pixel.
+  bool cover(const cv::Point2d& pixel) const;
+  /// Whether this one is among them.
+  bool include(const MarkerKey& key, const Corners& near) const;
+
+  std::vector<Detection> markers;
+};
+
+enum class Effort { quick, thorough };
+
+/// One backend: where it is told to look, it reads markers. Corners are the backend's own, good to 1.5 px.
+class MarkerSearch {
+ public:
+  virtual ~MarkerSearch() = default;
+  /// As thorough as it can.
+  virtual void everywhere(const cv::Mat& image, FoundMarkers& found) = 0;
+  /// @param window inside the image
+  /// @param side about the shortest side of the marker that is expected there, pixels
+  virtual void within(const cv::Mat& image, const cv::Rect& window, double side, Effort effort,
+                      FoundMarkers& found) = 0;
+  /// Shortest side of a marker that can be read in images of this size, pixels.
+  virtual double minSide(const cv::Size& image) const = 0;
+  virtual BorderSquare border(const MarkerKey& key) const = 0;
+};
+
+/// Reads every quad that is no part of a marker found already.
+void readQuads(const std::vector<QuadCandidate>& quads, const cv::Mat& image, MarkerSearch& search,
+               Effort effort, FoundMarkers& found);
+
+Eigen::Vector2d centre(const Corners& corners);
+double perimeter(const Corners& corners);
+double shortestSide(const Corners& corners);
+/// The part of the box, wider by margin pixels on all sides, that lies in the image.
+cv::Rect widened(const cv::Rect& box, double margin, const cv::Size& image);
+
+}  // namespace sextant
