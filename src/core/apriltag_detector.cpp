@@ -10,6 +10,7 @@
 namespace sextant {
 namespace {
 
+constexpr double kRawSigma = 0.3;  // pixels, of a coordinate of libapriltag's corner where nothing is hidden
 constexpr double kMaxTableBytes = 1e9;
 constexpr double kBytesPerCode = 3 * 16;  // libapriltag's hash table has three 16-byte slots a code
 
@@ -39,7 +40,7 @@ class AprilTagDetector : public MarkerDetector {
     }
   }
 
-  std::vector<Detection> detect(const cv::Mat& image) override {
+  std::vector<Detection> detect(const cv::Mat& image, const CameraModel* camera) override {
     const double min_side = 16 * params_.decimate;  // libapriltag divides by the number of its 4-pixel tiles
     if (image.cols < min_side || image.rows < min_side) return {};
     image_u8_t view{image.cols, image.rows, static_cast<int>(image.step), image.data};
@@ -49,7 +50,7 @@ class AprilTagDetector : public MarkerDetector {
       apriltag_detection_t* tag;
       zarray_get(found, i, &tag);
       if (tag->hamming <= params_.max_hamming && tag->decision_margin >= params_.min_decision_margin)
-        detections.push_back(refined(image, *tag));
+        detections.push_back(refined(image, camera, *tag));
     }
     apriltag_detections_destroy(found);
     return detections;
@@ -67,11 +68,13 @@ class AprilTagDetector : public MarkerDetector {
     return found;
   }
 
-  Detection refined(const cv::Mat& image, const apriltag_detection_t& tag) const {
+  Detection refined(const cv::Mat& image, const CameraModel* camera, const apriltag_detection_t& tag) const {
     Detection found = detection(tag);
     if (!params_.refine_corners) return found;
-    const BorderSquare square{tag.family->width_at_border, tag.family->reversed_border};
-    if (const auto corners = refineCorners(image, found.corners, square)) found.corners = *corners;
+    const BorderSquare square{tag.family->width_at_border, tag.family->reversed_border, kRawSigma};
+    const RefinedCorners refined = refineCorners(image, found.corners, square, camera);
+    found.corners = refined.corners;
+    found.corner_sigmas = refined.sigmas;
     return found;
   }
 

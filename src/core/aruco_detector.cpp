@@ -12,7 +12,8 @@
 namespace sextant {
 namespace {
 
-constexpr int kMinSide = 16;  // pixels; no marker can be read in a smaller image
+constexpr double kRawSigma = 0.75;  // pixels, of a coordinate of a contour's corner
+constexpr int kMinSide = 16;        // pixels; no marker can be read in a smaller image
 
 cv::Ptr<cv::aruco::DetectorParameters> arucoParameters(const DetectorParams& params) {
   auto aruco = cv::aruco::DetectorParameters::create();
@@ -42,14 +43,14 @@ class ArucoDetector : public MarkerDetector {
         dictionary_(makeArucoDictionary(name)),
         parameters_(arucoParameters(params)) {}
 
-  std::vector<Detection> detect(const cv::Mat& image) override {
+  std::vector<Detection> detect(const cv::Mat& image, const CameraModel* camera) override {
     if (image.cols < kMinSide || image.rows < kMinSide) return {};
     std::vector<std::vector<cv::Point2f>> quads;
     std::vector<int> ids;
     cv::aruco::detectMarkers(image, dictionary_, quads, ids, parameters_);
     std::vector<Detection> detections;
     for (size_t i = 0; i < ids.size(); ++i) add(detection(ids[i], quads[i]), detections);
-    for (Detection& found : detections) refine(image, found);
+    for (Detection& found : detections) refine(image, camera, found);
     return detections;
   }
 
@@ -77,10 +78,12 @@ class ArucoDetector : public MarkerDetector {
     detections.push_back(found);
   }
 
-  void refine(const cv::Mat& image, Detection& found) const {
+  void refine(const cv::Mat& image, const CameraModel* camera, Detection& found) const {
     if (!refine_) return;
-    if (const auto corners = refineCorners(image, found.corners, {dictionary_->markerSize + 2, false}))
-      found.corners = *corners;
+    const BorderSquare square{dictionary_->markerSize + 2, false, kRawSigma};
+    const RefinedCorners refined = refineCorners(image, found.corners, square, camera);
+    found.corners = refined.corners;
+    found.corner_sigmas = refined.sigmas;
   }
 
   std::string family_;

@@ -20,12 +20,12 @@ class CombinedDetector : public MarkerDetector {
  public:
   explicit CombinedDetector(std::vector<std::unique_ptr<MarkerDetector>> parts) : parts_(std::move(parts)) {}
 
-  std::vector<Detection> detect(const cv::Mat& image) override {
+  std::vector<Detection> detect(const cv::Mat& image, const CameraModel* camera) override {
     if (image.type() != CV_8UC1 || image.empty())
       throw std::invalid_argument("MarkerDetector: the image must be 8-bit grey and not empty");
     std::vector<Detection> all;
     for (const auto& part : parts_) {
-      auto found = part->detect(image);
+      auto found = part->detect(image, camera);
       all.insert(all.end(), std::make_move_iterator(found.begin()), std::make_move_iterator(found.end()));
     }
     return all;
