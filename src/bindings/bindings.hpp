@@ -14,6 +14,7 @@ void bindMarkerDetector(pybind11::module_& module);
 void bindMarkerPose(pybind11::module_& module);
 void bindMarkerMap(pybind11::module_& module);
 void bindMarkerLocator(pybind11::module_& module);
+void bindMarkerLocalization(pybind11::module_& module);
 void bindRoomRenderer(pybind11::module_& module);
 
 }  // namespace sextant

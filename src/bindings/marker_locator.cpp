@@ -22,7 +22,9 @@ std::vector<std::pair<std::string, int>> pairs(const std::vector<MarkerKey>& key
 void bindMarkerLocator(py::module_& module) {
   py::class_<MarkerView>(module, "MarkerView", "What one camera saw at one instant.")
       .def(py::init<CameraModel, Pose, std::vector<Detection>>(), "camera"_a, "T_base_camera"_a,
-           "detections"_a);
+           "detections"_a)
+      .def_readwrite("camera_index", &MarkerView::camera_index, "which of the robot's cameras, from 0")
+      .def_readwrite("noise_scale", &MarkerView::noise_scale);
   py::class_<LocatorParams>(module, "LocatorParams")
       .def(py::init<>())
       .def_readwrite("mode", &LocatorParams::mode)
@@ -42,8 +44,8 @@ void bindMarkerLocator(py::module_& module) {
       .def_readonly("T_map_base", &LocatedPose::T_map_base)
       .def_readonly("covariance", &LocatedPose::covariance, "6 x 6, order of PoseWithCovariance")
       .def_readonly("reprojection_error", &LocatedPose::reprojection_error, "RMS, pixels")
-      .def_property_readonly("used", [](const LocatedPose& pose) { return pairs(pose.used); })
-      .def_property_readonly("left_out", [](const LocatedPose& pose) { return pairs(pose.left_out); })
+      .def_property_readonly("used", [](const LocatedPose& pose) { return pairs(pose.used()); })
+      .def_property_readonly("left_out", [](const LocatedPose& pose) { return pairs(pose.leftOut()); })
       .def_readonly("probability", &LocatedPose::probability);
   py::class_<LocatorResult>(module, "LocatorResult", "Either a pose or the reason why there is none.")
       .def_readonly("pose", &LocatorResult::pose)

@@ -12,5 +12,6 @@ PYBIND11_MODULE(_core, module) {
   sextant::bindMarkerPose(module);
   sextant::bindMarkerMap(module);
   sextant::bindMarkerLocator(module);
+  sextant::bindMarkerLocalization(module);
   sextant::bindRoomRenderer(module);
 }

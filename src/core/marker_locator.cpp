@@ -26,7 +26,8 @@ Pose basePose(const Seen& seen, const MarkerPose& solution) {
   return seen.mapped->T_map_marker * solution.T_camera_marker.inverse() * seen.view->T_base_camera.inverse();
 }
 
-MarkerSighting sighting(const Seen& seen, double sigma) {
+MarkerSighting sighting(const Seen& seen, const LocatorParams& params) {
+  const double sigma = params.corner_sigma * seen.view->noise_scale;
   return {&seen.view->camera,        seen.view->T_base_camera.inverse(),
           seen.mapped->T_map_marker, seen.mapped->size,
           seen.detection->corners,   {sigma, sigma, sigma, sigma},
@@ -74,12 +75,22 @@ std::optional<FloorPrior> floorPrior(const LocatorParams& params) {
   return FloorPrior{params.floor_height_sigma, params.floor_tilt_sigma};
 }
 
-LocatedPose located(const std::vector<Seen>& all, const PoseHypothesis& best,
-                    const PosePosterior& posterior) {
-  LocatedPose pose{best.T_map_base, posterior.covariance, best.rms, {}, {}, posterior.probability};
+LocatedMarker located(const Seen& seen, const MarkerSighting& sighting, const Pose& T_map_base, bool used) {
+  const Eigen::Vector3d p_camera = seen.poses.best.T_camera_marker.translation();
+  return {seen.mapped->key,
+          seen.view->camera_index,
+          used,
+          squaredMahalanobis(sighting, T_map_base),
+          T_map_base * (seen.view->T_base_camera * p_camera),
+          p_camera.norm()};
+}
+
+LocatedPose located(const std::vector<Seen>& all, const std::vector<MarkerSighting>& sightings,
+                    const PoseHypothesis& best, const PosePosterior& posterior) {
+  LocatedPose pose{best.T_map_base, posterior.covariance, best.rms, posterior.probability, {}};
   for (size_t i = 0; i < all.size(); ++i) {
     const bool used = std::find(best.used.begin(), best.used.end(), i) != best.used.end();
-    (used ? pose.used : pose.left_out).push_back(all[i].mapped->key);
+    pose.markers.push_back(located(all[i], sightings[i], best.T_map_base, used));
   }
   return pose;
 }
@@ -99,7 +110,7 @@ LocatorResult result(const LocatedPose& pose) {
 LocatorResult joint(const std::vector<Seen>& all, const LocatorParams& params,
                     const std::optional<PosePrior>& prior) {
   std::vector<MarkerSighting> sightings;
-  for (const Seen& seen : all) sightings.push_back(sighting(seen, params.corner_sigma));
+  for (const Seen& seen : all) sightings.push_back(sighting(seen, params));
   const auto floor = floorPrior(params);
   const auto hypotheses =
       poseHypotheses(sightings, starts(all), {params.robust_width, params.gate, floor}, prior);
@@ -110,7 +121,7 @@ LocatorResult joint(const std::vector<Seen>& all, const LocatorParams& params,
   const PosePosterior posterior = posePosterior(sightings, hypotheses, {params.decided, floor});
   if (posterior.probability < params.decided && params.ambiguous == "skip")
     return none("ambiguous: more than one pose explains the markers");
-  return result(located(all, hypotheses[posterior.best], posterior));
+  return result(located(all, sightings, hypotheses[posterior.best], posterior));
 }
 
 LocatorResult nearest(const std::vector<Seen>& all, const LocatorParams& params,
@@ -124,7 +135,7 @@ LocatorResult nearest(const std::vector<Seen>& all, const LocatorParams& params,
 LocatorResult average(const std::vector<Seen>& all, const LocatorParams& params,
                       const std::optional<PosePrior>& prior) {
   std::vector<Pose> poses;
-  LocatedPose mean{Pose::Identity(), Matrix6d::Zero(), 0.0, {}, {}};
+  LocatedPose mean{Pose::Identity(), Matrix6d::Zero(), 0.0, 1.0, {}};
   LocatorResult last;
   double squares = 0;
   for (const Seen& seen : all) {
@@ -134,7 +145,7 @@ LocatorResult average(const std::vector<Seen>& all, const LocatorParams& params,
     mean.covariance += last.pose->covariance;
     mean.probability = std::min(mean.probability, last.pose->probability);
     squares += last.pose->reprojection_error * last.pose->reprojection_error;
-    mean.used.push_back(seen.mapped->key);
+    mean.markers.push_back(last.pose->markers[0]);
   }
   if (poses.empty()) return last;
   const auto n = static_cast<double>(poses.size());
@@ -160,7 +171,17 @@ std::string whyNothing(const std::vector<MarkerView>& views, const LocatorResult
   return result.unmapped.empty() ? "no marker's corners give a pose" : "no marker in sight is in the map";
 }
 
+std::vector<MarkerKey> keys(const LocatedPose& pose, bool used) {
+  std::vector<MarkerKey> some;
+  for (const LocatedMarker& marker : pose.markers)
+    if (marker.used == used) some.push_back(marker.key);
+  return some;
+}
+
 }  // namespace
+
+std::vector<MarkerKey> LocatedPose::used() const { return keys(*this, true); }
+std::vector<MarkerKey> LocatedPose::leftOut() const { return keys(*this, false); }
 
 void LocatorParams::validate() const {
   if (modes().count(mode) == 0)

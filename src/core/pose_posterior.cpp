@@ -6,7 +6,9 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
+#include <map>
 
 #include "tilt_lattice.hpp"
 
@@ -23,7 +25,8 @@ struct Component {
   Pose T_map_base;
   Matrix6d covariance;
   double weight;
-  size_t hypothesis;
+  size_t hypothesis;  // to whose minimum it belongs
+  size_t group;       // the same for hypotheses that no barrier parts
 };
 
 // How far, in squared deviations, the arc on which the base lies about its markers leaves its tangent: half
@@ -39,12 +42,36 @@ double curvature(const PoseHypothesis& found, const Eigen::Vector3d& centre) {
   return bend.dot(found.covariance.ldlt().solve(bend));
 }
 
+// Whether the cost rises as the covariance says along the two weakest rotations, 2.5 deviations to either
+// side: nearly head-on it does not, where two minima meet in one.
+bool rises(const std::vector<MarkerSighting>& used, const PoseHypothesis& found,
+           const std::optional<FloorPrior>& floor) {
+  constexpr double kDeviations = 2.5, kTolerance = 0.25;
+  const Pivot pivot(used);
+  const ReprojectionParams params{1e9, floor};
+  const Matrix6d inverse = pivot.jacobian(found.T_map_base).inverse();
+  const Matrix6d covariance = inverse * found.covariance * inverse.transpose();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> rotation(covariance.bottomRightCorner<3, 3>());
+  const double least = reprojectionModel(used, found.T_map_base, params).cost;
+  for (const int axis : {2, 1}) {
+    Vector6d direction = Vector6d::Zero();
+    direction.tail<3>() = rotation.eigenvectors().col(axis);
+    const Vector6d step = kDeviations * covariance * direction / std::sqrt(rotation.eigenvalues()[axis]);
+    for (const double sign : {1.0, -1.0}) {
+      const double cost = reprojectionModel(used, pivot.moved(found.T_map_base, sign * step), params).cost;
+      if (!(std::abs(cost - least - kDeviations * kDeviations) < kTolerance * kDeviations * kDeviations))
+        return false;
+    }
+  }
+  return true;
+}
+
 // The hypotheses as Gaussians, as the minima are.
 std::vector<Component> gaussians(const std::vector<PoseHypothesis>& hypotheses) {
   std::vector<Component> all;
   for (size_t i = 0; i < hypotheses.size(); ++i)
     if (hypotheses[i].weight > kNegligible)
-      all.push_back({hypotheses[i].T_map_base, hypotheses[i].covariance, hypotheses[i].weight, i});
+      all.push_back({hypotheses[i].T_map_base, hypotheses[i].covariance, hypotheses[i].weight, i, i});
   return all;
 }
 
@@ -56,20 +83,26 @@ std::vector<size_t> peers(const std::vector<PoseHypothesis>& hypotheses) {
   return same;
 }
 
-// The lattice's cells instead of the Gaussians of the peers, with their share.
+// The lattice's cells instead of the Gaussians of the peers, with their share. The prior weighs groups:
+// inside one it would not decide, it would be mixed in.
 std::vector<Component> refined(const std::vector<PoseHypothesis>& hypotheses, const std::vector<size_t>& same,
-                               const std::vector<TiltCell>& cells) {
-  std::vector<Component> all;
+                               const TiltLattice& lattice) {
+  std::map<size_t, double> log_prior;
+  for (size_t k = 0; k < same.size(); ++k) {
+    const auto entry = log_prior.insert({lattice.group[k], hypotheses[same[k]].log_prior}).first;
+    entry->second = std::max(entry->second, hypotheses[same[k]].log_prior);
+  }
+  const auto logarithm = [&](const TiltCell& cell) {
+    return cell.log_density + log_prior.at(lattice.group[cell.hypothesis]);
+  };
   double share = 0.0, sum = 0.0, largest = -std::numeric_limits<double>::infinity();
   for (const size_t i : same) share += hypotheses[i].weight;
-  const auto logarithm = [&](const TiltCell& cell) {
-    return cell.log_density + hypotheses[same[cell.hypothesis]].log_prior;
-  };
-  for (const TiltCell& cell : cells) largest = std::max(largest, logarithm(cell));
-  for (const TiltCell& cell : cells) sum += std::exp(logarithm(cell) - largest);
-  for (const TiltCell& cell : cells)
+  for (const TiltCell& cell : lattice.cells) largest = std::max(largest, logarithm(cell));
+  for (const TiltCell& cell : lattice.cells) sum += std::exp(logarithm(cell) - largest);
+  std::vector<Component> all;
+  for (const TiltCell& cell : lattice.cells)
     all.push_back({cell.T_map_base, cell.covariance, share * std::exp(logarithm(cell) - largest) / sum,
-                   same[cell.hypothesis]});
+                   same[cell.hypothesis], same[lattice.group[cell.hypothesis]]});
   for (const Component& other : gaussians(hypotheses))
     if (std::find(same.begin(), same.end(), other.hypothesis) == same.end()) all.push_back(other);
   return all;
@@ -80,12 +113,13 @@ std::vector<Component> components(const std::vector<MarkerSighting>& sightings,
                                   const PosteriorParams& params) {
   std::vector<MarkerSighting> used;
   for (const size_t i : hypotheses[0].used) used.push_back(sightings[i]);
-  if (curvature(hypotheses[0], Pivot(used).centre()) < kCurved) return gaussians(hypotheses);
+  if (curvature(hypotheses[0], Pivot(used).centre()) < kCurved && rises(used, hypotheses[0], params.floor))
+    return gaussians(hypotheses);
   const auto same = peers(hypotheses);
   std::vector<PoseHypothesis> minima;
   for (const size_t i : same) minima.push_back(hypotheses[i]);
-  const auto cells = tiltLattice(used, minima, params.floor);
-  return cells.empty() ? gaussians(hypotheses) : refined(hypotheses, same, cells);
+  const TiltLattice lattice = tiltLattice(used, minima, params.floor);
+  return lattice.cells.empty() ? gaussians(hypotheses) : refined(hypotheses, same, lattice);
 }
 
 // Second moment of the components about a pose.
@@ -134,30 +168,45 @@ double regionScale(const std::vector<Component>& all, const Pose& about, const M
   return high;
 }
 
+// Share of each group or hypothesis.
+std::map<size_t, double> shares(const std::vector<Component>& all, size_t Component::*key) {
+  std::map<size_t, double> share;
+  double sum = 0.0;
+  for (const Component& component : all) sum += component.weight;
+  for (const Component& component : all) share[component.*key] += component.weight / sum;
+  return share;
+}
+
+size_t largest(const std::map<size_t, double>& share) {
+  return std::max_element(share.begin(), share.end(), [](auto& a, auto& b) { return a.second < b.second; })
+      ->first;
+}
+
+// Of the most probable group, the hypothesis that is most probable with what the prior says of it.
+size_t bestHypothesis(const std::vector<Component>& group, const std::vector<PoseHypothesis>& hypotheses) {
+  auto share = shares(group, &Component::hypothesis);
+  for (auto& [hypothesis, weight] : share) weight = std::log(weight) + hypotheses[hypothesis].log_prior;
+  return largest(share);
+}
+
 }  // namespace
 
 PosePosterior posePosterior(const std::vector<MarkerSighting>& sightings,
                             const std::vector<PoseHypothesis>& hypotheses, const PosteriorParams& params) {
   auto all = components(sightings, hypotheses, params);
-  std::vector<double> weights(hypotheses.size(), 0.0);
-  double sum = 0.0;
-  for (const Component& component : all) {
-    weights[component.hypothesis] += component.weight;
-    sum += component.weight;
-  }
+  const auto by_group = shares(all, &Component::group);
+  const size_t group = largest(by_group);
+  std::vector<Component> probable;
+  std::copy_if(all.begin(), all.end(), std::back_inserter(probable),
+               [&](const Component& component) { return component.group == group; });
+  if (by_group.at(group) >= params.decided) all = probable;
   PosePosterior posterior;
-  posterior.best = std::max_element(weights.begin(), weights.end()) - weights.begin();
-  posterior.probability = weights[posterior.best] / sum;
+  posterior.best = bestHypothesis(probable, hypotheses);
+  posterior.probability = shares(all, &Component::hypothesis).at(posterior.best);
   const Pose& about = hypotheses[posterior.best].T_map_base;
-  if (posterior.probability >= params.decided) {
-    all.erase(std::remove_if(all.begin(), all.end(),
-                             [&](const Component& c) { return c.hypothesis != posterior.best; }),
-              all.end());
-    posterior.covariance = secondMoment(all, about);
-  } else {
-    posterior.covariance = secondMoment(all, about);
+  posterior.covariance = secondMoment(all, about);
+  if (posterior.probability < params.decided)
     posterior.covariance *= std::max(1.0, regionScale(all, about, posterior.covariance));
-  }
   return posterior;
 }
 

@@ -17,7 +17,13 @@ struct TiltCell {
   Matrix6d
       covariance;      ///< of the other four degrees of freedom: position, rotation in the map's axes; rank 4
   double log_density;  ///< up to a common constant
+  double cost;         ///< of the minimum, squared deviations
   size_t hypothesis;   ///< whose minimum it belongs to
+};
+
+struct TiltLattice {
+  std::vector<TiltCell> cells;
+  std::vector<size_t> group;  ///< of each minimum: those that no barrier parts have the same
 };
 
 /// The distribution of a pose that one plane of markers leaves, for which an ellipsoid is no picture: from
@@ -25,9 +31,8 @@ struct TiltCell {
 /// the two weakest rotations, grown from the minima down to exp(-kDepth / 2) of the peak, the other four
 /// degrees of freedom are minimized and taken as Gaussian.
 /// @param minima of the sightings' cost, the first gives the lattice; all explain the same markers
-/// @return empty where the lattice finds no density
-std::vector<TiltCell> tiltLattice(const std::vector<MarkerSighting>& sightings,
-                                  const std::vector<PoseHypothesis>& minima,
-                                  const std::optional<FloorPrior>& floor);
+/// @return without cells where the lattice finds no density
+TiltLattice tiltLattice(const std::vector<MarkerSighting>& sightings,
+                        const std::vector<PoseHypothesis>& minima, const std::optional<FloorPrior>& floor);
 
 }  // namespace sextant

@@ -4,7 +4,6 @@
 #include <geometry_msgs/PoseWithCovarianceStamped.h>
 #include <nodelet/nodelet.h>
 #include <tf2_ros/buffer.h>
-#include <tf2_ros/transform_broadcaster.h>
 #include <tf2_ros/transform_listener.h>
 
 #include <boost/make_shared.hpp>
@@ -15,9 +14,12 @@
 
 #include "sextant/MarkerArray.h"
 #include "sextant/MarkerMapEntries.h"
-#include "sextant/core/marker_locator.hpp"
+#include "sextant/core/marker_localization.hpp"
+#include "sextant/core/stamp_groups.hpp"
 #include "sextant/ros/conversions.hpp"
+#include "sextant/ros/locator_report.hpp"
 #include "sextant/ros/locator_visualization.hpp"
+#include "sextant/ros/map_transform.hpp"
 #include "sextant/ros/marker_locator_params.hpp"
 #include "sextant/ros/stage_clock.hpp"
 #include "sextant/ros/tf_bridge.hpp"
@@ -27,30 +29,39 @@ namespace sextant {
 
 /// Tells the base's pose in the map from the markers that cameras see.
 class MarkerLocatorNodelet : public nodelet::Nodelet {
-  static constexpr size_t kMaxPending = 30;  // images of one camera that wait for a transform
+  static constexpr size_t kMaxPending = 30;  // instants that wait for a transform
   static constexpr double kJumpBack = 1.0;   // seconds; less is an image out of order
 
-  // Markers that may wait for a transform.
-  struct Pending {
-    MarkerArrayConstPtr markers;
+  using Groups = StampGroups<MarkerArrayConstPtr>;
+
+  // What the cameras saw at one instant, which may wait for a transform.
+  struct Instant {
+    std::vector<Groups::Member> images;
+    ros::Time stamp;  // of the newest image
     ros::SteadyTime deadline;
     std::string missing;  // the transform, with the reason
   };
-  struct Camera {
-    std::deque<Pending> pending;
-    ros::Time newest;
+
+  // What tf knows of an instant.
+  struct Frames {
+    std::vector<Pose> T_base_camera;  // an image; the base is that of the instant
+    std::optional<Pose> T_odom_base;
   };
 
   void onInit() override {
     trouble_ = std::make_unique<TroubleLog>(getName());
+    report_ = std::make_unique<LocatorReport>(*trouble_);
     try {
       params_ = MarkerLocatorParams::fromRos(getPrivateNodeHandle());
-      locator_ = std::make_unique<MarkerLocator>(params_.locator);
+      localization_ = std::make_unique<MarkerLocalization>(params_.localization);
       if (!params_.map_file.empty()) map_ = readMarkerMap(params_.map_file, params_.text);
     } catch (const std::exception& error) {
       NODELET_FATAL("%s: %s", getName().c_str(), error.what());
       throw;
     }
+    groups_ = std::make_unique<Groups>(
+        StampGroupsParams{params_.cameras.size(), params_.camera_window, params_.camera_patience});
+    newest_.resize(params_.cameras.size());
     tf_listener_ = std::make_unique<tf2_ros::TransformListener>(tf_);
     advertise();
     subscribe();
@@ -58,6 +69,10 @@ class MarkerLocatorNodelet : public nodelet::Nodelet {
 
   void advertise() {
     ros::NodeHandle& node = getNodeHandle();
+    const std::map<std::string, std::string> children = {{"map_to_odom", params_.odom_frame},
+                                                         {"map_to_base", params_.base_frame}};
+    const auto child = children.find(params_.tf_output);
+    transform_ = std::make_unique<MapTransform>(tf_, child == children.end() ? "" : child->second);
     pose_pub_ = node.advertise<geometry_msgs::PoseWithCovarianceStamped>("pose", 1);
     visualization_pub_ = node.advertise<visualization_msgs::MarkerArray>("visualization", 1);
     diagnostics_ = std::make_unique<diagnostic_updater::Updater>(node, getPrivateNodeHandle(), getName());
@@ -67,6 +82,9 @@ class MarkerLocatorNodelet : public nodelet::Nodelet {
         node.createWallTimer(ros::WallDuration(1.0), [this](const ros::WallTimerEvent&) { everySecond(); });
     retry_timer_ = node.createWallTimer(
         ros::WallDuration(0.002), [this](const ros::WallTimerEvent&) { work(); }, false, false);
+    if (params_.tf_output == "map_to_odom" && params_.tf_rate > 0)
+      transform_timer_ = node.createWallTimer(ros::WallDuration(1 / params_.tf_rate),
+                                              [this](const ros::WallTimerEvent&) { keepTransform(); });
   }
 
   // A latched map that came before the nodelet's queue was open is lost: it is asked for again.
@@ -82,102 +100,113 @@ class MarkerLocatorNodelet : public nodelet::Nodelet {
   void subscribe() {
     ros::NodeHandle& node = getNodeHandle();
     subscribeMap();
-    cameras_.resize(params_.cameras.size());
     for (size_t i = 0; i < params_.cameras.size(); ++i)
       marker_subs_.push_back(node.subscribe<MarkerArray>(
-          params_.cameras[i], 1, [this, i](const MarkerArrayConstPtr& msg) { onMarkers(cameras_[i], msg); },
-          {}, ros::TransportHints().tcpNoDelay()));
+          params_.cameras[i], 1, [this, i](const MarkerArrayConstPtr& msg) { onMarkers(i, msg); }, {},
+          ros::TransportHints().tcpNoDelay()));
   }
 
   void onMap(const MarkerMapEntriesConstPtr& msg) {
     try {
       map_ = fromMsg(*msg);
+      localization_->forgetMap();
       visualization_.clear();
     } catch (const std::exception& error) {
       trouble_->report("map", "the map on " + map_sub_.getTopic() + " is not used: " + error.what());
     }
   }
 
-  void onMarkers(Camera& camera, const MarkerArrayConstPtr& msg) {
-    ++images_;
+  void onMarkers(size_t camera, const MarkerArrayConstPtr& msg) {
+    report_->image();
     const ros::Time stamp = msg->header.stamp;
-    if (!stamp.isZero() && camera.newest.toSec() - stamp.toSec() > kJumpBack) beginAnew();
-    camera.newest = stamp;
-    camera.pending.push_back(
-        {msg, ros::SteadyTime::now() + ros::WallDuration(params_.transform_timeout), ""});
-    if (camera.pending.size() > kMaxPending) giveUp(camera);
+    if (!stamp.isZero() && newest_[camera].toSec() - stamp.toSec() > kJumpBack) beginAnew();
+    newest_[camera] = stamp;
+    groups_->add(camera, stamp.toSec(), ros::SteadyTime::now().toSec(), msg);
     work();
   }
 
   // A bag plays again: as long as tf has the later transforms it refuses the earlier ones.
   void beginAnew() {
-    trouble_->report("clock", "the images' stamps jumped back: what tf knew is forgotten");
-    for (Camera& camera : cameras_) camera.pending.clear();
+    trouble_->report("clock", "the images' stamps jumped back: what was known is forgotten");
+    groups_->clear();
+    pending_.clear();
     tf_.clear();
+    localization_->reset();
+    transform_->reset();
     visualization_.clear();
-  }
-
-  // The oldest that waits is told of and dropped.
-  void giveUp(Camera& camera) {
-    trouble_->report("transform", camera.pending.front().missing);
-    camera.pending.pop_front();
   }
 
   // Locates what waits, in the order of arrival; a missing transform may still come until its deadline.
   void work() {
-    bool waiting = false;
-    for (Camera& camera : cameras_) {
-      while (!camera.pending.empty()) {
-        Pending& oldest = camera.pending.front();
-        if (tryLocate(oldest))
-          camera.pending.pop_front();
-        else if (ros::SteadyTime::now() >= oldest.deadline)
-          giveUp(camera);
-        else
-          break;
+    const ros::SteadyTime now = ros::SteadyTime::now();
+    while (auto images = groups_->take(now.toSec()))
+      pending_.push_back(instant(std::move(*images), now + ros::WallDuration(params_.transform_timeout)));
+    while (!pending_.empty()) {
+      const bool over = pending_.size() > kMaxPending || now >= pending_.front().deadline;
+      if (!tryLocate(pending_.front())) {
+        if (!over) break;
+        trouble_->report("transform", pending_.front().missing);
       }
-      waiting = waiting || !camera.pending.empty();
+      pending_.pop_front();
     }
-    waiting ? retry_timer_.start() : retry_timer_.stop();
+    pending_.empty() && groups_->empty() ? retry_timer_.stop() : retry_timer_.start();
   }
 
-  // What tf knows of an image's stamp: the mount, and the odometry where it is needed.
-  struct Frames {
-    Pose T_base_camera = Pose::Identity();
-    Pose T_odom_base = Pose::Identity();
-  };
+  static Instant instant(std::vector<Groups::Member> images, const ros::SteadyTime& deadline) {
+    Instant instant{std::move(images), {}, deadline, ""};
+    for (const auto& image : instant.images)
+      instant.stamp = std::max(instant.stamp, image.item->header.stamp);
+    return instant;
+  }
 
-  std::optional<Frames> lookUpFrames(const std_msgs::Header& header, std::string& missing) {
+  std::optional<Pose> lookUpOrTell(const std::string& target, const std::string& source,
+                                   const ros::Time& stamp, std::string& missing) {
+    const TransformLookup found = lookUp(tf_, target, source, stamp);
+    missing = found.reason;
+    return found.T_target_source;
+  }
+
+  // With odometry, cameras that saw the same instant a little earlier were elsewhere with their base.
+  std::optional<Frames> lookUpFrames(Instant& instant) {
     Frames frames;
-    if (params_.base_frame.empty()) return frames;
-    const auto mount = lookUp(tf_, params_.base_frame, header.frame_id, header.stamp);
-    missing = mount.reason;
-    if (!mount.T_target_source) return std::nullopt;
-    frames.T_base_camera = *mount.T_target_source;
-    if (params_.tf_output != "map_to_odom") return frames;
-    const auto odometry = lookUp(tf_, params_.odom_frame, params_.base_frame, header.stamp);
-    missing = odometry.reason;
-    if (!odometry.T_target_source) return std::nullopt;
-    frames.T_odom_base = *odometry.T_target_source;
+    const bool with_odometry = params_.needsOdometry();
+    if (with_odometry) {
+      frames.T_odom_base =
+          lookUpOrTell(params_.odom_frame, params_.base_frame, instant.stamp, instant.missing);
+      if (!frames.T_odom_base) return std::nullopt;
+    }
+    for (const auto& image : instant.images) {
+      const std_msgs::Header& header = image.item->header;
+      frames.T_base_camera.push_back(Pose::Identity());
+      if (params_.base_frame.empty()) continue;
+      const auto mount = lookUpOrTell(params_.base_frame, header.frame_id, header.stamp, instant.missing);
+      if (!mount) return std::nullopt;
+      frames.T_base_camera.back() = *mount;
+      if (!with_odometry || header.stamp == instant.stamp) continue;
+      const auto then = lookUpOrTell(params_.odom_frame, params_.base_frame, header.stamp, instant.missing);
+      if (!then) return std::nullopt;
+      frames.T_base_camera.back() = frames.T_odom_base->inverse() * *then * *mount;
+    }
     return frames;
   }
 
   // False: a transform is missing.
-  bool tryLocate(Pending& pending) {
-    const MarkerArray& msg = *pending.markers;
+  bool tryLocate(Instant& instant) {
     if (!map_) {
       trouble_->report("map", "no marker map yet: set ~map_file, or start marker_broadcaster (" +
                                   map_sub_.getTopic() + ")");
       return true;
     }
     clock_.start();
-    const auto frames = lookUpFrames(msg.header, pending.missing);
+    const auto frames = lookUpFrames(instant);
     if (!frames) return false;
     try {
-      const LocatorResult result = locator_->locate(*map_, {view(msg, frames->T_base_camera)});
+      const LocatorResult result = localization_->locate(*map_, views(instant, *frames), frames->T_odom_base);
       clock_.finish("localization");
-      report(result, msg.markers.empty());
-      if (result.pose) publish(msg.header, *frames, *result.pose);
+      const bool nothing_seen = std::all_of(instant.images.begin(), instant.images.end(),
+                                            [](const auto& image) { return image.item->markers.empty(); });
+      report_->result(result, nothing_seen);
+      if (result.pose) publish(instant, *frames, *result.pose);
       clock_.finish("publication");
     } catch (const std::exception& error) {
       trouble_->report("markers", error.what());
@@ -185,99 +214,68 @@ class MarkerLocatorNodelet : public nodelet::Nodelet {
     return true;
   }
 
-  static MarkerView view(const MarkerArray& msg, const Pose& T_base_camera) {
-    const auto image = msg.rectified ? CameraModel::Image::rectified : CameraModel::Image::raw;
-    MarkerView view{CameraModel(fromMsg(msg.camera_info), image), T_base_camera, {}};
-    for (const Marker& marker : msg.markers) view.detections.push_back(fromMsg(marker));
-    return view;
-  }
-
-  void report(const LocatorResult& result, bool nothing_seen) {
-    for (const MarkerKey& key : result.unmapped) ++unmapped_[key];
-    for (const MarkerKey& key : result.repeated)
-      trouble_->report("repeated marker",
-                       "marker " + std::to_string(key.id) + " (" + key.family +
-                           ") is in one image more than once and is left out: hang each id once");
-    if (result.pose) {
-      ++poses_;
-      reprojection_error_ = result.pose->reprojection_error;
-      trouble_->succeeded();
-      return;
+  static std::vector<MarkerView> views(const Instant& instant, const Frames& frames) {
+    std::vector<MarkerView> all;
+    for (size_t i = 0; i < instant.images.size(); ++i) {
+      const MarkerArray& msg = *instant.images[i].item;
+      const auto image = msg.rectified ? CameraModel::Image::rectified : CameraModel::Image::raw;
+      MarkerView view{CameraModel(fromMsg(msg.camera_info), image), frames.T_base_camera[i], {}};
+      view.camera_index = instant.images[i].camera;
+      for (const Marker& marker : msg.markers) view.detections.push_back(fromMsg(marker));
+      all.push_back(std::move(view));
     }
-    ++reasons_[result.reason];
-    if (nothing_seen)
-      trouble_->succeeded();
-    else
-      trouble_->report("markers in vain", "no pose: " + result.reason);
+    return all;
   }
 
-  void publish(const std_msgs::Header& header, const Frames& frames, const LocatedPose& located) {
+  void publish(const Instant& instant, const Frames& frames, const LocatedPose& located) {
     auto msg = boost::make_shared<geometry_msgs::PoseWithCovarianceStamped>();
-    msg->header.stamp = header.stamp;
+    msg->header.stamp = instant.stamp;
     msg->header.frame_id = map_->frame();
     msg->pose = toPoseWithCovarianceMsg(located.T_map_base, located.covariance);
     pose_pub_.publish(msg);
-    broadcast(header.stamp, frames, located.T_map_base);
+    report_->published((ros::Time::now() - instant.stamp).toSec());
+    if (params_.tf_output == "map_to_base") send(instant.stamp, located.T_map_base);
+    const auto T_map_odom = localization_->correction().transform();
+    if (params_.tf_output == "map_to_odom" && T_map_odom) send(instant.stamp, *T_map_odom);
     if (visualization_pub_.getNumSubscribers() > 0)
-      visualization_pub_.publish(
-          visualization_.update(located, located.T_map_base * frames.T_base_camera, *map_, header.stamp));
+      visualization_pub_.publish(visualization_.update(
+          located, located.T_map_base * frames.T_base_camera.front(), *map_, instant.stamp));
   }
 
-  void broadcast(const ros::Time& stamp, const Frames& frames, const Pose& T_map_base) {
-    if (params_.tf_output == "none") return;
-    const bool to_odom = params_.tf_output == "map_to_odom";
-    const std::string& child = to_odom ? params_.odom_frame : params_.base_frame;
-    const std::string parent = parentFrame(tf_, child);
-    if (!parent.empty() && parent != map_->frame() && parent != sent_parent_) {
-      trouble_->report("tf", "'" + child + "' already has the parent '" + parent + "': tf_output " +
-                                 params_.tf_output + " would break the tree and is not sent");
-      return;
-    }
-    if (stamp == last_transform_) return;  // tf warns of a stamp given twice
-    last_transform_ = stamp;
-    geometry_msgs::TransformStamped transform;
-    transform.header.stamp = stamp;
-    transform.header.frame_id = sent_parent_ = map_->frame();
-    transform.child_frame_id = child;
-    transform.transform = toTransformMsg(to_odom ? T_map_base * frames.T_odom_base.inverse() : T_map_base);
-    broadcaster_.sendTransform(transform);
+  void send(const ros::Time& stamp, const Pose& T_map_child) {
+    const std::string why_not = transform_->send(map_->frame(), stamp, T_map_child);
+    if (!why_not.empty()) trouble_->report("tf", "tf_output " + params_.tf_output + ": " + why_not);
+  }
+
+  // As long as odometry comes, so does map -> odom: whoever asks for a frame in the map finds it at every
+  // stamp that odometry has.
+  void keepTransform() {
+    const auto T_map_odom = localization_->correction().transform();
+    if (!map_ || !T_map_odom) return;
+    const ros::Time newest = newestCommonTime(tf_, params_.odom_frame, params_.base_frame);
+    if (!newest.isZero()) send(newest, *T_map_odom);
   }
 
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
-    using diagnostic_msgs::DiagnosticStatus;
-    trouble_->fill(status);
-    if (!map_)
-      status.summary(DiagnosticStatus::WARN, "no marker map yet");
-    else if (images_ == 0)
-      status.summary(DiagnosticStatus::WARN, "no markers on " + params_.cameras.front());
-    status.add("images", images_);
-    status.add("poses", poses_);
-    status.add("reprojection error (px)", reprojection_error_);
-    status.add("markers in the map", map_ ? map_->markers().size() : 0);
-    for (const auto& [reason, count] : reasons_) status.add("no pose: " + reason, count);
-    for (const auto& [key, count] : unmapped_)
-      status.add("not in the map: " + key.family + "/" + std::to_string(key.id), count);
+    report_->fill(status, *localization_, map_ ? &*map_ : nullptr, params_.cameras);
     clock_.fill(status);
   }
 
   MarkerLocatorParams params_;
-  std::unique_ptr<MarkerLocator> locator_;
+  std::unique_ptr<MarkerLocalization> localization_;
   std::optional<MarkerMap> map_;
-  std::vector<Camera> cameras_;
-  ros::Time last_transform_;
-  std::string sent_parent_;  // the map's frame may change: this one is ours
+  std::unique_ptr<Groups> groups_;
+  std::deque<Instant> pending_;
+  std::vector<ros::Time> newest_;  // stamp a camera
   LocatorVisualization visualization_;
-  unsigned long images_ = 0, poses_ = 0;
-  double reprojection_error_ = 0.0;
-  std::map<std::string, unsigned long> reasons_;
-  std::map<MarkerKey, unsigned long> unmapped_;
   std::unique_ptr<TroubleLog> trouble_;
+  std::unique_ptr<LocatorReport> report_;
   StageClock clock_;
   tf2_ros::Buffer tf_;
   std::unique_ptr<tf2_ros::TransformListener> tf_listener_;
-  tf2_ros::TransformBroadcaster broadcaster_;
+  std::unique_ptr<MapTransform> transform_;
   std::unique_ptr<diagnostic_updater::Updater> diagnostics_;
-  ros::WallTimer diagnostics_timer_, retry_timer_;
+  ros::WallTimer diagnostics_timer_, retry_timer_, transform_timer_;
   ros::Publisher pose_pub_, visualization_pub_;
   ros::Subscriber map_sub_;
   std::vector<ros::Subscriber> marker_subs_;

@@ -39,7 +39,7 @@ visualization_msgs::MarkerArray LocatorVisualization::update(const LocatedPose& 
                                                              const ros::Time& stamp) {
   using visualization_msgs::Marker;
   Marker sight = lines("lines of sight", Marker::LINE_LIST, map.frame(), stamp);
-  for (const MarkerKey& key : pose.used) {
+  for (const MarkerKey& key : pose.used()) {
     const MappedMarker* mapped = map.find(key);
     if (!mapped) continue;
     sight.points.push_back(toPoint(T_map_camera.translation()));

@@ -25,15 +25,19 @@ std::map<int, double> byId(const std::map<std::string, double>& sizes) {
 
 void MarkerLocatorParams::validate() const {
   static const std::set<std::string> outputs = {"none", "map_to_odom", "map_to_base"};
-  locator.validate();
+  localization.validate();
   text.validate();
   if (outputs.count(tf_output) == 0)
     throw std::invalid_argument("tf_output is '" + tf_output +
                                 "', allowed are none, map_to_odom and map_to_base");
   if (tf_output != "none" && base_frame.empty())
     throw std::invalid_argument("tf_output " + tf_output + " needs a base_frame");
-  if (tf_output == "map_to_odom" && (odom_frame.empty() || odom_frame == base_frame))
-    throw std::invalid_argument("tf_output map_to_odom needs an odom_frame that is not the base_frame");
+  if (needsOdometry() && (base_frame.empty() || odom_frame.empty() || odom_frame == base_frame))
+    throw std::invalid_argument(
+        "tf_output map_to_odom and use_odometry need a base_frame and an odom_frame that is not the same");
+  Range::closed(0, 1000).require("tf_rate", tf_rate, "Hz");
+  Range::closed(0, 1).require("camera_window", camera_window, "s");
+  Range::closed(0, 1).require("camera_patience", camera_patience, "s");
   Range::closed(0, 10).require("transform_timeout", transform_timeout, "s");
   if (cameras.empty()) throw std::invalid_argument("cameras is empty, name at least one topic of markers");
 }
@@ -42,17 +46,26 @@ MarkerLocatorParams MarkerLocatorParams::fromRos(const ros::NodeHandle& private_
   MarkerLocatorParams params;
   ParamReader reader(private_node);
   std::map<std::string, double> sizes;
-  reader.read("mode", params.locator.mode);
-  reader.read("corner_sigma", params.locator.corner_sigma);
-  reader.read("max_reprojection_error", params.locator.max_reprojection_error);
-  reader.read("robust_width", params.locator.robust_width);
-  reader.read("gate", params.locator.gate);
-  reader.read("floor_height_sigma", params.locator.floor_height_sigma);
-  reader.read("floor_tilt_sigma", params.locator.floor_tilt_sigma);
-  reader.read("decided", params.locator.decided);
-  reader.read("ambiguous", params.locator.ambiguous);
-  reader.read("constant_covariance", params.locator.constant_covariance);
+  reader.read("mode", params.localization.locator.mode);
+  reader.read("corner_sigma", params.localization.locator.corner_sigma);
+  reader.read("max_reprojection_error", params.localization.locator.max_reprojection_error);
+  reader.read("robust_width", params.localization.locator.robust_width);
+  reader.read("gate", params.localization.locator.gate);
+  reader.read("floor_height_sigma", params.localization.locator.floor_height_sigma);
+  reader.read("floor_tilt_sigma", params.localization.locator.floor_tilt_sigma);
+  reader.read("decided", params.localization.locator.decided);
+  reader.read("ambiguous", params.localization.locator.ambiguous);
+  reader.read("constant_covariance", params.localization.locator.constant_covariance);
+  reader.read("estimate_noise", params.localization.estimate_noise);
+  reader.read("use_odometry", params.use_odometry);
+  reader.read("odometry_position_drift", params.localization.odometry.position_drift);
+  reader.read("odometry_heading_drift", params.localization.odometry.heading_drift);
+  reader.read("odometry_turn_drift", params.localization.odometry.turn_drift);
+  reader.read("odometry_gate", params.localization.odometry.gate);
+  reader.read("odometry_recovery", params.localization.odometry.recovery);
   reader.read("cameras", params.cameras);
+  reader.read("camera_window", params.camera_window);
+  reader.read("camera_patience", params.camera_patience);
   reader.read("map_file", params.map_file);
   reader.read("frame", params.text.frame);
   reader.read("family", params.text.family);
@@ -62,6 +75,7 @@ MarkerLocatorParams MarkerLocatorParams::fromRos(const ros::NodeHandle& private_
   reader.read("base_frame", params.base_frame);
   reader.read("odom_frame", params.odom_frame);
   reader.read("tf_output", params.tf_output);
+  reader.read("tf_rate", params.tf_rate);
   reader.read("transform_timeout", params.transform_timeout);
   reader.rejectUnknown();
   params.text.sizes = byId(sizes);

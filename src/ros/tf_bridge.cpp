@@ -22,6 +22,15 @@ TransformLookup lookUp(const tf2_ros::Buffer& buffer, const std::string& target,
   }
 }
 
+ros::Time newestCommonTime(const tf2_ros::Buffer& buffer, const std::string& target,
+                           const std::string& source) {
+  try {
+    return buffer.lookupTransform(target, source, ros::Time(0)).header.stamp;
+  } catch (const tf2::TransformException&) {
+    return ros::Time();
+  }
+}
+
 std::string parentFrame(const tf2_ros::Buffer& buffer, const std::string& frame) {
   std::string parent;
   return buffer._getParent(frame, ros::Time(0), parent) ? parent : "";

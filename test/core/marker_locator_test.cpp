@@ -9,41 +9,10 @@
 #include <random>
 
 #include "test_cameras.hpp"
+#include "test_room.hpp"
 
 namespace sextant {
 namespace {
-
-const std::string kFamily = "tag36h11";
-
-// Three markers on the wall x = 3 that look toward -x, one on the wall y = 2.
-MarkerMap room() {
-  MarkerMap map;
-  const Eigen::Vector3d toward_minus_x(M_PI_2, 0, -M_PI_2), toward_minus_y(M_PI_2, 0, 0);
-  for (int i = 0; i < 3; ++i)
-    map.add({{kFamily, i}, 0.2, "", poseFromXyzRpy({3, 0.6 * (i - 1), 1}, toward_minus_x), Matrix6d::Zero()});
-  map.add({{kFamily, 3}, 0.3, "", poseFromXyzRpy({2.2, 2, 1.2}, toward_minus_y), Matrix6d::Zero()});
-  return map;
-}
-
-const Pose kMount = poseFromXyzRpy({0.1, 0.02, 0.9}, {-M_PI_2, 0, -M_PI_2});
-const Pose kTruth = poseFromXyzRpy({0.7, 0.3, 0}, {0.01, -0.02, 0.35});
-
-MarkerView look(const MarkerMap& map, const CameraModel& camera, const Pose& T_map_base, double sigma,
-                int seed) {
-  std::mt19937 random(seed);
-  std::normal_distribution<double> noise(0, 1);
-  MarkerView view{camera, kMount, {}};
-  for (const auto& [key, marker] : map.markers()) {
-    Detection detection;
-    detection.key = key;
-    const Pose T_camera_marker = (T_map_base * kMount).inverse() * marker.T_map_marker;
-    for (int k = 0; k < 4; ++k)
-      detection.corners[k] = *camera.project(T_camera_marker * markerCorners(marker.size)[k]) +
-                             sigma * Eigen::Vector2d(noise(random), noise(random));
-    view.detections.push_back(detection);
-  }
-  return view;
-}
 
 LocatorParams mode(const std::string& name) {
   LocatorParams params;
@@ -58,7 +27,7 @@ TEST(MarkerLocator, ExactCornersGiveTheExactPoseInEveryMode) {
       const auto result = MarkerLocator(mode(name)).locate(room(), {look(room(), camera, kTruth, 0, 1)});
       ASSERT_TRUE(result.pose) << result.reason;
       EXPECT_LT(poseError(kTruth, result.pose->T_map_base).norm(), 1e-5) << name;
-      EXPECT_EQ(result.pose->used.size(), name == "nearest" ? 1u : 4u);
+      EXPECT_EQ(result.pose->used().size(), name == "nearest" ? 1u : 4u);
     }
   }
 }
@@ -67,7 +36,7 @@ TEST(MarkerLocator, NearestTakesTheSmallestDepth) {
   const CameraModel camera(testCalibrations()[0], CameraModel::Image::raw);
   const auto result = MarkerLocator(mode("nearest")).locate(room(), {look(room(), camera, kTruth, 0, 1)});
   // Marker 0 is 1.75 m ahead, marker 3 closer by the straight line but 1.89 m ahead.
-  EXPECT_EQ(result.pose->used[0], (MarkerKey{kFamily, 0}));
+  EXPECT_EQ(result.pose->used()[0], (MarkerKey{kFamily, 0}));
 }
 
 TEST(MarkerLocator, JointIsConsistentAndBetterThanAverage) {
@@ -106,7 +75,7 @@ TEST(MarkerLocator, TwoCamerasAreOneProblem) {
   right.detections.erase(right.detections.begin(), right.detections.begin() + 2);
   const auto result = MarkerLocator(mode("joint")).locate(room(), {left, right});
   ASSERT_TRUE(result.pose);
-  EXPECT_EQ(result.pose->used.size(), 4u);
+  EXPECT_EQ(result.pose->used().size(), 4u);
   EXPECT_LT(poseError(kTruth, result.pose->T_map_base).norm(), 1e-6);
 }
 
@@ -120,8 +89,8 @@ TEST(MarkerLocator, TwoMarkersThatContradictEachOtherAreNotCertain) {
   const auto open = MarkerLocator(params).locate(room(), {swapped});
   ASSERT_TRUE(open.pose) << open.reason;
   EXPECT_LT(open.pose->probability, params.decided);
-  EXPECT_EQ(open.pose->used.size(), 1u);
-  EXPECT_EQ(open.pose->left_out.size(), 1u);
+  EXPECT_EQ(open.pose->used().size(), 1u);
+  EXPECT_EQ(open.pose->leftOut().size(), 1u);
   params.ambiguous = "skip";
   const auto skipped = MarkerLocator(params).locate(room(), {swapped});
   EXPECT_FALSE(skipped.pose);

@@ -98,27 +98,35 @@ TEST(PosePosterior, FloorAndOneMarkerAreConsistent) {
   EXPECT_NEAR(sum.nees / sum.frames, 6.0, 0.8);
 }
 
-// The moments of two narrow Gaussians far apart are known.
+// Three markers say that the base is here, three others that it is 2 m aside: a narrow Gaussian at each
+// place.
 TEST(PosePosterior, TwoHypothesesAreCoveredTogether) {
   const CameraModel camera(testCalibrations()[0], CameraModel::Image::raw);
   std::mt19937 random(8);
-  const auto sightings = seenFrom(Pose::Identity(), camera, kMount,
-                                  {markerOnWall({3, 0, 1}), markerOnWall({2, 1, 1})}, 0.2, 0.1, random);
-  const Matrix6d narrow = 1e-6 * Matrix6d::Identity();
-  PoseHypothesis left{Pose::Identity(), narrow, 1.0, 0.1, {0}, 0.0, 0.6}, right = left;
-  right.T_map_base.translation() << 0, 2, 0;
-  right.used = {1};
-  right.weight = 0.4;
-  const auto open = posePosterior(sightings, {left, right}, {});
+  const Pose here = Pose::Identity(), aside = poseFromXyzRpy({0, 2, 0}, {0, 0, 0});
+  const auto three = [&](const Pose& T_map_base) {
+    return seenFrom(T_map_base, camera, kMount,
+                    {T_map_base * markerOnWall({2, 0.4, 1}, 0.3), T_map_base * markerOnWall({2.5, -0.6, 1.2}),
+                     T_map_base * markerOnWall({1.8, 0, 0.9}, -0.5)},
+                    0.2, 0.1, random);
+  };
+  auto sightings = three(here);
+  for (const MarkerSighting& sighting : three(aside)) sightings.push_back(sighting);
+  auto hypotheses = poseHypotheses(sightings, {{here, 0}, {aside, 3}}, {}, std::nullopt);
+  ASSERT_EQ(hypotheses.size(), 2u);
+  hypotheses[0].weight = 0.6;
+  hypotheses[1].weight = 0.4;
+  const auto open = posePosterior(sightings, hypotheses, {});
   EXPECT_EQ(open.best, 0u);
   EXPECT_DOUBLE_EQ(open.probability, 0.6);
-  EXPECT_GE(open.covariance(1, 1), 0.4 * 4);
-  EXPECT_LT(open.covariance(1, 1), 0.4 * 4 * 1.5);
-  EXPECT_LT(open.covariance(0, 0), 2e-6);
-  left.weight = 0.99995;
-  right.weight = 0.00005;
-  const auto certain = posePosterior(sightings, {left, right}, {});
-  EXPECT_NEAR(certain.covariance(1, 1), 1e-6, 1e-12);
+  const double way = hypotheses[1].T_map_base.translation().y() - hypotheses[0].T_map_base.translation().y();
+  EXPECT_GE(open.covariance(1, 1), 0.4 * way * way);
+  EXPECT_LT(open.covariance(1, 1), 0.4 * way * way * 1.5);  // a factor for the region
+  EXPECT_LT(open.covariance(0, 0), 0.01);
+  hypotheses[0].weight = 0.99995;
+  hypotheses[1].weight = 0.00005;
+  const auto certain = posePosterior(sightings, hypotheses, {});
+  EXPECT_LT(certain.covariance(1, 1), 0.01);
 }
 
 }  // namespace

@@ -46,9 +46,14 @@ T_CAMERA_MARKER = {id: np.linalg.inv(T_MAP_CAMERA) @ T for id, T in T_MAP_MARKER
 
 def corners_of(id):
     """Pixels (4 x 2): top left, top right, bottom right, bottom left."""
+    return corners_at(T_CAMERA_MARKER[id])
+
+
+def corners_at(T_camera_marker):
+    """Pixels (4 x 2) of a marker that stands there."""
     h = SIZE / 2
     points = np.array([[-h, h, 0, 1], [h, h, 0, 1], [h, -h, 0, 1], [-h, -h, 0, 1]])
-    pixels = (K @ (T_CAMERA_MARKER[id] @ points.T)[:3]).T
+    pixels = (K @ (T_camera_marker @ points.T)[:3]).T
     return pixels[:, :2] / pixels[:, 2:]
 
 

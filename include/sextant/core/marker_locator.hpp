@@ -20,6 +20,8 @@ struct MarkerView {
   CameraModel camera;
   Pose T_base_camera = Pose::Identity();  ///< mount
   std::vector<Detection> detections;
+  size_t camera_index = 0;   ///< which of the robot's cameras: the same in every image of it
+  double noise_scale = 1.0;  ///< factor on LocatorParams::corner_sigma, see CornerNoise
 };
 
 struct LocatorParams {
@@ -44,14 +46,26 @@ struct LocatorParams {
   void validate() const;
 };
 
+/// A mapped marker that was seen, against the pose that was found.
+struct LocatedMarker {
+  MarkerKey key;
+  size_t camera_index;      ///< of the camera that saw it
+  bool used;                ///< false: left out, since it stands elsewhere than the others say
+  double squared_distance;  ///< Mahalanobis, of its eight coordinates
+  Eigen::Vector3d p_map;    ///< where its centre is seen, metres
+  double distance;          ///< from the camera, metres
+};
+
 /// Where the base is, and how that is known.
 struct LocatedPose {
   Pose T_map_base;
   Matrix6d covariance;              ///< position, rotation in the map's axes, order of PoseWithCovariance
   double reprojection_error = 0.0;  ///< RMS over the coordinates of the corners used, pixels
-  std::vector<MarkerKey> used;
-  std::vector<MarkerKey> left_out;  ///< seen and mapped, but standing elsewhere than the others say
   double probability = 1.0;         ///< of the pose against the others that explain the image
+  std::vector<LocatedMarker> markers;
+
+  std::vector<MarkerKey> used() const;
+  std::vector<MarkerKey> leftOut() const;
 };
 
 /// Either a pose or the reason why there is none.

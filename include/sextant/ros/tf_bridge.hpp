@@ -22,6 +22,10 @@ struct TransformLookup {
 TransformLookup lookUp(const tf2_ros::Buffer& buffer, const std::string& target, const std::string& source,
                        const ros::Time& stamp);
 
+/// The newest stamp at which tf knows source in target; zero where there is none.
+ros::Time newestCommonTime(const tf2_ros::Buffer& buffer, const std::string& target,
+                           const std::string& source);
+
 /// The frame above this one in the tree, by the newest that tf has heard; empty where there is none.
 std::string parentFrame(const tf2_ros::Buffer& buffer, const std::string& frame);
 

@@ -1,0 +1,164 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+import unittest
+
+import numpy as np
+import rospy
+import rostest
+import tf2_ros
+from geometry_msgs.msg import Point, Pose, PoseWithCovariance, PoseWithCovarianceStamped, Quaternion
+from marker_chain import deviation
+from marker_scene import (
+    FAMILY,
+    SIZE,
+    T_BASE_CAMERA,
+    T_MAP_BASE,
+    T_MAP_CAMERA,
+    T_MAP_MARKER,
+    WALL_AXES,
+    corners_at,
+    marker_msg,
+    markers_msg,
+    pose,
+    turned,
+)
+from ros_probe import Diagnostics, Recorder, TransformRecorder, matrix, quaternion, stamps, transform, until
+
+from sextant.msg import MarkerArray, MarkerMapEntries, MarkerMapEntry
+
+EXACT = 1e-5  # m and rad: the corners are exact
+T_ODOM_BASE = pose(turned(-0.7), [4.0, 5.0, 0.0])
+T_MAP_ODOM = T_MAP_BASE @ np.linalg.inv(T_ODOM_BASE)
+
+
+class TrustedPoseTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.stamps = stamps()
+        cls.diagnostics = Diagnostics()
+        cls.heard_tf = TransformRecorder()
+        cls.fixed = tf2_ros.StaticTransformBroadcaster()
+        frames = [("base_a", "camera_left"), ("base_a", "camera_right"), ("base_b", "camera_b")]
+        cls.fixed.sendTransform(
+            [transform(T_BASE_CAMERA, base, camera, rospy.Time.now()) for base, camera in frames]
+        )
+        cls.moving = tf2_ros.TransformBroadcaster()
+
+    def robot(self, name, *cameras):
+        """Its poses, and what tells the markers of each camera: all connected."""
+        self.poses = Recorder(f"/{name}/pose", PoseWithCovarianceStamped)
+        self.addCleanup(self.poses.close)
+        self.assertTrue(self.poses.connected())
+        publishers = [rospy.Publisher(f"/{name}/{camera}", MarkerArray, queue_size=10) for camera in cameras]
+        for publisher in publishers:
+            self.addCleanup(publisher.unregister)
+            self.assertTrue(until(lambda: publisher.get_num_connections() > 0))  # noqa: B023
+        return publishers
+
+    def assert_located(self, stamp, truth=T_MAP_BASE):
+        msg = self.poses.at(stamp)
+        self.assertIsNotNone(msg, "no pose")
+        self.assertLess(max(deviation(matrix(msg.pose.pose), truth)), EXACT)
+
+    def test_two_cameras_are_one_problem(self):
+        left, right = self.robot("a", "left", "right")
+
+        def show():
+            stamp = [next(self.stamps) for _ in range(20)][-1]  # far from the one before
+            later = stamp + rospy.Duration(0.004)
+            left.publish(markers_msg(stamp, [marker_msg(3)], "camera_left"))
+            right.publish(markers_msg(later, [marker_msg(5)], "camera_right"))
+            return later
+
+        self.assertTrue(until(lambda: self.poses.at(show(), 0.3) is not None))
+        together = show()
+        self.assert_located(together)
+        self.assertTrue(self.diagnostics.reaches("a/locator: localization", "of these used", 2))
+        alone = next(self.stamps)
+        left.publish(markers_msg(alone, [marker_msg(3)], "camera_left"))
+        variance = [self.poses.at(stamp).pose.covariance[7] for stamp in (together, alone)]
+        self.assertLess(variance[0], 0.25 * variance[1])
+
+    def drive(self, stamp, T_odom_base=T_ODOM_BASE):
+        self.moving.sendTransform(transform(T_odom_base, "odom_b", "base_b", stamp))
+
+    def test_map_to_odom_goes_on_between_images(self):
+        (markers,) = self.robot("b", "markers")
+
+        def located():
+            self.stamp = next(self.stamps)
+            self.drive(self.stamp)
+            markers.publish(markers_msg(self.stamp, frame="camera_b"))
+            return self.poses.at(self.stamp, 0.3) is not None
+
+        self.assertTrue(until(located))
+        stamps_sent = [self.stamp + rospy.Duration(0.1 * i) for i in range(1, 4)]
+        for stamp in stamps_sent:
+            self.drive(stamp)
+            T = self.heard_tf.at("map", "odom_b", stamp)
+            self.assertIsNotNone(T)
+            self.assertLess(max(deviation(T, T_MAP_ODOM)), EXACT)
+        sent = [key[2] for key in self.heard_tf.seen if key[:2] == ("map", "odom_b")]
+        self.assertEqual(sent, sorted(set(sent)))  # never back in time, never twice
+
+    def test_what_contradicts_the_odometry_is_refused_until_it_lasts(self):
+        (markers,) = self.robot("b", "markers")
+        slid = pose(np.eye(3), [0, 2.0, 0]) @ T_ODOM_BASE  # the wheels say so, the markers do not
+
+        def show(T_odom_base):
+            stamp = next(self.stamps)
+            self.drive(stamp, T_odom_base)
+            markers.publish(markers_msg(stamp, frame="camera_b"))
+            return self.poses.at(stamp, 0.5) is not None
+
+        self.assertTrue(until(lambda: show(T_ODOM_BASE)))
+        self.assertEqual([show(slid) for _ in range(4)], [False, False, True, True])
+        status = "b/locator: localization"
+        self.assertTrue(
+            self.diagnostics.reaches(status, "no pose: the markers contradict the odometry", 2)
+        )
+        T_moved = pose(np.eye(3), [0, 2.0, 0])
+        stamp = next(self.stamps)
+        self.drive(stamp, slid)
+        T = self.heard_tf.at("map", "odom_b", stamp)
+        self.assertIsNotNone(T)
+        self.assertLess(max(deviation(T, T_MAP_ODOM @ np.linalg.inv(T_moved))), 1e-3)
+
+    def test_a_moved_marker_is_named(self):
+        (markers,) = self.robot("c", "markers")
+        maps = rospy.Publisher("/c/marker_map/entries", MarkerMapEntries, queue_size=1, latch=True)
+        self.addCleanup(maps.unregister)
+        stands = {**T_MAP_MARKER, 8: pose(WALL_AXES, [3, 0.0, 1.1])}
+        surveyed = {**stands, 8: pose(WALL_AXES, [3, 0.08, 1.1])}
+        maps.publish(map_msg(surveyed))
+        T_camera_map = np.linalg.inv(T_MAP_CAMERA)
+        seen = [marker_msg(id, corners=corners_at(T_camera_map @ T)) for id, T in stands.items()]
+        status = "c/locator: localization"
+        text = f"marker 8 ({FAMILY}) stands 8 cm from where the map has it"
+
+        def named():
+            stamp = next(self.stamps)
+            markers.publish(markers_msg(stamp, seen, "camera_c"))
+            self.poses.at(stamp, 0.3)
+            return text in (self.diagnostics.summary(status) or "")
+
+        self.assertTrue(until(named))
+        last = next(self.stamps)
+        markers.publish(markers_msg(last, seen, "camera_c"))
+        self.assert_located(last, T_MAP_CAMERA)
+
+
+def map_msg(places):
+    """A map of markers by id."""
+    msg = MarkerMapEntries()
+    msg.header.frame_id = "map"
+    for id, T in places.items():
+        place = Pose(Point(*T[:3, 3]), Quaternion(*quaternion(T[:3, :3])))
+        msg.markers.append(MarkerMapEntry(FAMILY, id, SIZE, "", PoseWithCovariance(pose=place)))
+    return msg
+
+
+if __name__ == "__main__":
+    rospy.init_node("trusted_pose_test")
+    rostest.rosrun("sextant", "trusted_pose", TrustedPoseTest)
