@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "edge_fit.hpp"
@@ -14,6 +15,7 @@
 namespace sextant {
 namespace {
 
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kMinLength = 8;        // pixels of an edge
 constexpr double kCurvedEdge = 60;      // pixels from which an edge is long enough to show a lens's curvature
 constexpr double kSettled = 0.1;        // pixels; the next step would be a tenth of this one
@@ -21,7 +23,9 @@ constexpr double kFloor = 0.02;         // pixels: deviation of what the scatter
 constexpr double kCutScatter = 0.97;    // share of a normal variance that the fit's outlier limit leaves
 constexpr double kMaxSimilarity = 0.8;  // of neighbouring residuals
 constexpr double kBlurred = 0.5;        // sharpness below which a wider reach tells more
-constexpr double kMaxBitOffset = 0.3;   // pixels between one side and the others
+constexpr double kMaxBitOffset = 0.35;  // pixels between one side and the others
+constexpr double kMaxBitShift = 0.12;   // modules; what a wide lens does to the grid's is less
+constexpr double kClearModule = 3;      // pixels from which bits are seen apart
 constexpr double kHiddenDoubt = 0.5;    // modules that the start's edge may be off where no edge was found
 
 double moduleAcross(const Corners& corners, int side, int modules) {
@@ -82,7 +86,7 @@ class SquareFit {
     const double reach = std::clamp(0.9 * edge.module, 1.5, 3.5);
     const auto found = searchEdge(image_, curve(edge, &terms), {reach, 12, 2});
     edge.found = found.has_value();
-    if (found) edge.fit = EdgeFit{*found, {}};
+    if (found) edge.fit = EdgeFit(*found);
   }
 
   void fit(Edge& edge, int samples) {
@@ -119,22 +123,23 @@ class SquareFit {
   void compareWithBits() {
     Corners corners;
     for (int i = 0; i < 4; ++i) corners[i] = corner(i).value_or(start_[i]);
-    std::array<double, 4> offsets;
-    std::array<int, 4> sides;
-    int count = 0;
-    for (int i = 0; i < 4; ++i)
-      if (const auto offset = bitOffset(corners, i)) {
-        sides[count] = i;
-        offsets[count++] = *offset;
-      }
-    if (count < 2) return;
-    std::array<double, 4> sorted = offsets;
-    std::sort(sorted.begin(), sorted.begin() + count);
-    const double usual = 0.5 * (sorted[(count - 1) / 2] + sorted[count / 2]);
-    for (int k = 0; k < count; ++k) {
-      const double off = std::abs(offsets[k] - usual);
-      if (off > kMaxBitOffset) edges_[sides[k]].doubt = off;
+    std::array<std::optional<double>, 4> offsets;
+    for (int i = 0; i < 4; ++i) offsets[i] = bitOffset(corners, i);
+    for (int i = 0; i < 4; ++i) edges_[i].doubt = farFromOthers(offsets, i);
+  }
+
+  // Where the others' bits are seen and this one's are not, it is not where its bits are either.
+  double farFromOthers(const std::array<std::optional<double>, 4>& offsets, int i) const {
+    double least = kInfinity;
+    int others = 0;
+    for (int k = 0; k < 4; ++k) {
+      if (k == i || !offsets[k]) continue;
+      ++others;
+      if (offsets[i]) least = std::min(least, std::abs(*offsets[i] - *offsets[k]));
     }
+    const double module = edges_[i].module;
+    if (!offsets[i]) return others >= 2 && module > kClearModule ? kHiddenDoubt * module : 0;
+    return others > 0 && least > std::max(kMaxBitOffset, kMaxBitShift * module) ? least : 0;
   }
 
   std::optional<double> bitOffset(const Corners& corners, int side) const {

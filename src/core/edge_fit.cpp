@@ -157,7 +157,7 @@ double EdgeFit::leverage(double s) const {
 std::optional<EdgeCurve> searchEdge(const cv::Mat& image, const EdgeCurve& start, const EdgeSearch& search) {
   const ImageLines lines(image, start);
   const ImageLines::Span span = lines.span(search.reach, search.max_samples);
-  EdgeFit fit{start};
+  EdgeFit fit(start);
   Samples samples;
   for (int line = span.first; line <= span.last; line += span.step)
     if (const auto x = lines.steepest(line, lines.crossing(line), search.reach, kMinContrast))
@@ -179,7 +179,7 @@ std::optional<EdgeFit> fitEdge(const cv::Mat& image, const EdgeCurve& start, con
   Samples samples = collect(lines, span, search.reach);
   const int least = std::max(search.terms + 3, (span.count() + 1) / 2);
   if (samples.size() < least) return std::nullopt;
-  EdgeFit fit{start};
+  EdgeFit fit(start);
   locate(lines, samples, fit);
   const double shift = samples.median([](const Sample& sample) { return sample.offset; });
   dropOutliers(samples, {shift, 0, 0}, 0.5);

@@ -19,8 +19,10 @@ struct EdgeSearch {
 
 /// Where an edge is, and how well that is known.
 struct EdgeFit {
+  explicit EdgeFit(const EdgeCurve& start) : curve(start) {}
+
   EdgeCurve curve;
-  Eigen::Matrix3d inverse;  ///< of the normal equations of c[0], c[1], c[2]
+  Eigen::Matrix3d inverse = Eigen::Matrix3d::Zero();  ///< of the normal equations of c[0], c[1], c[2]
   double squares = 0;       ///< of the residuals, px^2
   double lagged = 0;        ///< sum of the products of neighbouring residuals, px^2
   int freedom = 0;          ///< samples less terms

@@ -59,7 +59,7 @@ Eigen::Vector2d ModuleGrid::at(double u, double v) const {
 std::optional<double> ModuleGrid::lineOffset(const cv::Mat& image, int line, double contrast) const {
   const double v = static_cast<double>(line) / modules_;
   const double module = (at(0.5, v + 0.5 / modules_) - at(0.5, v - 0.5 / modules_)).norm();
-  const double reach = std::clamp(kBitReach * module, 1.2, 3.0);
+  const double reach = std::clamp(kBitReach * module, 1.2, 8.0);
   std::array<double, kMaxSteps> offsets;
   int count = 0;
   for (int bit = 1; bit < modules_ - 1; ++bit)
