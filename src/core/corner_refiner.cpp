@@ -19,13 +19,15 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kMinLength = 8;        // pixels of an edge
 constexpr double kCurvedEdge = 60;      // pixels from which an edge is long enough to show a lens's curvature
 constexpr double kSettled = 0.1;        // pixels; the next step would be a tenth of this one
-constexpr double kFloor = 0.02;         // pixels: deviation of what the scatter does not show
+constexpr double kFloor = 0.015;        // pixels: deviation of what the scatter does not show
 constexpr double kCutScatter = 0.97;    // share of a normal variance that the fit's outlier limit leaves
+constexpr double kNeighbours = 0.3;     // blurs that the next module's step pulls an edge where it touches it
+constexpr double kLeastBlur = 0.8;      // pixels; a sharper image errs as much by its coarse sampling
 constexpr double kMaxSimilarity = 0.8;  // of neighbouring residuals
 constexpr double kBlurred = 0.5;        // sharpness below which a wider reach tells more
 constexpr double kMaxBitOffset = 0.35;  // pixels between one side and the others
 constexpr double kMaxBitShift = 0.12;   // modules; what a wide lens does to the grid's is less
-constexpr double kClearModule = 3;      // pixels from which bits are seen apart
+constexpr double kClearModule = 2;      // pixels from which bits are seen apart
 constexpr double kHiddenDoubt = 0.5;    // modules that the start's edge may be off where no edge was found
 
 double moduleAcross(const Corners& corners, int side, int modules) {
@@ -144,7 +146,7 @@ class SquareFit {
 
   std::optional<double> bitOffset(const Corners& corners, int side) const {
     const Edge &near = edges_[side], &far = edges_[(side + 2) % 4];
-    if (!near.found) return std::nullopt;
+    if (!near.found || near.module < kClearModule) return std::nullopt;
     const EdgeCurve across =
         far.found ? far.fit->curve : EdgeCurve(far.begin, far.end, !square_.white_inside);
     const ModuleGrid grid(corners, side, square_.modules, near.fit->curve, across);
@@ -166,13 +168,22 @@ class SquareFit {
     return squares / freedom / kCutScatter * (1 + similar) / (1 - similar);
   }
 
+  // What the blurred steps of neighbouring modules add to an edge's variance, measured over simulated drives
+  // with blurs of 0.3 to 1.5 pixels and modules of 1.5 to 12.
+  static double neighbourVariance(const Edge& edge) {
+    const double blur = std::max(kLeastBlur, edge.fit->blur);
+    const double pull = kNeighbours * blur * std::exp(-0.5 * edge.module / blur);
+    return pull * pull;
+  }
+
   double cornerVariance(int i, double scatter) const {
-    const EdgeCurve &before = edges_[(i + 3) % 4].fit->curve, &after = edges_[i].fit->curve;
+    const Edge &before = edges_[(i + 3) % 4], &after = edges_[i];
     Eigen::Matrix2d N;
-    N << before.normal.transpose(), after.normal.transpose();
+    N << before.fit->curve.normal.transpose(), after.fit->curve.normal.transpose();
     const Eigen::Matrix2d inverse = N.inverse();
-    const double v = edges_[(i + 3) % 4].fit->leverage(1), w = edges_[i].fit->leverage(-1);
-    return 0.5 * scatter * (v * inverse.col(0).squaredNorm() + w * inverse.col(1).squaredNorm());
+    const double v = scatter * before.fit->leverage(1) + neighbourVariance(before);
+    const double w = scatter * after.fit->leverage(-1) + neighbourVariance(after);
+    return 0.5 * (v * inverse.col(0).squaredNorm() + w * inverse.col(1).squaredNorm());
   }
 
   RefinedCorners result() const {

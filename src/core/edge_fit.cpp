@@ -143,6 +143,12 @@ std::optional<Eigen::Vector3d> mostAgreed(const Samples& samples, double limit) 
   return line;
 }
 
+// Of a step with the profile exp(-x^2 / 2 blur^2) and w close to exp(-2 u^2): sharpness = 1 / (1 + 4 blur^2 /
+// reach^2).
+double blurOf(double sharpness, double reach) {
+  return 0.5 * reach * std::sqrt(std::max(0.0, 1 / sharpness - 1));
+}
+
 void move(EdgeCurve& curve, const Eigen::Vector3d& by) {
   for (int k = 0; k < 3; ++k) curve.c[k] += by[k];
 }
@@ -188,6 +194,7 @@ std::optional<EdgeFit> fitEdge(const cv::Mat& image, const EdgeCurve& start, con
   if (samples.size() < least) return std::nullopt;
   const Eigen::Vector3d c = solve(samples, search.terms, fit.inverse);
   measureScatter(samples, c, search.terms, fit);
+  fit.blur = blurOf(fit.sharpness, search.reach);
   move(fit.curve, c);
   return fit;
 }

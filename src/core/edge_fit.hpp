@@ -23,11 +23,13 @@ struct EdgeFit {
 
   EdgeCurve curve;
   Eigen::Matrix3d inverse = Eigen::Matrix3d::Zero();  ///< of the normal equations of c[0], c[1], c[2]
-  double squares = 0;       ///< of the residuals, px^2
-  double lagged = 0;        ///< sum of the products of neighbouring residuals, px^2
-  int freedom = 0;          ///< samples less terms
-  double contrast = 0;      ///< grey levels, mean over the samples
-  double sharpness = 0;     ///< 1: a step far narrower than the reach; 0: it does not end within the reach
+  double squares = 0;                                 ///< of the residuals, px^2
+  double lagged = 0;                                  ///< sum of the products of neighbouring residuals, px^2
+  int freedom = 0;                                    ///< samples less terms
+  double contrast = 0;                                ///< grey levels, mean over the samples
+  double sharpness = 0;  ///< 1: a step far narrower than the reach; 0: it does not end within the reach
+
+  double blur = 0;  ///< of the step, standard deviation in pixels
 
   /// Variance of the offset at s where samples have the variance 1.
   double leverage(double s) const;
@@ -42,9 +44,8 @@ std::optional<EdgeCurve> searchEdge(const cv::Mat& image, const EdgeCurve& start
 /// once, so that no pixel is read twice and the samples' noise is their own. There the edge is the root x0 of
 ///   sum w(x - x0) (x - x0) I'(x) = 0,  w = (1 - u^2)^2,  u = (x - x0) / reach,
 /// by one step of Newton's method from the start: the slope of the left side is
-///   sum (w - 4 u^2 (1 - u^2)) I'(x), taken over the whole edge. Least squares of these offsets, without
-///   those that
-/// stand off.
+///   sum (w - 4 u^2 (1 - u^2)) I'(x),
+/// taken over the whole edge. Least squares of these offsets, without those that stand off.
 /// @param start off by less than half the reach
 /// @return nothing where less than half of the edge is seen
 std::optional<EdgeFit> fitEdge(const cv::Mat& image, const EdgeCurve& start, const EdgeSearch& search);

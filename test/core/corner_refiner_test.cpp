@@ -64,7 +64,7 @@ TEST(CornerRefiner, TellsTheNoiseThatItHas) {
       blur(0.4, 1.2);
   double squares = 0;
   int refined = 0, all = 0;
-  for (int k = 0; k < 150; ++k) {
+  for (int k = 0; k < 100; ++k) {
     const double h = half(random);
     Corners truth = {Eigen::Vector2d(80 - h, 60 - h), {80 + h, 60 - h}, {80 + h, 60 + h}, {80 - h, 60 + h}};
     for (auto& corner : truth) corner += Eigen::Vector2d(jitter(random), jitter(random));
@@ -166,7 +166,7 @@ TEST(CornerRefiner, FollowsTheLens) {
     const auto with = refineCorners(seen.image, start, kSquare, &camera);
     const auto without = refineCorners(seen.image, start, kSquare);
     EXPECT_LT(worst(with.corners, seen.corners), 0.06) << calibration.distortion_model;
-    EXPECT_LT(worst(without.corners, seen.corners), 0.25) << calibration.distortion_model;
+    EXPECT_LT(worst(without.corners, seen.corners), 0.4) << calibration.distortion_model;
     EXPECT_LT(worst(with.corners, seen.corners), worst(without.corners, seen.corners) + 0.02);
   }
 }
