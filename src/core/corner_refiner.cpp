@@ -130,18 +130,12 @@ class SquareFit {
     for (int i = 0; i < 4; ++i) edges_[i].doubt = farFromOthers(offsets, i);
   }
 
-  // Where the others' bits are seen and this one's are not, it is not where its bits are either.
   double farFromOthers(const std::array<std::optional<double>, 4>& offsets, int i) const {
     double least = kInfinity;
-    int others = 0;
-    for (int k = 0; k < 4; ++k) {
-      if (k == i || !offsets[k]) continue;
-      ++others;
-      if (offsets[i]) least = std::min(least, std::abs(*offsets[i] - *offsets[k]));
-    }
-    const double module = edges_[i].module;
-    if (!offsets[i]) return others >= 2 && module > kClearModule ? kHiddenDoubt * module : 0;
-    return others > 0 && least > std::max(kMaxBitOffset, kMaxBitShift * module) ? least : 0;
+    for (int k = 0; k < 4; ++k)
+      if (k != i && offsets[k] && offsets[i]) least = std::min(least, std::abs(*offsets[i] - *offsets[k]));
+    const bool off = least > std::max(kMaxBitOffset, kMaxBitShift * edges_[i].module);
+    return least < kInfinity && off ? least : 0;
   }
 
   std::optional<double> bitOffset(const Corners& corners, int side) const {
