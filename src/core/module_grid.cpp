@@ -13,7 +13,6 @@ namespace sextant {
 namespace {
 
 constexpr int kMaxSteps = 48;
-constexpr int kDeepestLine = 3;  // modules from the edge
 constexpr int kStepsABit = 2;
 constexpr double kBitContrast = 0.5;  // of the edge's
 constexpr double kBitReach = 0.6;     // modules
@@ -68,13 +67,13 @@ std::optional<double> ModuleGrid::lineOffset(const cv::Mat& image, int line, dou
       if (const auto offset = stepOffset(image, near_, point, reach, kBitContrast * contrast))
         offsets[count++] = *offset;
     }
-  if (count < 2 * kStepsABit) return std::nullopt;
+  if (count < kStepsABit) return std::nullopt;
   std::nth_element(offsets.begin(), offsets.begin() + count / 2, offsets.begin() + count);
   return offsets[count / 2];
 }
 
 std::optional<double> ModuleGrid::bitOffset(const cv::Mat& image, double contrast) const {
-  for (int line = 1; line <= std::min(kDeepestLine, modules_ / 2); ++line)
+  for (int line = 1; line <= modules_ - 2; ++line)
     if (const auto offset = lineOffset(image, line, contrast)) return offset;
   return std::nullopt;
 }

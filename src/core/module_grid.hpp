@@ -23,7 +23,7 @@ class ModuleGrid {
   Eigen::Vector2d at(double u, double v) const;
 
   /// How far the bits stand outward of where they should be as seen from this side: the median over their
-  /// steps on the first line of the grid that shows two of them. An edge that is not the marker's own, but
+  /// steps on the first line of the grid that shows one of them. An edge that is not the marker's own, but
   /// that of something laid over it by x pixels, shows (1 - v) x, the edge across only v x.
   /// @param contrast of the side's edge, grey levels
   /// @return pixels along the near edge's normal, or nothing where there are too few steps

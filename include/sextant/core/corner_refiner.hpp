@@ -38,8 +38,8 @@ struct RefinedCorners {
 /// the shape of lens and print.
 ///
 /// What is hidden: a corner is only refined from two edges of which at least half is seen, and which lie a
-/// module away from the bits inside, as an occluder's edge does not (seen from 0.35 px and 0.12 modules to a
-/// quarter of one). Else the start's is told, with its own sigma and the edge's doubt.
+/// module away from the bits inside, as an occluder's edge does not (seen from 0.35 px and 0.12 modules
+/// on, where the code has steps near it). Else the start's is told, with its own sigma and the edge's doubt.
 /// @param image 8-bit grey
 /// @param corners start, clockwise in the image, good to about 1.5 px
 RefinedCorners refineCorners(const cv::Mat& image, const Corners& corners, const BorderSquare& square,
