@@ -22,6 +22,8 @@ void bindMarker(py::module_& module) {
       .def_property_readonly("family", [](const Detection& detection) { return detection.key.family; })
       .def_property_readonly("id", [](const Detection& detection) { return detection.key.id; })
       .def_readwrite("corners", &Detection::corners)
+      .def_readwrite("corner_sigmas", &Detection::corner_sigmas,
+                     "Four standard deviations of a corner's coordinates, pixels; -1: unknown.")
       .def_readonly("hamming", &Detection::hamming)
       .def_readonly("decision_margin", &Detection::decision_margin);
   module.def(

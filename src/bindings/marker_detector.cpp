@@ -28,18 +28,26 @@ void bindMarkerDetector(py::module_& module) {
       .def(py::init(&makeMarkerDetector), "params"_a)
       .def(
           "detect",
-          [](MarkerDetector& detector, const ImageArray& array) {
+          [](MarkerDetector& detector, const ImageArray& array, const CameraModel* camera) {
             const cv::Mat image = imageFromArray(array);
             py::gil_scoped_release release;
-            return detector.detect(image);
+            return detector.detect(image, camera);
           },
-          "image"_a, "List of Detection; image: uint8, (height, width) grey or (height, width, 3) BGR.");
+          "image"_a, "camera"_a = nullptr,
+          "List of Detection; image: uint8, (height, width) grey or (height, width, 3) BGR; camera: the one "
+          "that "
+          "took it, so that corners are those of straight edges seen through its lens.");
   module.def(
       "refine_corners",
-      [](const ImageArray& image, const Corners& corners, int modules, bool white_inside) {
-        return refineCorners(imageFromArray(image), corners, {modules, white_inside});
+      [](const ImageArray& image, const Corners& corners, int modules, bool white_inside, double start_sigma,
+         const CameraModel* camera) {
+        const BorderSquare square{modules, white_inside, start_sigma};
+        const RefinedCorners refined = refineCorners(imageFromArray(image), corners, square, camera);
+        return py::make_tuple(refined.corners, refined.sigmas);
       },
-      "image"_a, "corners"_a, "modules"_a, "white_inside"_a = false, "Corners (4 x 2) at subpixel, or None.");
+      "image"_a, "corners"_a, "modules"_a, "white_inside"_a = false,
+      "start_sigma"_a = BorderSquare().start_sigma, "camera"_a = nullptr,
+      "(corners (4 x 2) at subpixel, four standard deviations of their coordinates in pixels).");
 }
 
 }  // namespace sextant

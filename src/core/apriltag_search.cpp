@@ -11,6 +11,7 @@
 namespace sextant {
 namespace {
 
+constexpr double kRawSigma = 0.3;  // pixels, of a coordinate of libapriltag's corner where nothing is hidden
 constexpr double kMaxTableBytes = 1e9;
 constexpr double kBytesPerCode = 3 * 16;  // libapriltag's hash table has three 16-byte slots a code
 
@@ -96,6 +97,7 @@ class AprilTagSearch : public MarkerSearch {
     found.key = {tag.family->name, tag.id};
     for (int i = 0; i < 4; ++i)
       found.corners[i] = {origin.x + tag.p[3 - i][0] - 0.5, origin.y + tag.p[3 - i][1] - 0.5};
+    found.corner_sigmas.fill(kRawSigma);
     found.hamming = tag.hamming;
     found.decision_margin = tag.decision_margin;
     return found;

@@ -12,6 +12,7 @@
 namespace sextant {
 namespace {
 
+constexpr double kRawSigma = 0.75;  // pixels of what is read, of a coordinate of a contour's corner
 constexpr int kMinWindow = 16;      // pixels; no marker can be read in a smaller image
 constexpr double kMinModule = 2;    // pixels; no module can be read in fewer
 constexpr double kEnough = 5;       // pixels a module; what has twice as many is read in a smaller image
@@ -85,6 +86,7 @@ class ArucoSearch : public MarkerSearch {
                       int scale) const {
     Detection found;
     found.key = {family_, id};
+    found.corner_sigmas.fill(kRawSigma * scale);
     for (int i = 0; i < 4; ++i) {
       const cv::Point2f& corner = quad[(i + turn_) % 4];
       found.corners[i] = {origin.x + (corner.x + 0.5) * scale - 0.5,

@@ -2,142 +2,35 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sextant/core/corner_refiner.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <vector>
+#include <limits>
+#include <optional>
+
+#include "edge_fit.hpp"
+#include "module_grid.hpp"
 
 namespace sextant {
 namespace {
 
-constexpr int kRounds = 3;
-constexpr int kMaxProfile = 16;        // samples of a profile
-constexpr double kStep = 0.5;          // pixels between the samples of a profile
-constexpr double kReach = 0.9;         // modules, to either side of an edge
-constexpr double kMinReach = 1.5;      // pixels
-constexpr double kMinContrast = 12.0;  // grey levels between the border's black and the white around it
-constexpr double kCurvedEdge = 60.0;   // pixels from which an edge is long enough to show a lens's curvature
-constexpr double kMaxShift = 2.5;      // pixels that a corner may move from its start
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kStart = 5;            // deviations of the start within which edges are looked for
+constexpr double kMinLength = 8;        // pixels of an edge
+constexpr double kCurvedEdge = 60;      // pixels from which an edge is long enough to show a lens's curvature
+constexpr double kSettled = 0.1;        // pixels; the next step would be a tenth of this one
+constexpr double kFloor = 0.015;        // pixels: deviation of what the scatter does not show
+constexpr double kCutScatter = 0.97;    // share of a normal variance that the fit's outlier limit leaves
+constexpr double kNeighbours = 0.3;     // blurs that the next module's step pulls an edge where it touches it
+constexpr double kLeastBlur = 0.8;      // pixels; a sharper image errs as much by its coarse sampling
+constexpr double kMaxSimilarity = 0.8;  // of neighbouring residuals
+constexpr double kBlurred = 0.5;        // sharpness below which a wider reach tells more
+constexpr double kMaxBitOffset = 0.35;  // pixels between one side and the others
+constexpr double kMaxBitShift = 0.12;   // modules; what a wide lens does to the grid's is less
+constexpr double kClearModule = 2;      // pixels from which bits are seen apart
+constexpr double kHiddenDoubt = 0.5;    // modules that the start's edge may be off where no edge was found
 
-// An edge as offset(s) = a + b s + c s^2 along the normal, s from -1 (begin) to 1 (end) along the chord.
-struct Edge {
-  Eigen::Vector2d middle, half, normal;
-  Eigen::Vector3d coefficients = Eigen::Vector3d::Zero();
-
-  Eigen::Vector2d at(double s) const {
-    return middle + s * half + normal * (coefficients[0] + s * (coefficients[1] + s * coefficients[2]));
-  }
-  Eigen::Vector2d tangent(double s) const {
-    return half + normal * (coefficients[1] + 2 * s * coefficients[2]);
-  }
-};
-
-double grey(const cv::Mat& image, const Eigen::Vector2d& p) {
-  const int x = static_cast<int>(p.x()), y = static_cast<int>(p.y());
-  const double u = p.x() - x, v = p.y() - y;
-  const uchar* row = image.ptr<uchar>(y) + x;
-  const uchar* next = row + image.step;
-  return (1 - v) * ((1 - u) * row[0] + u * row[1]) + v * ((1 - u) * next[0] + u * next[1]);
-}
-
-bool inside(const cv::Mat& image, const Eigen::Vector2d& p) {
-  return p.x() >= 0 && p.y() >= 0 && p.x() < image.cols - 1 && p.y() < image.rows - 1;
-}
-
-// Offset along the normal (which points from black to white) of the edge at p: centroid of the gradient
-// over the rising slope around the steepest place, so that neither the bits inside nor what lies beyond the
-// white counts.
-std::optional<double> edgeOffset(const cv::Mat& image, const Eigen::Vector2d& p,
-                                 const Eigen::Vector2d& normal, double reach) {
-  std::array<double, kMaxProfile> rise;
-  const int n = std::min(kMaxProfile, 2 * static_cast<int>(std::lround(reach / kStep)));
-  const double begin = -0.5 * n * kStep;
-  if (!inside(image, p + begin * normal) || !inside(image, p - begin * normal)) return std::nullopt;
-  double previous = grey(image, p + begin * normal);
-  for (int i = 0; i < n; ++i) {
-    const double value = grey(image, p + (begin + (i + 1) * kStep) * normal);
-    rise[i] = value - previous;
-    previous = value;
-  }
-  const int steepest = static_cast<int>(std::max_element(rise.begin(), rise.begin() + n) - rise.begin());
-  int first = steepest, last = steepest;
-  while (first > 0 && rise[first - 1] > 0) --first;
-  while (last < n - 1 && rise[last + 1] > 0) ++last;
-  double weight = 0, moment = 0;
-  for (int i = first; i <= last; ++i) {
-    weight += rise[i];
-    moment += rise[i] * (begin + (i + 0.5) * kStep);
-  }
-  return weight < kMinContrast ? std::nullopt : std::optional<double>(moment / weight);
-}
-
-struct Sample {
-  double s, offset;
-};
-
-// Least squares, then once more without the samples that stand off by more than 2.5 robust deviations.
-bool fit(Edge& edge, std::vector<Sample> samples, int terms) {
-  for (int round = 0; round < 2; ++round) {
-    if (samples.size() < static_cast<size_t>(terms) + 2) return false;
-    Eigen::MatrixXd A(samples.size(), terms);
-    Eigen::VectorXd b(samples.size());
-    for (size_t i = 0; i < samples.size(); ++i) {
-      for (int k = 0; k < terms; ++k) A(i, k) = std::pow(samples[i].s, k);
-      b[i] = samples[i].offset;
-    }
-    edge.coefficients.setZero();
-    edge.coefficients.head(terms) = A.colPivHouseholderQr().solve(b);
-    Eigen::ArrayXd residuals = (A * edge.coefficients.head(terms) - b).array().abs();
-    std::vector<double> sorted(residuals.data(), residuals.data() + residuals.size());
-    std::nth_element(sorted.begin(), sorted.begin() + sorted.size() / 2, sorted.end());
-    const double limit = 2.5 * std::max(1.48 * sorted[sorted.size() / 2], 0.05);
-    std::vector<Sample> kept;
-    for (size_t i = 0; i < samples.size(); ++i)
-      if (residuals[i] <= limit) kept.push_back(samples[i]);
-    samples = kept;
-  }
-  return true;
-}
-
-std::optional<Edge> findEdge(const cv::Mat& image, const Eigen::Vector2d& begin, const Eigen::Vector2d& end,
-                             double reach, bool white_inside) {
-  Edge edge{0.5 * (begin + end), 0.5 * (end - begin), {}};
-  const double length = 2 * edge.half.norm();
-  if (length < 6) return std::nullopt;
-  const Eigen::Vector2d outward =
-      Eigen::Vector2d(edge.half.y(), -edge.half.x()).normalized();  // clockwise corners
-  edge.normal = white_inside ? -outward : outward;
-  const double margin =
-      std::min(0.8, (reach + 0.5) / (0.5 * length));  // the corners' blur belongs to two edges
-  const int count = std::clamp(static_cast<int>(length), 8, 100);
-  std::vector<Sample> samples;
-  for (int i = 0; i < count; ++i) {
-    const double s = (1 - margin) * (2.0 * i / (count - 1) - 1);
-    if (const auto offset = edgeOffset(image, edge.middle + s * edge.half, edge.normal, reach))
-      samples.push_back({s, *offset});
-  }
-  if (2 * samples.size() < static_cast<size_t>(count)) return std::nullopt;
-  if (!fit(edge, samples, length > kCurvedEdge ? 3 : 2)) return std::nullopt;
-  return edge;
-}
-
-// Where edge a ends and edge b begins, by Newton's method on a(s) = b(t).
-std::optional<Eigen::Vector2d> intersect(const Edge& a, const Edge& b) {
-  double s = 1, t = -1;
-  for (int i = 0; i < 5; ++i) {
-    Eigen::Matrix2d J;
-    J << a.tangent(s), -b.tangent(t);
-    const Eigen::Vector2d step = J.inverse() * (b.at(t) - a.at(s));
-    s += step[0];
-    t += step[1];
-    if (!(std::abs(s) < 3) || !(std::abs(t) < 3)) return std::nullopt;
-  }
-  return a.at(s);
-}
-
-// The black border is one module wide, and so at least is the white around it: an edge may be searched that
-// far.
 double moduleAcross(const Corners& corners, int side, int modules) {
   const Eigen::Vector2d along = (corners[(side + 1) % 4] - corners[side]).normalized();
   const Eigen::Vector2d across =
@@ -145,39 +38,179 @@ double moduleAcross(const Corners& corners, int side, int modules) {
   return std::abs(along.x() * across.y() - along.y() * across.x()) / modules;
 }
 
-std::optional<Corners> refineOnce(const cv::Mat& image, const Corners& corners, const BorderSquare& square,
-                                  double longest_reach) {
-  std::array<Edge, 4> edges;
-  for (int i = 0; i < 4; ++i) {
-    const double reach =
-        std::clamp(kReach * moduleAcross(corners, i, square.modules), kMinReach, longest_reach);
-    const auto edge = findEdge(image, corners[i], corners[(i + 1) % 4], reach, square.white_inside);
-    if (!edge) return std::nullopt;
-    edges[i] = *edge;
+struct Edge {
+  Eigen::Vector2d begin, end;
+  double module;  // pixels across
+  double reach;   // pixels
+  double bend = 0;
+  bool found = true;
+  std::optional<EdgeFit> fit;
+  double doubt = 0;  // pixels that it may be off beside its scatter
+};
+
+class SquareFit {
+ public:
+  SquareFit(const cv::Mat& image, const Corners& start, const BorderSquare& square, const CameraModel* camera)
+      : image_(image), start_(start), square_(square), camera_(camera) {
+    for (int i = 0; i < 4; ++i) {
+      Edge& edge = edges_[i];
+      edge.begin = start[i];
+      edge.end = start[(i + 1) % 4];
+      edge.module = moduleAcross(start, i, square.modules);
+      edge.reach = std::clamp(edge.module - 1, 1.5, 4.0);
+      edge.found = (edge.end - edge.begin).norm() >= kMinLength;
+    }
   }
-  Corners refined;
-  for (int i = 0; i < 4; ++i) {
-    const auto corner = intersect(edges[(i + 3) % 4], edges[i]);
-    if (!corner) return std::nullopt;
-    refined[i] = *corner;
+
+  RefinedCorners refine() {
+    for (Edge& edge : edges_) search(edge);
+    meet();
+    for (const int samples : {24, 100, 100}) {
+      for (Edge& edge : edges_) fit(edge, samples);
+      if (meet() < kSettled && samples == 100) break;
+    }
+    compareWithBits();
+    return result();
   }
-  return refined;
-}
+
+ private:
+  EdgeCurve curve(const Edge& edge, int* terms) const {
+    EdgeCurve curve(edge.begin, edge.end, !square_.white_inside);
+    *terms = 2;
+    if (camera_ && curve.followLens(*camera_)) return curve;
+    if (curve.length() > kCurvedEdge) *terms = 3;
+    curve.bend(edge.bend);
+    return curve;
+  }
+
+  void search(Edge& edge) {
+    if (!edge.found) return;
+    int terms;
+    const double reach = std::clamp(0.9 * edge.module, 1.5, std::max(3.5, kStart * square_.start_sigma));
+    const auto found = searchEdge(image_, curve(edge, &terms), {reach, 12, 2});
+    edge.found = found.has_value();
+    if (found) edge.fit = EdgeFit(*found);
+  }
+
+  void fit(Edge& edge, int samples) {
+    if (!edge.found) return;
+    int terms;
+    const EdgeCurve start = curve(edge, &terms);
+    edge.fit = fitEdge(image_, start, {edge.reach, samples, terms});
+    edge.found = edge.fit.has_value();
+    if (!edge.found) return;
+    edge.bend = terms == 3 ? edge.fit->curve.c[2] : 0;
+    if (edge.fit->sharpness < kBlurred) edge.reach = std::clamp(edge.module - 1, edge.reach, 8.0);
+  }
+
+  std::optional<Eigen::Vector2d> corner(int i) const {
+    const Edge &before = edges_[(i + 3) % 4], &after = edges_[i];
+    if (!before.found || !after.found) return std::nullopt;
+    return intersect(before.fit->curve, after.fit->curve);
+  }
+
+  // Takes every edge to its corners, and returns how far the farthest of these has moved.
+  double meet() {
+    double farthest = 0;
+    for (int i = 0; i < 4; ++i) {
+      Edge &before = edges_[(i + 3) % 4], &after = edges_[i];
+      const auto met = corner(i);
+      if (met) farthest = std::max(farthest, (*met - after.begin).norm());
+      if (before.found) before.end = met ? *met : before.fit->curve.at(1);
+      if (after.found) after.begin = met ? *met : after.fit->curve.at(-1);
+    }
+    return farthest;
+  }
+
+  // Print and exposure can widen all black or all white alike: an edge is off that is off against the others.
+  void compareWithBits() {
+    Corners corners;
+    for (int i = 0; i < 4; ++i) corners[i] = corner(i).value_or(start_[i]);
+    std::array<std::optional<double>, 4> offsets;
+    for (int i = 0; i < 4; ++i) offsets[i] = bitOffset(corners, i);
+    for (int i = 0; i < 4; ++i) edges_[i].doubt = farFromOthers(offsets, i);
+  }
+
+  double farFromOthers(const std::array<std::optional<double>, 4>& offsets, int i) const {
+    double least = kInfinity;
+    for (int k = 0; k < 4; ++k)
+      if (k != i && offsets[k] && offsets[i]) least = std::min(least, std::abs(*offsets[i] - *offsets[k]));
+    const bool off = least > std::max(kMaxBitOffset, kMaxBitShift * edges_[i].module);
+    return least < kInfinity && off ? least : 0;
+  }
+
+  std::optional<double> bitOffset(const Corners& corners, int side) const {
+    const Edge &near = edges_[side], &far = edges_[(side + 2) % 4];
+    if (!near.found || near.module < kClearModule) return std::nullopt;
+    const EdgeCurve across =
+        far.found ? far.fit->curve : EdgeCurve(far.begin, far.end, !square_.white_inside);
+    const ModuleGrid grid(corners, side, square_.modules, near.fit->curve, across);
+    return grid.bitOffset(image_, near.fit->contrast);
+  }
+
+  // Variance of a sample of every found edge and what it is worth, by the scatter of all of them: one alone
+  // has few.
+  double scatter() const {
+    double squares = 0, lagged = 0;
+    int freedom = 0;
+    for (const Edge& edge : edges_)
+      if (edge.found) {
+        squares += edge.fit->squares;
+        lagged += edge.fit->lagged;
+        freedom += edge.fit->freedom;
+      }
+    const double similar = std::clamp(lagged / std::max(squares, 1e-9), 0.0, kMaxSimilarity);
+    return squares / freedom / kCutScatter * (1 + similar) / (1 - similar);
+  }
+
+  // What the blurred steps of neighbouring modules add to an edge's variance, measured over simulated drives
+  // with blurs of 0.3 to 1.5 pixels and modules of 1.5 to 12.
+  static double neighbourVariance(const Edge& edge) {
+    const double blur = std::max(kLeastBlur, edge.fit->blur);
+    const double pull = kNeighbours * blur * std::exp(-0.5 * edge.module / blur);
+    return pull * pull;
+  }
+
+  double cornerVariance(int i, double scatter) const {
+    const Edge &before = edges_[(i + 3) % 4], &after = edges_[i];
+    Eigen::Matrix2d N;
+    N << before.fit->curve.normal.transpose(), after.fit->curve.normal.transpose();
+    const Eigen::Matrix2d inverse = N.inverse();
+    const double v = scatter * before.fit->leverage(1) + neighbourVariance(before);
+    const double w = scatter * after.fit->leverage(-1) + neighbourVariance(after);
+    return 0.5 * (v * inverse.col(0).squaredNorm() + w * inverse.col(1).squaredNorm());
+  }
+
+  RefinedCorners result() const {
+    RefinedCorners refined{start_, {}};
+    const double sample = scatter();
+    for (int i = 0; i < 4; ++i) {
+      const Edge &before = edges_[(i + 3) % 4], &after = edges_[i];
+      const auto met = corner(i);
+      if (met && before.doubt == 0 && after.doubt == 0) {
+        refined.corners[i] = *met;
+        refined.sigmas[i] = std::sqrt(kFloor * kFloor + cornerVariance(i, sample));
+      } else {
+        refined.sigmas[i] = std::hypot(square_.start_sigma, std::max(doubt(before), doubt(after)));
+      }
+    }
+    return refined;
+  }
+
+  static double doubt(const Edge& edge) { return edge.found ? edge.doubt : kHiddenDoubt * edge.module; }
+
+  const cv::Mat& image_;
+  const Corners& start_;
+  const BorderSquare& square_;
+  const CameraModel* camera_;
+  std::array<Edge, 4> edges_;
+};
 
 }  // namespace
 
-std::optional<Corners> refineCorners(const cv::Mat& image, const Corners& corners,
-                                     const BorderSquare& square) {
-  Corners refined = corners;
-  for (int round = 0; round < kRounds; ++round) {
-    // The first search must cover the start's error, the later ones only the blur.
-    const auto next = refineOnce(image, refined, square, round == 0 ? 3.0 : 2.5);
-    if (!next) return std::nullopt;
-    refined = *next;
-  }
-  for (int i = 0; i < 4; ++i)
-    if (!((refined[i] - corners[i]).norm() < kMaxShift)) return std::nullopt;
-  return refined;
+RefinedCorners refineCorners(const cv::Mat& image, const Corners& corners, const BorderSquare& square,
+                             const CameraModel* camera) {
+  return SquareFit(image, corners, square, camera).refine();
 }
 
 }  // namespace sextant

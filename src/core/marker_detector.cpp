@@ -91,21 +91,24 @@ class SearchingDetector : public MarkerDetector {
   SearchingDetector(std::vector<Searcher> searchers, bool refine)
       : searchers_(std::move(searchers)), refine_(refine) {}
 
-  std::vector<Detection> detect(const cv::Mat& image) override {
+  std::vector<Detection> detect(const cv::Mat& image, const CameraModel* camera) override {
     if (image.type() != CV_8UC1 || image.empty())
       throw std::invalid_argument("MarkerDetector: the image must be 8-bit grey and not empty");
     std::vector<Detection> all;
     for (Searcher& searcher : searchers_)
       for (Detection& found : searcher.find(image)) {
-        if (refine_) refine(image, searcher.backend().border(found.key), found);
+        if (refine_) refine(image, searcher.backend().border(found.key), camera, found);
         all.push_back(std::move(found));
       }
     return all;
   }
 
  private:
-  static void refine(const cv::Mat& image, const BorderSquare& border, Detection& found) {
-    if (const auto corners = refineCorners(image, found.corners, border)) found.corners = *corners;
+  static void refine(const cv::Mat& image, BorderSquare border, const CameraModel* camera, Detection& found) {
+    border.start_sigma = found.corner_sigmas[0];
+    const RefinedCorners refined = refineCorners(image, found.corners, border, camera);
+    found.corners = refined.corners;
+    found.corner_sigmas = refined.sigmas;
   }
 
   std::vector<Searcher> searchers_;

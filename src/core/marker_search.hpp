@@ -26,7 +26,8 @@ class FoundMarkers {
 
 enum class Effort { quick, thorough };
 
-/// One backend: where it is told to look, it reads markers. Corners are the backend's own, good to 1.5 px.
+/// One backend: where it is told to look, it reads markers. Corners and their deviations are the backend's
+/// own.
 class MarkerSearch {
  public:
   virtual ~MarkerSearch() = default;

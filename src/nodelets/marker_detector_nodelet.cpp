@@ -122,7 +122,7 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
       const cv::Mat image = decode();
       requireCamera(image);
       clock_.finish("image");
-      const auto detections = detector_->detect(image);
+      const auto detections = detector_->detect(image, &*camera_);
       clock_.finish("detection");
       const auto markers = observeMarkers(*camera_, detections, params_.sizes, params_.corner_sigma);
       clock_.finish("marker poses");

@@ -102,6 +102,7 @@ Marker toMsg(const Detection& detection, double size, const std::optional<Planar
   msg.family = detection.key.family;
   msg.id = detection.key.id;
   for (int i = 0; i < 8; ++i) msg.corners[i] = detection.corners[i / 2][i % 2];
+  std::copy(detection.corner_sigmas.begin(), detection.corner_sigmas.end(), msg.corner_sigmas.begin());
   msg.hamming = detection.hamming;
   msg.decision_margin = detection.decision_margin;
   msg.alternative_reprojection_error = -1;
@@ -122,6 +123,9 @@ Detection fromMsg(const Marker& msg) {
   for (const auto& corner : detection.corners)
     if (!corner.allFinite())
       throw std::invalid_argument("marker " + std::to_string(msg.id) + ": a corner is not finite");
+  // Nought is what a message has when nobody filled it in, and no corner is exact.
+  for (int i = 0; i < 4; ++i)
+    detection.corner_sigmas[i] = msg.corner_sigmas[i] > 0 ? msg.corner_sigmas[i] : -1;
   detection.hamming = msg.hamming;
   detection.decision_margin = msg.decision_margin;
   return detection;

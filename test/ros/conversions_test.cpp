@@ -28,6 +28,7 @@ Detection someDetection() {
   Detection detection;
   detection.key = {"tag36h11", 7};
   detection.corners = {Eigen::Vector2d(1, 2), {3, 4}, {5, 6}, {7, 8}};
+  detection.corner_sigmas = {0.03, 0.05, 2.5, -1};
   detection.hamming = 1;
   detection.decision_margin = 55.5;
   return detection;
@@ -90,8 +91,15 @@ TEST(Conversions, DetectionsComeBack) {
   const Detection back = fromMsg(msg);
   EXPECT_EQ(back.key, detection.key);
   EXPECT_EQ(back.corners, detection.corners);
+  EXPECT_EQ(back.corner_sigmas, detection.corner_sigmas);
   EXPECT_EQ(back.hamming, 1);
   EXPECT_EQ(back.decision_margin, 55.5);
+}
+
+TEST(Conversions, WhatIsNoDeviationIsUnknown) {
+  Marker msg = toMsg(someDetection(), 0.2, std::nullopt, std::nullopt);
+  msg.corner_sigmas = {0, -3, kNaN, 0.2};
+  EXPECT_EQ(fromMsg(msg).corner_sigmas, (CornerSigmas{-1, -1, -1, 0.2}));
 }
 
 TEST(Conversions, BothPosesAreTold) {

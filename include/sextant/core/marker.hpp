@@ -26,10 +26,16 @@ inline bool operator==(const MarkerKey& a, const MarkerKey& b) {
 /// Corners of a marker in the order top left, top right, bottom right, bottom left of the upright print.
 using Corners = std::array<Eigen::Vector2d, 4>;
 
+/// A standard deviation for every corner, pixels; not positive where nothing is known.
+using CornerSigmas = std::array<double, 4>;
+
 /// A marker found in an image.
 struct Detection {
   MarkerKey key;
-  Corners corners;   ///< pixels; (0, 0) is the centre of the first pixel
+  Corners corners;  ///< pixels; (0, 0) is the centre of the first pixel
+  /// Standard deviation of either coordinate of each corner, pixels, large where something hides the edges;
+  /// -1: unknown, then who uses the corner knows its own `corner_sigma`.
+  CornerSigmas corner_sigmas = {-1, -1, -1, -1};
   int hamming = -1;  ///< corrected bits; -1: the backend does not tell
   double decision_margin =
       -1;  ///< contrast of the bits against their threshold; -1: the backend does not tell

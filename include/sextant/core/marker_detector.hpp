@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "sextant/core/camera.hpp"
 #include "sextant/core/marker.hpp"
 
 namespace sextant {
@@ -36,8 +37,9 @@ class MarkerDetector {
   virtual ~MarkerDetector() = default;
 
   /// @param image 8-bit, one channel, at least 1 x 1; not modified.
+  /// @param camera that took it: refined corners then are those of straight edges seen through its lens
   /// @throws std::invalid_argument for any other image.
-  virtual std::vector<Detection> detect(const cv::Mat& image) = 0;
+  virtual std::vector<Detection> detect(const cv::Mat& image, const CameraModel* camera = nullptr) = 0;
 };
 
 /// The backends that the families need, behind one interface.
