@@ -29,10 +29,6 @@ class Pen {
   void line(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const cv::Scalar& colour) {
     cv::line(picture_, fixed(a), fixed(b), colour, thickness_, cv::LINE_AA, kShift);
   }
-  void ring(const Eigen::Vector2d& centre, const cv::Scalar& colour) {
-    cv::circle(picture_, fixed(centre), (2 * thickness_ + 1) << kShift, colour, thickness_, cv::LINE_AA,
-               kShift);
-  }
   void text(const Eigen::Vector2d& at, const std::string& text) {
     const Eigen::Vector2d p = scaled(at);
     textAt({static_cast<int>(p.x()), static_cast<int>(p.y())}, text, kText);
@@ -49,7 +45,7 @@ class Pen {
     const cv::Size size = cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, height, thickness_, nullptr);
     place.x = std::max(2, std::min(place.x, picture_.cols - size.width - 2));
     place.y = std::max(size.height + 2, std::min(place.y, picture_.rows - 2));
-    for (const auto& [tint, width] : {std::pair(kShadow, 3 * thickness_), std::pair(colour, thickness_)})
+    for (const auto& [tint, width] : {std::pair(kShadow, thickness_ + 2), std::pair(colour, thickness_)})
       cv::putText(picture_, text, place, cv::FONT_HERSHEY_SIMPLEX, height, tint, width, cv::LINE_AA);
   }
 
@@ -82,9 +78,7 @@ void drawResiduals(Pen& pen, const CameraModel& camera, const ObservedMarker& ma
   for (int i = 0; i < 4; ++i) {
     const Eigen::Vector2d& seen = marker.detection.corners[i];
     const auto expected = camera.project(marker.poses->best.T_camera_marker * board[i]);
-    if (!expected) continue;
-    pen.ring(seen, kResidual);
-    pen.line(seen, seen + kEnlarged * (*expected - seen), kResidual);
+    if (expected) pen.line(seen, seen + kEnlarged * (*expected - seen), kResidual);
   }
 }
 
@@ -98,7 +92,7 @@ void drawLegend(Pen& pen, const std::vector<ObservedMarker>& markers) {
   }
   if (posed == 0) return;
   char text[64];
-  std::snprintf(text, sizeof text, "residuals x %.0f, RMS %.2f px", kEnlarged, std::sqrt(squares / posed));
+  std::snprintf(text, sizeof text, "residuals x %.0f, RMS %.3f px", kEnlarged, std::sqrt(squares / posed));
   pen.footnote(text, kResidual);
 }
 
