@@ -20,7 +20,7 @@ SETTLED = 6  # samples whose median is the level at the begin and at the end
 GROWTH = 5.0  # MB that a node may grow by
 START = 120.0  # s within which the nodes must be there
 NODES = 6  # simulator, manager, detector's and locators' loaders, broadcaster, drive_recorder: at least
-RECORDER = "/drive_recorder"  # keeps every pose of a drive for its table: grows by what it is for, is not judged
+RECORDER = "/drive_recorder"  # keeps every pose for its table, which is what it is for: not judged
 COLUMNS = ["seconds", "node", "rss_mb", "threads", "cpu_seconds"]
 
 
@@ -42,7 +42,8 @@ def node_pids(master):
 def sample(pid):
     """(MB in memory, threads, seconds of CPU) of a process."""
     status = Path(f"/proc/{pid}/status").read_text()
-    kilobytes, threads = (int(re.search(rf"^{key}:\s+(\d+)", status, re.M)[1]) for key in ("VmRSS", "Threads"))
+    rows = dict(re.findall(r"^(\w+):\s+(\d+)", status, re.M))
+    kilobytes, threads = int(rows["VmRSS"]), int(rows["Threads"])
     times = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[11:13]
     return kilobytes / 1024, threads, sum(map(int, times)) / os.sysconf("SC_CLK_TCK")
 

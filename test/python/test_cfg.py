@@ -26,7 +26,7 @@ def offered(cfg):
 
 
 def range_of(node, name):
-    """(whether the low end belongs to it, low, high) as the page has it, which test_doc.py and the structs check."""
+    """(whether the low end belongs to it, low, high) as the page has it."""
     row = re.search(rf"^\| `{name}` \|[^|]*\| ([^|]*)\|", section(NODES_PAGE, node), re.M).group(1)
     bracket, low, high = re.match(r"([\[(])([\d.e]+), ([\d.e]+)\]", row.strip()).groups()
     return bracket == "[", float(low), float(high)
