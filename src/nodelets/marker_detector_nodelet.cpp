@@ -14,8 +14,11 @@
 #include "sextant/MarkerArray.h"
 #include "sextant/core/marker_picture.hpp"
 #include "sextant/ros/conversions.hpp"
+#include "sextant/ros/detector_report.hpp"
 #include "sextant/ros/image_bridge.hpp"
+#include "sextant/ros/marker_detector_config.hpp"
 #include "sextant/ros/marker_detector_params.hpp"
+#include "sextant/ros/reconfigure_server.hpp"
 #include "sextant/ros/stage_clock.hpp"
 #include "sextant/ros/trouble_log.hpp"
 
@@ -48,8 +51,20 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
     diagnostics_ = std::make_unique<diagnostic_updater::Updater>(node, getPrivateNodeHandle(), getName());
     diagnostics_->setHardwareID("none");
     diagnostics_->add("detection", this, &MarkerDetectorNodelet::diagnose);
+    reconfigure_ = std::make_unique<ReconfigureServer<MarkerDetectorConfig>>(
+        getPrivateNodeHandle(), toConfig(params_),
+        [this](const MarkerDetectorConfig& config, uint32_t level) { reconfigure(config, level); },
+        *trouble_);
     diagnostics_timer_ =
         node.createWallTimer(ros::WallDuration(1.0), [this](const ros::WallTimerEvent&) { everySecond(); });
+  }
+
+  // In the queue of the images: between two of them. Level 1 (cfg/MarkerDetector.cfg) is the search itself,
+  // whose state begins anew.
+  void reconfigure(const MarkerDetectorConfig& config, uint32_t level) {
+    const MarkerDetectorParams changed = withConfig(params_, config);
+    if (level & 1) detector_ = makeMarkerDetector(changed.detector);
+    params_ = changed;
   }
 
   // A listener that came before the nodelet's queue was open was not told of.
@@ -116,7 +131,7 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
 
   template <typename Decode>
   void process(const std_msgs::Header& header, Decode decode) {
-    ++images_;
+    report_.image();
     try {
       clock_.start();
       const cv::Mat image = decode();
@@ -156,7 +171,6 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
   }
 
   void publish(const std_msgs::Header& header, const std::vector<ObservedMarker>& markers) {
-    seen_ = markers.size();
     auto msg = boost::make_shared<MarkerArray>();
     msg->header = header;
     msg->camera_info = *info_;
@@ -164,6 +178,7 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
     for (const ObservedMarker& marker : markers)
       msg->markers.push_back(toMsg(marker.detection, marker.size, marker.poses, marker.covariance));
     markers_pub_.publish(msg);
+    report_.published(markers, header.stamp, ros::Time::now());
     if (!params_.publish_tf) return;
     if (header.stamp.isZero() || header.frame_id.empty())
       throw std::invalid_argument("the image's header has no stamp or no frame: tf cannot take its markers");
@@ -194,8 +209,10 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
     last_picture_ = now;
     const cv::Mat picture = drawMarkers(image, *camera_, markers, params_.debug_width);
     if (raw) picture_pub_.publish(toImageMsg(picture, header));
-    if (jpeg) jpeg_pub_.publish(toJpegMsg(picture, header, params_.debug_quality));
     clock_.finish("picture");
+    if (!jpeg) return;
+    jpeg_pub_.publish(toJpegMsg(picture, header, params_.debug_quality));
+    clock_.finish("picture as JPEG");
   }
 
   bool onEnable(std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response) {
@@ -212,10 +229,9 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
       status.summary(diagnostic_msgs::DiagnosticStatus::OK, "switched off");
     else if (!image_sub_)
       status.summary(diagnostic_msgs::DiagnosticStatus::OK, "nobody listens");
-    else if (images_ == 0)
+    else if (report_.images() == 0)
       status.summary(diagnostic_msgs::DiagnosticStatus::WARN, "no image on " + image_sub_.getTopic());
-    status.add("images", images_);
-    status.add("markers in the last image", seen_);
+    report_.fill(status);
     clock_.fill(status);
   }
 
@@ -225,13 +241,13 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
   std::optional<CameraModel> camera_;
   std::string camera_trouble_;
   bool enabled_ = true;
-  unsigned long images_ = 0;
-  size_t seen_ = 0;
+  DetectorReport report_;
   ros::SteadyTime last_picture_;
   std::unique_ptr<TroubleLog> trouble_;
   StageClock clock_;
   tf2_ros::TransformBroadcaster broadcaster_;
   std::unique_ptr<diagnostic_updater::Updater> diagnostics_;
+  std::unique_ptr<ReconfigureServer<MarkerDetectorConfig>> reconfigure_;
   ros::WallTimer diagnostics_timer_;
   ros::Publisher markers_pub_, picture_pub_, jpeg_pub_;
   ros::ServiceServer enable_srv_;

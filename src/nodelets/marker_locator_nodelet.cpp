@@ -20,7 +20,9 @@
 #include "sextant/ros/locator_report.hpp"
 #include "sextant/ros/locator_visualization.hpp"
 #include "sextant/ros/map_transform.hpp"
+#include "sextant/ros/marker_locator_config.hpp"
 #include "sextant/ros/marker_locator_params.hpp"
+#include "sextant/ros/reconfigure_server.hpp"
 #include "sextant/ros/stage_clock.hpp"
 #include "sextant/ros/tf_bridge.hpp"
 #include "sextant/ros/trouble_log.hpp"
@@ -78,6 +80,9 @@ class MarkerLocatorNodelet : public nodelet::Nodelet {
     diagnostics_ = std::make_unique<diagnostic_updater::Updater>(node, getPrivateNodeHandle(), getName());
     diagnostics_->setHardwareID("none");
     diagnostics_->add("localization", this, &MarkerLocatorNodelet::diagnose);
+    reconfigure_ = std::make_unique<ReconfigureServer<MarkerLocatorConfig>>(
+        getPrivateNodeHandle(), toConfig(params_),
+        [this](const MarkerLocatorConfig& config, uint32_t) { reconfigure(config); }, *trouble_);
     diagnostics_timer_ =
         node.createWallTimer(ros::WallDuration(1.0), [this](const ros::WallTimerEvent&) { everySecond(); });
     retry_timer_ = node.createWallTimer(
@@ -85,6 +90,13 @@ class MarkerLocatorNodelet : public nodelet::Nodelet {
     if (params_.tf_output == "map_to_odom" && params_.tf_rate > 0)
       transform_timer_ = node.createWallTimer(ros::WallDuration(1 / params_.tf_rate),
                                               [this](const ros::WallTimerEvent&) { keepTransform(); });
+  }
+
+  // In the queue of the images: between two of them.
+  void reconfigure(const MarkerLocatorConfig& config) {
+    const MarkerLocatorParams changed = withConfig(params_, config);
+    localization_->setParams(changed.localization);
+    params_ = changed;
   }
 
   // A latched map that came before the nodelet's queue was open is lost: it is asked for again.
@@ -233,7 +245,7 @@ class MarkerLocatorNodelet : public nodelet::Nodelet {
     msg->header.frame_id = map_->frame();
     msg->pose = toPoseWithCovarianceMsg(located.T_map_base, located.covariance);
     pose_pub_.publish(msg);
-    report_->published((ros::Time::now() - instant.stamp).toSec());
+    report_->published(instant.stamp, ros::Time::now());
     if (params_.tf_output == "map_to_base") send(instant.stamp, located.T_map_base);
     const auto T_map_odom = localization_->correction().transform();
     if (params_.tf_output == "map_to_odom" && T_map_odom) send(instant.stamp, *T_map_odom);
@@ -275,6 +287,7 @@ class MarkerLocatorNodelet : public nodelet::Nodelet {
   std::unique_ptr<tf2_ros::TransformListener> tf_listener_;
   std::unique_ptr<MapTransform> transform_;
   std::unique_ptr<diagnostic_updater::Updater> diagnostics_;
+  std::unique_ptr<ReconfigureServer<MarkerLocatorConfig>> reconfigure_;
   ros::WallTimer diagnostics_timer_, retry_timer_, transform_timer_;
   ros::Publisher pose_pub_, visualization_pub_;
   ros::Subscriber map_sub_;

@@ -4,7 +4,6 @@
 
 #include <diagnostic_msgs/DiagnosticStatus.h>
 
-#include <algorithm>
 #include <cmath>
 
 namespace sextant {
@@ -38,12 +37,6 @@ void LocatorReport::result(const LocatorResult& result, bool nothing_seen) {
     trouble_.report("markers in vain", "no pose: " + result.reason);
 }
 
-void LocatorReport::published(double latency) {
-  ++rate_poses_;
-  latency_sum_ += latency;
-  latency_most_ = std::max(latency_most_, latency);
-}
-
 void LocatorReport::fill(diagnostic_updater::DiagnosticStatusWrapper& status,
                          const MarkerLocalization& localization, const MarkerMap* map,
                          const std::vector<std::string>& cameras) {
@@ -54,7 +47,7 @@ void LocatorReport::fill(diagnostic_updater::DiagnosticStatusWrapper& status,
     status.summary(DiagnosticStatus::WARN, "no markers on " + cameras.front());
   status.add("images", images_);
   status.add("poses", poses_);
-  fillRate(status);
+  latency_.fill(status);
   status.add("mapped markers in the last image", seen_);
   status.add("of these used", used_);
   status.add("reprojection error (px)", reprojection_error_);
@@ -65,19 +58,6 @@ void LocatorReport::fill(diagnostic_updater::DiagnosticStatusWrapper& status,
   for (const auto& [reason, count] : reasons_) status.add("no pose: " + reason, count);
   for (const auto& [key, count] : unmapped_) status.add("not in the map: " + nameOf(key), count);
   fillMoved(status, localization);
-}
-
-void LocatorReport::fillRate(diagnostic_updater::DiagnosticStatusWrapper& status) {
-  const ros::SteadyTime now = ros::SteadyTime::now();
-  const double period = (now - rate_begin_).toSec();
-  status.addf("rate (Hz)", "%.1f", period > 0 ? rate_poses_ / period : 0.0);
-  if (rate_poses_ > 0) {
-    status.addf("latency since the image's stamp: mean ms", "%.1f", 1e3 * latency_sum_ / rate_poses_);
-    status.addf("latency since the image's stamp: max ms", "%.1f", 1e3 * latency_most_);
-  }
-  rate_begin_ = now;
-  rate_poses_ = 0;
-  latency_sum_ = latency_most_ = 0.0;
 }
 
 void LocatorReport::fillMoved(diagnostic_updater::DiagnosticStatusWrapper& status,

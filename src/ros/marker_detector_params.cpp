@@ -23,6 +23,7 @@ MarkerDetectorParams MarkerDetectorParams::fromRos(const ros::NodeHandle& privat
   MarkerDetectorParams params;
   ParamReader reader(private_node);
   reader.read("families", params.detector.families);
+  reader.read("search", params.search);
   reader.read("threads", params.detector.threads);
   reader.read("decimate", params.detector.decimate);
   reader.read("max_hamming", params.detector.max_hamming);
@@ -41,6 +42,7 @@ MarkerDetectorParams MarkerDetectorParams::fromRos(const ros::NodeHandle& privat
   reader.read("debug_width", params.debug_width);
   reader.read("debug_rate", params.debug_rate);
   reader.read("debug_quality", params.debug_quality);
+  params.detector.search = params.search;
   reader.rejectUnknown();
   reader.validate(params);
   return params;

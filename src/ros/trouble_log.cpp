@@ -22,6 +22,12 @@ void TroubleLog::report(const std::string& kind, const std::string& text) {
   ROS_WARN_STREAM(name_ << ": " << text);
 }
 
+void TroubleLog::refused(const std::string& kind, const std::string& text) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  ++kinds_[kind].count;
+  ROS_ERROR_STREAM(name_ << ": " << text);
+}
+
 void TroubleLog::succeeded() {
   const std::lock_guard<std::mutex> lock(mutex_);
   current_.clear();

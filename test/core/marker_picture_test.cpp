@@ -35,6 +35,24 @@ TEST(MarkerPicture, DrawsOutlineAndAxesWhereTheyAre) {
   EXPECT_EQ(at({5, 5}), cv::Vec3b(100, 100, 100));
 }
 
+TEST(MarkerPicture, ResidualsAreFiftyTimesAsLong) {
+  const CameraModel camera(testCalibrations()[0], CameraModel::Image::raw);
+  auto markers = oneMarker(camera);
+  const Eigen::Vector2d corner = markers[0].detection.corners[2];
+  markers[0].detection.corners[2] +=
+      Eigen::Vector2d(-0.6, 0);  // the pose stays: its corner lies to the right
+  const cv::Mat grey(480, 640, CV_8UC1, cv::Scalar(100));
+  const cv::Mat picture = drawMarkers(grey, camera, markers, 0);
+  const auto purple = [&](double right) {
+    const cv::Vec3b& c =
+        picture.at<cv::Vec3b>(std::lround(corner.y()), std::lround(corner.x() - 0.6 + right));
+    return c[0] > 180 && c[1] < 130 && c[2] > 180;
+  };
+  EXPECT_TRUE(purple(15));
+  EXPECT_TRUE(purple(28));
+  EXPECT_FALSE(purple(33));
+}
+
 TEST(MarkerPicture, ScalesToTheAskedWidth) {
   const CameraModel camera(testCalibrations()[0], CameraModel::Image::raw);
   const cv::Mat grey(480, 640, CV_8UC1, cv::Scalar(100));

@@ -125,9 +125,13 @@ class Diagnostics:
 
     def count(self, name, key):
         """A counter; 0 while the row is not there."""
+        return int(self.row(name, key) or 0)
+
+    def row(self, name, key):
+        """The text of a row; None while it is not there."""
         status = self._status.get(name)
         rows = {row.key: row.value for row in status.values} if status else {}
-        return int(rows.get(key, 0))
+        return rows.get(key)
 
     def reaches(self, name, key, number, timeout=WAIT):
         return until(lambda: self.count(name, key) >= number, timeout)

@@ -3,13 +3,13 @@
 #pragma once
 
 #include <diagnostic_updater/DiagnosticStatusWrapper.h>
-#include <ros/time.h>
 
 #include <map>
 #include <string>
 #include <vector>
 
 #include "sextant/core/marker_localization.hpp"
+#include "sextant/ros/latency_clock.hpp"
 #include "sextant/ros/trouble_log.hpp"
 
 namespace sextant {
@@ -22,15 +22,14 @@ class LocatorReport {
   void image() { ++images_; }
   /// @param nothing_seen no marker in any image: no reason to complain
   void result(const LocatorResult& result, bool nothing_seen);
-  /// A pose that was published. @param latency since the image's stamp, seconds
-  void published(double latency);
+  /// A pose that was published. @param stamp of its image
+  void published(const ros::Time& stamp, const ros::Time& now) { latency_.published(stamp, now); }
 
   /// @param map nothing: none has come yet; @param cameras topics
   void fill(diagnostic_updater::DiagnosticStatusWrapper& status, const MarkerLocalization& localization,
             const MarkerMap* map, const std::vector<std::string>& cameras);
 
  private:
-  void fillRate(diagnostic_updater::DiagnosticStatusWrapper& status);
   void fillMoved(diagnostic_updater::DiagnosticStatusWrapper& status, const MarkerLocalization& localization);
 
   TroubleLog& trouble_;
@@ -39,9 +38,7 @@ class LocatorReport {
   double reprojection_error_ = 0.0;
   std::map<std::string, unsigned long> reasons_;
   std::map<MarkerKey, unsigned long> unmapped_;
-  unsigned long rate_poses_ = 0;  // since rate_begin_
-  double latency_sum_ = 0.0, latency_most_ = 0.0;
-  ros::SteadyTime rate_begin_ = ros::SteadyTime::now();
+  LatencyClock latency_;
 };
 
 }  // namespace sextant

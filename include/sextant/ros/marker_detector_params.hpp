@@ -13,7 +13,8 @@ namespace sextant {
 /// Parameters of the nodelet sextant/MarkerDetector.
 struct MarkerDetectorParams {
   DetectorParams detector;
-  MarkerSizes sizes;          ///< marker_size, marker_sizes
+  std::string search = "tracking";  ///< detector.search of a node, whose images are one camera's, in order
+  MarkerSizes sizes;                ///< marker_size, marker_sizes
   double corner_sigma = 0.3;  ///< noise of a corner coordinate for the poses' covariance, pixels, (0, 10]
   bool enabled = true;        ///< search from the start; the service ~enable switches it
   bool rectified = false;     ///< the image is rectified: P and R count instead of K and D

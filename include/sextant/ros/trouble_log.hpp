@@ -19,6 +19,8 @@ class TroubleLog {
 
   /// @param kind short and fixed, e.g. "camera_info"; @param text what is wrong and what to do
   void report(const std::string& kind, const std::string& text);
+  /// What somebody asked for is not done: said and counted every time, and work goes on.
+  void refused(const std::string& kind, const std::string& text);
   /// A piece of work that went well: what was wrong before is over.
   void succeeded();
   /// Summary (WARN while the last piece of work failed) and a row a kind.
