@@ -14,10 +14,12 @@ from typing import Dict, List
 
 from consistency import consistency_tables
 from real_data import EXTERNAL
+from recorded_trust import trust_tables
 from tables import Table
 
 TOPICS = {
     "consistency": lambda options: consistency_tables(options.quick),
+    "real": lambda options: trust_tables(options.data / "markers", options.quick),
 }
 
 
