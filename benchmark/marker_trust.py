@@ -13,12 +13,16 @@ from pathlib import Path
 from typing import Dict, List
 
 from consistency import consistency_tables
+from head_on import head_on_tables
+from moved_marker import moved_marker_tables
 from real_data import EXTERNAL
 from recorded_trust import trust_tables
 from tables import Table
 
 TOPICS = {
     "consistency": lambda options: consistency_tables(options.quick),
+    "head_on": lambda options: head_on_tables(options.quick),
+    "moved_marker": lambda options: moved_marker_tables(options.quick),
     "real": lambda options: trust_tables(options.data / "markers", options.quick),
 }
 
