@@ -56,7 +56,7 @@ def place(frame: int, frames: int) -> np.ndarray:
     return sextant.pose_from_xyz_rpy([MARKER[0] - way - T_BASE_CAMERA[0, 3], 0.0, 0.0], [0.0, 0.0, yaw])
 
 
-def _wrong(camera: SimulatedCamera, view, truth: np.ndarray, pose) -> bool:
+def _wrong(camera: SimulatedCamera, truth: np.ndarray, pose) -> bool:
     """Whether the pose is nearer to the other planar solution than to the truth, the two far apart."""
     solved = sextant.solve_marker_pose(camera.model, exact_corners(camera, truth), SIZE)
     if not solved.alternative:
