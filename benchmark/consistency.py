@@ -14,7 +14,8 @@ SIZES, SIGMAS = ((640, 480), (1280, 720)), (0.1, 0.3)
 FLOOR_SIGMA = 0.01  # m and rad
 CHI2_95 = {6: 12.592, 3: 7.815}
 DIFFERENCE = 1e-5  # m and rad, of the numeric derivative
-COLUMNS = ["published", "decided", "error / bound", "error / own", "NEES 6", "NEES 3", "in 95 %: 6", "in 95 %: 3"]
+COLUMNS = ["published", "decided", "error / bound", "error / own", "NEES 6", "NEES 3"]
+COLUMNS += ["in 95 %: 6", "in 95 %: 3"]
 
 
 class Scene(NamedTuple):

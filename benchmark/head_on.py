@@ -40,7 +40,7 @@ def drive(size, odometry: bool, frames: int) -> List[Optional[Told]]:
     params = sextant.LocalizationParams()
     params.locator.corner_sigma, params.estimate_noise = SIGMA, False
     localization, told = sextant.MarkerLocalization(params), []
-    for truth in map(lambda k: place(k, frames), range(frames)):
+    for truth in (place(k, frames) for k in range(frames)):
         view = camera.view(truth, marker_map.markers)
         pose = localization.locate(
             marker_map, [view], np.linalg.inv(T_MAP_ODOM) @ truth if odometry else None
@@ -59,7 +59,7 @@ def place(frame: int, frames: int) -> np.ndarray:
 def _wrong(camera: SimulatedCamera, truth: np.ndarray, pose) -> bool:
     """Whether the pose is nearer to the other planar solution than to the truth, the two far apart."""
     solved = sextant.solve_marker_pose(camera.model, exact_corners(camera, truth), SIZE)
-    if not solved.alternative:
+    if not solved or not solved.alternative:  # exactly head-on there is but one
         return False
     T_map_marker = wall_map([MARKER]).markers[0].T_map_marker
     T_marker_camera = np.linalg.inv(solved.alternative.T_camera_marker)
@@ -76,7 +76,7 @@ def exact_corners(camera: SimulatedCamera, truth: np.ndarray) -> np.ndarray:
 
 
 def jumps(told: List[Optional[Told]]) -> np.ndarray:
-    """(N, 2) change of the position error between successive poses, in deviations of both and of the larger."""
+    """(N, 2) change of the position error between poses, in deviations of both and of the larger."""
     found = []
     for last, now in zip(told, told[1:]):
         if last and now:

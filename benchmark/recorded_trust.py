@@ -119,7 +119,8 @@ def _needed_sigma(recording: TagslamRecording, images: List[Sighting], scales: d
 
 def uncertain(marker_map, sigma: float):
     """The map, every entry known to sigma metres and sigma / ARM radians."""
-    result, covariance = sextant.MarkerMap(marker_map.frame), np.diag([sigma**2] * 3 + [(sigma / ARM) ** 2] * 3)
+    result = sextant.MarkerMap(marker_map.frame)
+    covariance = np.diag([sigma**2] * 3 + [(sigma / ARM) ** 2] * 3)
     for each in marker_map.markers:
         entry = sextant.MappedMarker(
             each.family, each.id, each.size, each.T_map_marker, each.name, covariance=covariance
