@@ -84,3 +84,22 @@ def test_one_failing_bar_fails_the_table():
     assert not table.holds
     assert str(table).splitlines() == ["title", "    figure", "a   1.00 (<= 2)", "bb  3.00 (<= 2) FAILS"]
     assert table.as_json()["rows"][1]["figure"]["holds"] is False
+
+
+def run_trust(topic):
+    script = str(BENCHMARK / "marker_trust.py")
+    command = [sys.executable, script, "--quick", "--only", topic, "--json", "-"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)["topics"][topic]
+
+
+@pytest.mark.parametrize("topic, column", [("consistency", "published"), ("head_on", "published")])
+def test_quick_run_of_trust_publishes(topic, column):
+    for table in run_trust(topic):
+        assert min(row[column]["value"] for row in table["rows"]) >= 0.5
+
+
+def test_quick_run_of_a_wrong_map_entry_leaves_it_out():
+    (table,) = run_trust("moved_marker")
+    assert all(row["left out, %"]["value"] > 0 for row in table["rows"][1:])

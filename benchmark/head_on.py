@@ -1,0 +1,104 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""A marker seen head-on, where a square has two poses: jumps, and the branch that is told."""
+
+from typing import List, NamedTuple, Optional
+
+import numpy as np
+from simulated_sightings import SIZE, T_BASE_CAMERA, SimulatedCamera, corners_in_map, in_camera, wall_map
+from tables import Row, Table, Value
+
+import sextant
+
+SIZES, SIGMA = ((640, 480), (1280, 720)), 0.3  # fx 320 and 640, px
+MARKER = (3.0, 0.0, 1.0, np.pi)
+T_MAP_ODOM = sextant.pose_from_xyz_rpy([0.4, -0.2, 0.0], [0.0, 0.0, 0.3])
+WOBBLE = 0.05  # rad
+APART = 25.0  # squared Mahalanobis distance between the two solutions from which the branch counts
+JUMP = 5.0  # deviations
+COLUMNS = ["published", "largest jump, both deviations", "larger deviation only", "beyond 5", "wrong branch"]
+
+
+class Told(NamedTuple):
+    """A published pose, and the truth."""
+
+    truth: np.ndarray
+    pose: object  # sextant.LocatedPose
+    wrong: bool
+
+
+def head_on_tables(quick: bool) -> List[Table]:
+    """With and without (exact) odometry; a quick run is a few frames, without bars."""
+    frames = 40 if quick else 1000
+    rows = [_row(size, odometry, frames, quick) for size in SIZES for odometry in (False, True)]
+    return [Table("One marker head-on from 1 to 7 m and back; jumps in deviations", COLUMNS, rows)]
+
+
+def drive(size, odometry: bool, frames: int) -> List[Optional[Told]]:
+    """The poses of a drive along the marker's normal; None where none was published."""
+    camera, marker_map = SimulatedCamera("plumb_bob 0", size, SIGMA), wall_map([MARKER])
+    params = sextant.LocalizationParams()
+    params.locator.corner_sigma, params.estimate_noise = SIGMA, False
+    localization, told = sextant.MarkerLocalization(params), []
+    for truth in (place(k, frames) for k in range(frames)):
+        view = camera.view(truth, marker_map.markers)
+        pose = localization.locate(
+            marker_map, [view], np.linalg.inv(T_MAP_ODOM) @ truth if odometry else None
+        ).pose
+        told.append(Told(truth, pose, _wrong(camera, truth, pose)) if pose else None)
+    return told
+
+
+def place(frame: int, frames: int) -> np.ndarray:
+    """T_map_base: the camera from 1 m to 7 m and back, with a few degrees of wobble."""
+    way = 4.0 - 3.0 * np.cos(2.0 * np.pi * frame / frames)
+    yaw = WOBBLE * np.sin(0.05 * frame)
+    return sextant.pose_from_xyz_rpy([MARKER[0] - way - T_BASE_CAMERA[0, 3], 0.0, 0.0], [0.0, 0.0, yaw])
+
+
+def _wrong(camera: SimulatedCamera, truth: np.ndarray, pose) -> bool:
+    """Whether the pose is nearer to the other planar solution than to the truth, the two far apart."""
+    solved = sextant.solve_marker_pose(camera.model, exact_corners(camera, truth), SIZE)
+    if not solved or not solved.alternative:  # exactly head-on there is but one
+        return False
+    T_map_marker = wall_map([MARKER]).markers[0].T_map_marker
+    T_marker_camera = np.linalg.inv(solved.alternative.T_camera_marker)
+    mirrored = T_map_marker @ T_marker_camera @ np.linalg.inv(T_BASE_CAMERA)
+    between = _squared(sextant.pose_error(truth, mirrored), pose.covariance)
+    to_truth = _squared(sextant.pose_error(truth, pose.T_map_base), pose.covariance)
+    to_mirrored = _squared(sextant.pose_error(mirrored, pose.T_map_base), pose.covariance)
+    return between > APART and to_mirrored < to_truth
+
+
+def exact_corners(camera: SimulatedCamera, truth: np.ndarray) -> np.ndarray:
+    """(4, 2) exact pixels: the mirrored solution is that of the scene, not of the noise."""
+    return camera.project(in_camera(truth, corners_in_map(wall_map([MARKER]).markers[0])))
+
+
+def jumps(told: List[Optional[Told]]) -> np.ndarray:
+    """(N, 2) change of the position error between poses, in deviations of both and of the larger."""
+    found = []
+    for last, now in zip(told, told[1:]):
+        if last and now:
+            change = [each.pose.T_map_base[:3, 3] - each.truth[:3, 3] for each in (now, last)]
+            P = [each.pose.covariance[:3, :3] for each in (now, last)]
+            step, larger = change[0] - change[1], max(P, key=np.trace)
+            found.append([np.sqrt(_squared(step, P[0] + P[1])), np.sqrt(_squared(step, larger))])
+    return np.array(found).reshape(-1, 2)
+
+
+def _squared(error: np.ndarray, covariance: np.ndarray) -> float:
+    return float(error @ np.linalg.solve(covariance, error))
+
+
+def _row(size, odometry: bool, frames: int, quick: bool) -> Row:
+    told = drive(size, odometry, frames)
+    both, larger = jumps(told).T
+    wrong = sum(each.wrong for each in told if each)
+    return f"fx {size[0] // 2}, {'odometry' if odometry else 'no odometry'}", [
+        Value(sum(map(bool, told)) / frames, 3),
+        Value(both.max(), at_most=None if quick else JUMP),
+        Value(larger.max()),
+        Value(np.sum(both > JUMP), 0),
+        Value(wrong, 0, at_most=0 if odometry and not quick else None),
+    ]

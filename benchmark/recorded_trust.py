@@ -1,0 +1,137 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Trust on tagslam's recordings: single markers against the reference, half the markers against the other."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Dict, List, NamedTuple, Tuple
+
+import numpy as np
+from real_data import Sighting, TagslamRecording, read_tagslam
+from tables import Table, Value
+
+import sextant
+
+OUTSIDE = 14.2  # squared Mahalanobis distance in position that one of 400 exceeds
+NOISE_IMAGES = 200  # one rule for both: the first so many images tell the corners' noise
+MAP_SIGMAS = (0.001, 0.002, 0.003, 0.005, 0.007, 0.01, 0.015, 0.02)  # m
+ARM = 0.5  # m; a map entry off by sigma is turned by sigma / ARM
+HALF_BARS = {"tagslam_16": 1.0, "tagslam_2": 0.5}  # cm, median
+NEES_BARS = {"tagslam_16": 2.0}  # in degrees of freedom; at least the inverse
+
+
+class Halves(NamedTuple):
+    """Poses from the even against those from the odd ids."""
+
+    distances: np.ndarray  # cm
+    nees: np.ndarray  # of the difference, 6 degrees
+    nees_position: np.ndarray
+
+
+def trust_tables(folder: Path, quick: bool) -> List[Table]:
+    """One table a recording. :raises OSError: a recording is not there"""
+    return [trust_table(name, read_tagslam(folder / name), quick) for name in HALF_BARS]
+
+
+def trust_table(name: str, recording: TagslamRecording, quick: bool) -> Table:
+    """Figures of one recording; a quick run takes a few images and holds no bar."""
+    images = recording.referenced()[: 40 if quick else None]
+    scales = noise_scales(recording, images[:NOISE_IMAGES])
+    sigma = sextant.LocatorParams().corner_sigma
+    rows = [(f"corner noise of {camera}, px", [Value(sigma * each)]) for camera, each in scales.items()]
+    distances = single_marker_distances(recording, images, scales)
+    outside, halves = distances > OUTSIDE, hold_out(recording, images, scales, recording.map)
+    bar, half_bar = NEES_BARS.get(name), HALF_BARS[name]
+    rows += [
+        ("single markers, published poses", [Value(len(distances), 0)]),
+        (f"  beyond {OUTSIDE}, %", [Value(100 * np.mean(outside), at_most=None if quick else 1.0)]),
+        ("even against odd, images", [Value(len(halves.nees), 0)]),
+        ("  median, cm", [Value(_median(halves.distances), 3, at_most=None if quick else half_bar)]),
+    ]
+    for title, nees, freedoms in (("6", halves.nees, 6), ("position", halves.nees_position, 3)):
+        most, least = (None, None) if quick or not bar else (bar, 1 / bar)
+        cell = Value(_mean(nees) / freedoms, at_most=most, at_least=least)
+        rows.append((f"  NEES / degrees of freedom, {title}", [cell]))
+    if not bar:
+        rows.append(("  ... under 2 with a map sigma of, mm", [_needed_sigma(recording, images, scales)]))
+    return Table(f"{name}: recorded corners", ["figure"], rows, {"single markers": distances})
+
+
+def noise_scales(recording: TagslamRecording, images: List[Sighting]) -> Dict[str, float]:
+    """Factor on corner_sigma by camera, as the product estimates it from the residuals of the images."""
+    localization, cameras = sextant.MarkerLocalization(), list(recording.cameras)
+    for each in images:
+        view = recording.view(each)
+        view.camera_index = cameras.index(each.camera)
+        localization.locate(recording.map, [view])
+    return {camera: localization.noise_scale(index) for index, camera in enumerate(cameras)}
+
+
+def single_marker_distances(
+    recording: TagslamRecording, images: List[Sighting], scales: Dict[str, float]
+) -> np.ndarray:
+    """(N,) squared Mahalanobis distances in position to the reference, of every marker alone."""
+    locator, distances = sextant.MarkerLocator(), []
+    for image in images:
+        for detection in image.detections:
+            alone = replace(image, detections=[detection])
+            pose = _locate(locator, recording, alone, scales, recording.map)
+            if pose:
+                error = pose.T_map_base[:3, 3] - recording.trajectory[image.stamp][:3, 3]
+                distances.append(error @ np.linalg.solve(pose.covariance[:3, :3], error))
+    return np.array(distances)
+
+
+def hold_out(recording: TagslamRecording, images: List[Sighting], scales: dict, marker_map) -> Halves:
+    """Of the images with at least two even and two odd ids."""
+    locator, found = sextant.MarkerLocator(), []
+    for image in images:
+        halves = [[each for each in image.detections if each.id % 2 == odd] for odd in (0, 1)]
+        if min(map(len, halves)) < 2:
+            continue
+        views = [replace(image, detections=half) for half in halves]
+        even, odd = (_locate(locator, recording, view, scales, marker_map) for view in views)
+        if even and odd:
+            found.append(_difference(even, odd))
+    return Halves(*np.array(found).reshape(-1, 3).T)
+
+
+def _locate(locator, recording: TagslamRecording, image: Sighting, scales: dict, marker_map):
+    view = recording.view(image)
+    view.noise_scale = scales[image.camera]
+    return locator.locate(marker_map, [view]).pose
+
+
+def _difference(even, odd) -> Tuple[float, float, float]:
+    error = sextant.pose_error(even.T_map_base, odd.T_map_base)
+    P = even.covariance + odd.covariance
+    position = error[:3] @ np.linalg.solve(P[:3, :3], error[:3])
+    return 100.0 * np.linalg.norm(error[:3]), error @ np.linalg.solve(P, error), position
+
+
+def _needed_sigma(recording: TagslamRecording, images: List[Sighting], scales: dict) -> Value:
+    for sigma in MAP_SIGMAS:
+        halves = hold_out(recording, images, scales, uncertain(recording.map, sigma))
+        if _mean(halves.nees) <= 12.0:
+            return Value(1000.0 * sigma, 1)
+    return Value(float("nan"))
+
+
+def uncertain(marker_map, sigma: float):
+    """The map, every entry known to sigma metres and sigma / ARM radians."""
+    result = sextant.MarkerMap(marker_map.frame)
+    covariance = np.diag([sigma**2] * 3 + [(sigma / ARM) ** 2] * 3)
+    for each in marker_map.markers:
+        entry = sextant.MappedMarker(
+            each.family, each.id, each.size, each.T_map_marker, each.name, covariance=covariance
+        )
+        result.add(entry)
+    return result
+
+
+def _median(values: np.ndarray) -> float:
+    return float(np.median(values)) if len(values) else float("nan")
+
+
+def _mean(values: np.ndarray) -> float:
+    return float(np.mean(values)) if len(values) else float("nan")
