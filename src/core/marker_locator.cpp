@@ -4,6 +4,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include "sextant/core/marker_pose.hpp"
@@ -26,11 +27,19 @@ Pose basePose(const Seen& seen, const MarkerPose& solution) {
   return seen.mapped->T_map_marker * solution.T_camera_marker.inverse() * seen.view->T_base_camera.inverse();
 }
 
+// What all corners of a camera have in common, and what each tells of itself: a hidden one counts little.
+std::array<double, 4> cornerSigmas(const Seen& seen, const LocatorParams& params) {
+  std::array<double, 4> sigmas;
+  for (int i = 0; i < 4; ++i)
+    sigmas[i] = seen.view->noise_scale *
+                std::hypot(params.corner_sigma, std::max(0.0, seen.detection->corner_sigmas[i]));
+  return sigmas;
+}
+
 MarkerSighting sighting(const Seen& seen, const LocatorParams& params) {
-  const double sigma = params.corner_sigma * seen.view->noise_scale;
   return {&seen.view->camera,        seen.view->T_base_camera.inverse(),
           seen.mapped->T_map_marker, seen.mapped->size,
-          seen.detection->corners,   {sigma, sigma, sigma, sigma},
+          seen.detection->corners,   cornerSigmas(seen, params),
           seen.mapped->covariance};
 }
 

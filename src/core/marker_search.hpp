@@ -8,7 +8,7 @@
 
 #include "sextant/core/corner_refiner.hpp"
 #include "sextant/core/marker.hpp"
-#include "sextant/core/quad_search.hpp"
+#include "quad_search.hpp"
 
 namespace sextant {
 

@@ -12,6 +12,9 @@ namespace {
 
 constexpr size_t kMaxRefined = 6;  // starts, the best by robust cost
 constexpr int kGateRounds = 4;
+// What a marker costs that is left out. More than the gate: two that agree are to win against one that leaves
+// much open, whose covariance speaks for it.
+constexpr double kLeftOut = 100.0;
 constexpr double kSameDistance = 1e-3;  // squared Mahalanobis distance of two fits that are one minimum
 
 Matrix6d symmetricInverse(const Matrix6d& matrix) {
@@ -58,18 +61,23 @@ PoseHypothesis hypothesis(const ReprojectionFit& fit, const std::vector<size_t>&
       fit.T_map_base, symmetricInverse(fit.information), fit.cost + left_out_cost, fit.rms, used, 0.0, 0.0};
 }
 
+std::vector<MarkerSighting> chosen(const std::vector<MarkerSighting>& sightings,
+                                   const std::vector<size_t>& indices) {
+  std::vector<MarkerSighting> some;
+  for (const size_t i : indices) some.push_back(sightings[i]);
+  return some;
+}
+
 // Plain searches with the markers inside the gate, until these stay the same.
 std::optional<PoseHypothesis> settled(const std::vector<MarkerSighting>& sightings, const Pose& start,
                                       std::vector<size_t> used, const HypothesesParams& params) {
   Pose pose = start;
   for (int round = 0; round < kGateRounds && !used.empty(); ++round) {
-    std::vector<MarkerSighting> inside;
-    for (const size_t i : used) inside.push_back(sightings[i]);
-    const auto fit = minimizeReprojection(inside, pose, {1e9, params.floor});
+    const auto fit = minimizeReprojection(chosen(sightings, used), pose, {1e9, params.floor});
     if (!fit) return std::nullopt;
     const auto now = withinGate(sightings, fit->T_map_base, params.gate);
     if (now == used)
-      return hypothesis(*fit, used, params.gate * static_cast<double>(sightings.size() - used.size()));
+      return hypothesis(*fit, used, kLeftOut * static_cast<double>(sightings.size() - used.size()));
     used = now;
     pose = fit->T_map_base;
   }
@@ -82,6 +90,43 @@ std::optional<PoseHypothesis> together(const std::vector<MarkerSighting>& sighti
   const auto fit = minimizeReprojection(sightings, start.T_map_base, {params.robust_width, params.floor});
   if (!fit) return std::nullopt;
   return settled(sightings, fit->T_map_base, withinGate(sightings, fit->T_map_base, params.gate), params);
+}
+
+// By how much the cost would rise if the pose had to explain this marker too: its squared Mahalanobis
+// distance with the pose's own uncertainty added, r' (I + J P J')^-1 r.
+double rise(const MarkerSighting& sighting, const ReprojectionFit& fit) {
+  const ReprojectionModel model = reprojectionModel({sighting}, fit.T_map_base, {});
+  return model.cost - model.g.dot((fit.information + model.H).ldlt().solve(model.g));
+}
+
+// The marker, outside of those used, that agrees best with the fit.
+std::optional<size_t> nextToAgree(const std::vector<MarkerSighting>& sightings, const ReprojectionFit& fit,
+                                  const std::vector<size_t>& used, double gate) {
+  std::optional<size_t> best;
+  for (size_t i = 0; i < sightings.size(); ++i) {
+    if (std::find(used.begin(), used.end(), i) != used.end()) continue;
+    const double cost = rise(sightings[i], fit);
+    if (!(cost <= gate)) continue;
+    gate = cost;
+    best = i;
+  }
+  return best;
+}
+
+// One marker, and one after another those that agree with all before: where markers contradict each other, a
+// search with all of them ends between two poses.
+std::optional<PoseHypothesis> grown(const std::vector<MarkerSighting>& sightings, const PoseStart& start,
+                                    const HypothesesParams& params) {
+  Pose pose = start.T_map_base;
+  for (std::vector<size_t> used{start.sighting};;) {
+    const auto fit = minimizeReprojection(chosen(sightings, used), pose, {1e9, params.floor});
+    if (!fit) return std::nullopt;
+    const auto next = nextToAgree(sightings, *fit, used, params.gate);
+    if (!next) return settled(sightings, fit->T_map_base, used, params);
+    used.push_back(*next);
+    std::sort(used.begin(), used.end());
+    pose = fit->T_map_base;
+  }
 }
 
 bool explained(size_t sighting, const std::vector<PoseHypothesis>& all) {
@@ -129,8 +174,12 @@ std::vector<PoseHypothesis> poseHypotheses(const std::vector<MarkerSighting>& si
                                            const HypothesesParams& params,
                                            const std::optional<PosePrior>& prior) {
   std::vector<PoseHypothesis> all;
-  for (const PoseStart& start : bestStarts(sightings, starts, params))
-    if (const auto found = together(sightings, start, params)) addIfNew(*found, all);
+  for (const PoseStart& start : bestStarts(sightings, starts, params)) {
+    const auto found = together(sightings, start, params);
+    if (found) addIfNew(*found, all);
+    if (found && found->used.size() == sightings.size()) continue;
+    if (const auto other = grown(sightings, start, params)) addIfNew(*other, all);
+  }
   // Markers that contradict the others may be the ones that are right.
   for (const PoseStart& start : starts) {
     if (explained(start.sighting, all)) continue;

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Sextant authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sextant/core/quad_search.hpp"
+#include "quad_search.hpp"
 
 #include <algorithm>
 #include <cmath>

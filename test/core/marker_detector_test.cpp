@@ -66,6 +66,22 @@ TEST_P(EveryFamily, ReadsItsOwnPrintsUpright) {
   }
 }
 
+// New ones are found by the outline of their border, whichever side of it is black.
+TEST_P(EveryFamily, FindsItsPrintsAnewWithinThreeImagesWhileTracking) {
+  const std::string family = GetParam();
+  DetectorParams params = paramsFor(family);
+  params.search = "tracking";
+  const auto detector = makeMarkerDetector(params);
+  const Print marker = print(family, 0);
+  const cv::Mat blank(marker.image.size(), CV_8UC1, cv::Scalar(255));
+  EXPECT_TRUE(detector->detect(blank).empty());
+  std::vector<Detection> found;
+  for (int i = 0; i < 3 && found.empty(); ++i) found = detector->detect(marker.image);
+  ASSERT_EQ(found.size(), 1u) << family;
+  EXPECT_LT(worstCorner(found[0].corners, marker.corners), 0.1) << family;
+  EXPECT_EQ(detector->detect(marker.image).size(), 1u);  // and then where it was
+}
+
 std::string testName(const testing::TestParamInfo<std::string>& info) { return info.param; }
 INSTANTIATE_TEST_SUITE_P(All, EveryFamily, testing::ValuesIn(markerFamilies()), testName);
 

@@ -30,8 +30,8 @@ struct LocatorParams {
   double max_reprojection_error =
       2.0;  ///< RMS over all used corners above which there is no pose, pixels, (0, 1000]
   double robust_width =
-      5.0;              ///< joint: a marker farther off than so many sigma counts less at first, [0.5, 1000]
-  double gate = 100.0;  ///< joint: squared Mahalanobis distance beyond which a marker is left out, [8, 1e6]
+      5.0;             ///< joint: a marker farther off than so many sigma counts less at first, [0.5, 1000]
+  double gate = 50.0;  ///< joint: squared Mahalanobis distance beyond which a marker is left out, [8, 1e6]
   double floor_height_sigma =
       0.0;  ///< joint: the base stands on the map's plane z = 0 so exactly, metres, [0, 10]; 0: it does not
   double floor_tilt_sigma =

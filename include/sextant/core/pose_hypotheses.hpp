@@ -25,9 +25,9 @@ struct PoseStart {
 /// One explanation of what the cameras see.
 struct PoseHypothesis {
   Pose T_map_base;
-  Matrix6d covariance;  ///< position, rotation in the map's axes
-  double cost;          ///< squared Mahalanobis distance of all residuals; a marker left out costs the gate
-  double rms;           ///< reprojection error of the markers used, pixels
+  Matrix6d covariance;       ///< position, rotation in the map's axes
+  double cost;               ///< squared Mahalanobis distance of all residuals; a marker left out costs 100
+  double rms;                ///< reprojection error of the markers used, pixels
   std::vector<size_t> used;  ///< indices of the sightings that it explains
   double log_prior;          ///< what the prior says of it, logarithm of a density; 0 without a prior
   double weight;             ///< probability among the hypotheses
@@ -36,7 +36,7 @@ struct PoseHypothesis {
 struct HypothesesParams {
   double robust_width =
       5.0;  ///< of the first search: a marker farther off than so many sigma (of 8 dimensions) counts less
-  double gate = 100.0;  ///< squared Mahalanobis distance of a marker beyond which a hypothesis leaves it out
+  double gate = 50.0;  ///< squared Mahalanobis distance of a marker beyond which a hypothesis leaves it out
   std::optional<FloorPrior> floor;
 };
 

@@ -1,0 +1,94 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "marker_tracks.hpp"
+
+#include <gtest/gtest.h>
+
+namespace sextant {
+namespace {
+
+const cv::Size kImage = {640, 480};
+
+Detection square(int id, double x, double y, double side) {
+  Detection found;
+  found.key = {"tag36h11", id};
+  found.corners = {Eigen::Vector2d(x, y), {x + side, y}, {x + side, y + side}, {x, y + side}};
+  return found;
+}
+
+FoundMarkers found(const std::vector<Detection>& detections) {
+  FoundMarkers markers;
+  for (const auto& each : detections) markers.add(each);
+  return markers;
+}
+
+TEST(MarkerTracks, EachGoesOnAsItMoved) {
+  MarkerTracks tracks;
+  tracks.update(found({square(1, 100, 100, 50), square(2, 300, 200, 40)}));
+  tracks.update(found({square(1, 110, 104, 52), square(2, 295, 200, 40)}));
+  const auto expected = tracks.expect(kImage);
+  ASSERT_EQ(expected.size(), 2u);
+  EXPECT_EQ(expected[0].corners[0], Eigen::Vector2d(120, 108));
+  EXPECT_EQ(expected[0].corners[2], Eigen::Vector2d(174, 162));
+  EXPECT_EQ(expected[1].corners[0], Eigen::Vector2d(290, 200));
+}
+
+TEST(MarkerTracks, OneSeenOnceMovesAsTheOthersWithMoreRoom) {
+  MarkerTracks tracks;
+  tracks.update(found({square(1, 100, 100, 50)}));
+  tracks.update(found({square(1, 110, 100, 50), square(2, 300, 200, 50)}));
+  const auto expected = tracks.expect(kImage);
+  ASSERT_EQ(expected.size(), 2u);
+  EXPECT_EQ(expected[1].corners[0], Eigen::Vector2d(310, 200));
+  EXPECT_GT(expected[1].margin, expected[0].margin + 5);
+}
+
+TEST(MarkerTracks, OneMissedIsExpectedForAWhileFartherOn) {
+  MarkerTracks tracks;
+  tracks.update(found({square(1, 100, 100, 50)}));
+  tracks.update(found({square(1, 110, 100, 50)}));
+  tracks.update(found({}));
+  ASSERT_EQ(tracks.expect(kImage).size(), 1u);
+  EXPECT_EQ(tracks.expect(kImage)[0].corners[0], Eigen::Vector2d(130, 100));
+  for (int i = 0; i < 5; ++i) tracks.update(found({}));
+  EXPECT_TRUE(tracks.expect(kImage).empty());
+}
+
+TEST(MarkerTracks, OneThatLeavesTheImageIsNotLookedFor) {
+  MarkerTracks tracks;
+  tracks.update(found({square(1, 540, 100, 50)}));
+  tracks.update(found({square(1, 580, 100, 50)}));
+  EXPECT_TRUE(tracks.expect(kImage).empty());
+}
+
+TEST(MarkerTracks, NewOnesEnterWhereTheImageComesFrom) {
+  MarkerTracks tracks;
+  tracks.update(found({square(1, 100, 100, 50)}));
+  EXPECT_TRUE(tracks.entrances(kImage).empty());
+  tracks.update(found({square(1, 110, 100, 50)}));
+  const auto strips = tracks.entrances(kImage);
+  ASSERT_EQ(strips.size(), 1u);
+  EXPECT_EQ(strips[0].tl(), cv::Point(0, 0));
+  EXPECT_EQ(strips[0].height, kImage.height);
+  EXPECT_GT(strips[0].width, 60);  // a marker as large, and its motion
+  EXPECT_LT(strips[0].width, 120);
+  tracks.update(found({square(1, 105, 95, 50)}));  // back and up: from the right and from below
+  ASSERT_EQ(tracks.entrances(kImage).size(), 2u);
+  EXPECT_EQ(tracks.entrances(kImage)[0].br(), cv::Point(640, 480));
+  EXPECT_EQ(tracks.entrances(kImage)[1].br(), cv::Point(640, 480));
+  tracks.clear();
+  EXPECT_TRUE(tracks.entrances(kImage).empty());
+}
+
+TEST(MarkerTracks, TwoPrintsOfOneIdKeepTheirOwnMotion) {
+  MarkerTracks tracks;
+  tracks.update(found({square(1, 100, 100, 50), square(1, 400, 100, 50)}));
+  tracks.update(found({square(1, 110, 100, 50), square(1, 390, 100, 50)}));
+  const auto expected = tracks.expect(kImage);
+  ASSERT_EQ(expected.size(), 2u);
+  EXPECT_EQ(expected[0].corners[0], Eigen::Vector2d(120, 100));
+  EXPECT_EQ(expected[1].corners[0], Eigen::Vector2d(380, 100));
+}
+
+}  // namespace
+}  // namespace sextant

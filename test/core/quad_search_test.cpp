@@ -1,0 +1,72 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "quad_search.hpp"
+
+#include <gtest/gtest.h>
+
+#include <opencv2/imgproc.hpp>
+
+namespace sextant {
+namespace {
+
+const std::vector<int> kBlocks = {5};
+
+// Squares of these sides, dark on light, the first turned by 20 degrees.
+cv::Mat squares(const std::vector<cv::RotatedRect>& places, double noise) {
+  cv::Mat image(480, 640, CV_8UC1, cv::Scalar(180)), grains(image.size(), CV_32F), noisy;
+  for (const cv::RotatedRect& place : places) {
+    cv::Point2f corners[4];
+    place.points(corners);
+    const std::vector<cv::Point> polygon(corners, corners + 4);
+    cv::fillConvexPoly(image, polygon, cv::Scalar(40), cv::LINE_AA);
+  }
+  cv::GaussianBlur(image, image, {}, 0.8);
+  cv::RNG random(3);
+  random.fill(grains, cv::RNG::NORMAL, 0, noise);
+  image.convertTo(noisy, CV_32F);
+  cv::Mat(noisy + grains).convertTo(image, CV_8UC1);
+  return image;
+}
+
+bool holds(const std::vector<QuadCandidate>& found, const cv::RotatedRect& place) {
+  const cv::Rect box = place.boundingRect();
+  for (const QuadCandidate& quad : found) {
+    const cv::Rect common = quad.box & box;
+    const bool covers = common.area() > 0.8 * box.area() && quad.box.area() < 1.6 * box.area();
+    if (covers && std::abs(quad.side - place.size.width) < 4 + 0.1 * place.size.width) return true;
+  }
+  return false;
+}
+
+TEST(QuadSearch, FindsSmallAndLargeOnesTheLargestFirst) {
+  const std::vector<cv::RotatedRect> places = {
+      {{300, 240}, {200, 200}, 20}, {{80, 80}, {40, 40}, 0}, {{560, 400}, {16, 16}, 30}};
+  for (const double noise : {0.0, 4.0}) {
+    QuadSearch search;
+    const auto& found = search.find(squares(places, noise), {0, 0, 640, 480}, 12, kBlocks);
+    for (const auto& place : places) EXPECT_TRUE(holds(found, place)) << place.center << " noise " << noise;
+    for (size_t i = 1; i < found.size(); ++i) EXPECT_GE(found[i - 1].box.area(), found[i].box.area());
+    EXPECT_LE(found.size(), 5u);
+  }
+}
+
+TEST(QuadSearch, LooksOnlyWhereItIsTold) {
+  const cv::RotatedRect left({100, 240}, {60, 60}, 10), right({501, 241}, {60, 60}, 40);
+  const cv::Mat image = squares({left, right}, 2);
+  QuadSearch search;
+  const auto& found = search.find(image, {401, 101, 200, 300}, 12, kBlocks);
+  EXPECT_TRUE(holds(found, right));
+  EXPECT_FALSE(holds(found, left));
+}
+
+TEST(QuadSearch, TellsNothingBelowTheAskedSize) {
+  const cv::RotatedRect place({300, 200}, {30, 30}, 0);
+  const cv::Mat image = squares({place}, 0);
+  QuadSearch search;
+  EXPECT_TRUE(holds(search.find(image, {0, 0, 640, 480}, 20, kBlocks), place));
+  EXPECT_TRUE(search.find(image, {0, 0, 640, 480}, 60, kBlocks).empty());
+  EXPECT_TRUE(search.find(image, {0, 0, 3, 3}, 20, kBlocks).empty());
+}
+
+}  // namespace
+}  // namespace sextant
