@@ -145,26 +145,34 @@ def _judged(truth: np.ndarray, pose, bound: np.ndarray, decided: float) -> Judge
     )
 
 
+SHARE_BARS = {"published": 0.95, "decided": 0.95, "region": 0.9}
+
+
 def _row(name: str, judged: List[Judged], frames: int, bars: Optional[str]) -> Row:
     decided = [each for each in judged if each.decided]
     pool = decided if bars == "decided" else judged
-    share_bar = {"published": 0.95, "decided": 0.95, "region": 0.9}.get(bars)
-    exact, region = bars in ("published", "decided"), bars == "region"
-    published = Value(len(judged) / frames, 3, at_least=share_bar)
-    rms_decided = np.sqrt(_mean([each.over_bound for each in decided]))
-    rms_own = np.sqrt(_mean([each.over_own for each in pool]))
-    nees = _mean([each.nees for each in pool])
-    inside = {6: [each.nees <= CHI2_95[6] for each in judged]}
-    inside[3] = [each.nees_position <= CHI2_95[3] for each in judged]
-    return name, [
-        published,
+    shares = [
+        Value(len(judged) / frames, 3, at_least=SHARE_BARS.get(bars)),
         Value(len(decided) / frames, 3),
-        Value(rms_decided, at_most=1.15 if exact else None),
-        Value(rms_own, at_most=1.15 if exact else None),
-        Value(nees, at_least=5.4 if exact else None, at_most=6.6 if exact else None),
+    ]
+    return name, [*shares, *_errors(decided, pool, bars), *_regions(judged, bars)]
+
+
+def _errors(decided: List[Judged], pool: List[Judged], bars: Optional[str]) -> List[Value]:
+    most, low, high = (1.15, 5.4, 6.6) if bars in ("published", "decided") else (None, None, None)
+    return [
+        Value(np.sqrt(_mean([each.over_bound for each in decided])), at_most=most),
+        Value(np.sqrt(_mean([each.over_own for each in pool])), at_most=most),
+        Value(_mean([each.nees for each in pool]), at_least=low, at_most=high),
         Value(_mean([each.nees_position for each in pool])),
-        Value(_mean(inside[6]), 3, at_least=0.93 if region else None, at_most=0.97 if region else None),
-        Value(_mean(inside[3]), 3),
+    ]
+
+
+def _regions(judged: List[Judged], bars: Optional[str]) -> List[Value]:
+    low, high = (0.93, 0.97) if bars == "region" else (None, None)
+    return [
+        Value(_mean([each.nees <= CHI2_95[6] for each in judged]), 3, at_least=low, at_most=high),
+        Value(_mean([each.nees_position <= CHI2_95[3] for each in judged]), 3),
     ]
 
 

@@ -17,6 +17,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kStart = 5;            // deviations of the start within which edges are looked for
+constexpr double kLeastReach = 1.5;     // pixels
 constexpr double kMinLength = 8;        // pixels of an edge
 constexpr double kCurvedEdge = 60;      // pixels from which an edge is long enough to show a lens's curvature
 constexpr double kSettled = 0.1;        // pixels; the next step would be a tenth of this one
@@ -57,7 +58,7 @@ class SquareFit {
       edge.begin = start[i];
       edge.end = start[(i + 1) % 4];
       edge.module = moduleAcross(start, i, square.modules);
-      edge.reach = std::clamp(edge.module - 1, 1.5, 4.0);
+      edge.reach = std::clamp(edge.module - 1, kLeastReach, 4.0);
       edge.found = (edge.end - edge.begin).norm() >= kMinLength;
     }
   }
@@ -92,11 +93,19 @@ class SquareFit {
     if (found) edge.fit = EdgeFit(*found);
   }
 
+  // Pixels from a point to the image's border along an edge's normal.
+  double room(const Eigen::Vector2d& point, const EdgeCurve& edge) const {
+    const double x = std::min(point.x(), image_.cols - 1 - point.x());
+    const double y = std::min(point.y(), image_.rows - 1 - point.y());
+    return std::min(x / std::abs(edge.normal.x()), y / std::abs(edge.normal.y())) - 1;
+  }
+
   void fit(Edge& edge, int samples) {
     if (!edge.found) return;
     int terms;
     const EdgeCurve start = curve(edge, &terms);
-    edge.fit = fitEdge(image_, start, {edge.reach, samples, terms});
+    const double reach = std::min({edge.reach, room(edge.begin, start), room(edge.end, start)});
+    edge.fit = fitEdge(image_, start, {std::max(reach, kLeastReach), samples, terms});
     edge.found = edge.fit.has_value();
     if (!edge.found) return;
     edge.bend = terms == 3 ? edge.fit->curve.c[2] : 0;

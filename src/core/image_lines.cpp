@@ -83,10 +83,10 @@ std::optional<RiseMoments> ImageLines::moments(int line, double x0, double reach
 
 std::optional<double> ImageLines::steepest(int line, double x0, double reach, int min_rise) const {
   const double half_width = reach / std::abs(normal_);
-  const int low = static_cast<int>(std::ceil(x0 - half_width));
-  const int high = static_cast<int>(std::floor(x0 + half_width));
+  const int low = std::max(1, static_cast<int>(std::ceil(x0 - half_width)));
+  const int high = std::min(size_ - 2, static_cast<int>(std::floor(x0 + half_width)));
   const uchar* pixel = pixels(line, low - 1, high + 1);
-  if (!pixel) return std::nullopt;
+  if (!pixel || high < low) return std::nullopt;
   const int sign = normal_ < 0 ? -1 : 1;
   int most = min_rise - 1, at = low - 1;
   for (int i = low; i <= high; ++i, pixel += stride_) {

@@ -6,9 +6,9 @@
 #include <opencv2/core/types.hpp>
 #include <vector>
 
+#include "quad_search.hpp"
 #include "sextant/core/corner_refiner.hpp"
 #include "sextant/core/marker.hpp"
-#include "quad_search.hpp"
 
 namespace sextant {
 

@@ -21,11 +21,20 @@ constexpr int kMaxIterations = 60;
 constexpr double kMinDecrease = 1e-14;  // of the cost, that a step promises
 constexpr double kMinInformationRatio = 1e-12;
 
+double square(double x) { return x * x; }
+
+// Of all eight coordinates of a marker in the mean square of residuals: a hidden corner counts little.
+double coordinateWeight(const MarkerSighting& sighting) {
+  double sum = 0;
+  for (const double sigma : sighting.sigmas) sum += 2 / square(sigma);
+  return sum;
+}
+
 // A marker's residuals with their derivatives, whitened: the noise of each coordinate is 1.
 struct Block {
   Vector8d residual;
   Matrix86d jacobian;
-  double squares;  // pixels^2
+  double squares;  // of the plain residuals over their corner's deviation
 };
 
 // With v = p_map - p: p_base = R' v, d p_base = -R' dp + R' [v]x dr. The marker's own pose moves p_map the
@@ -47,7 +56,9 @@ std::optional<Block> linearize(const MarkerSighting& sighting, const Pose& T_map
     block.jacobian.block<2, 6>(2 * k, 0) << -by_point, by_point * skew(v);
     if (!exact) by_marker.block<2, 6>(2 * k, 0) << by_point, -by_point * skew(arm);
   }
-  block.squares = block.residual.squaredNorm();
+  block.squares = 0;
+  for (int k = 0; k < 4; ++k)
+    block.squares += block.residual.segment<2>(2 * k).squaredNorm() / square(sighting.sigmas[k]);
   if (exact) {
     for (int k = 0; k < 4; ++k) {
       block.residual.segment<2>(2 * k) /= sighting.sigmas[k];
@@ -95,7 +106,7 @@ void add(const MarkerSighting& sighting, const Pose& T_map_base, double robust_w
   const auto block = linearize(sighting, T_map_base);
   const Loss loss = huber(block ? block->residual.squaredNorm() : kUnreachable, robust_width);
   sum.cost += loss.rho;
-  sum.squares += block ? block->squares : 8 * kUnreachablePixels * kUnreachablePixels;
+  sum.squares += block ? block->squares : square(kUnreachablePixels) * coordinateWeight(sighting);
   if (!block) return;
   const Matrix6d JtJ = block->jacobian.transpose() * block->jacobian;
   sum.H += loss.weight * JtJ;
@@ -177,7 +188,9 @@ std::optional<ReprojectionFit> minimizeReprojection(const std::vector<MarkerSigh
   }
   if (!isFinite(pose) || !determined(now.information)) return std::nullopt;
   pose.linear() = Eigen::Quaterniond(pose.linear()).normalized().toRotationMatrix();
-  return ReprojectionFit{pose, now.cost, std::sqrt(now.squares / (8.0 * sightings.size())), now.information};
+  double weight = 0;
+  for (const MarkerSighting& sighting : sightings) weight += coordinateWeight(sighting);
+  return ReprojectionFit{pose, now.cost, std::sqrt(now.squares / weight), now.information};
 }
 
 }  // namespace sextant

@@ -54,7 +54,7 @@ struct ReprojectionParams {
 struct ReprojectionFit {
   Pose T_map_base;
   double cost;           ///< sum of rho(r' S^-1 r) over the markers, and the prior's
-  double rms;            ///< over all coordinates, pixels
+  double rms;            ///< over all coordinates, weighted by 1 / sigma^2, pixels
   Matrix6d information;  ///< of (position, rotation) in the map's axes, without the robust weights
 };
 
@@ -73,7 +73,7 @@ struct ReprojectionModel {
   Matrix6d information = Matrix6d::Zero();  ///< without
   Vector6d g = Vector6d::Zero();
   double cost = 0.0;
-  double squares = 0.0;  ///< of the plain residuals, pixels^2
+  double squares = 0.0;  ///< of the residuals over their corner's deviation, without what the map adds to it
 };
 
 ReprojectionModel reprojectionModel(const std::vector<MarkerSighting>& sightings, const Pose& T_map_base,
