@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Measures whether poses from markers can be trusted: covariance, ambiguity, moved markers, real recordings.
+"""Measures whether poses from markers can be trusted: covariance, ambiguity, moved markers, real recordings;
+and what they cost.
 
 Exit status: 0 when every bar holds, 1 when one fails, 2 when something could not be measured.
 """
@@ -13,6 +14,7 @@ from pathlib import Path
 from typing import Dict, List
 
 from consistency import consistency_tables
+from detector_speed import speed_tables
 from head_on import head_on_tables
 from moved_marker import moved_marker_tables
 from real_data import EXTERNAL
@@ -24,6 +26,7 @@ TOPICS = {
     "head_on": lambda options: head_on_tables(options.quick),
     "moved_marker": lambda options: moved_marker_tables(options.quick),
     "real": lambda options: trust_tables(options.data / "markers", options.quick),
+    "speed": lambda options: speed_tables(options.quick),
 }
 
 

@@ -41,13 +41,12 @@ def drive_table(family: str, quick: bool) -> Table:
 def drive_errors(family: str, seed: int, frames: int) -> Dict[str, TrajectoryErrors]:
     """Errors by mode: every frame is detected once and located by every mode."""
     drive = SimulatedDrive(DriveParams(seed=seed, noise_sigma=4.0), default_map(family))
-    find = detector(family).detect
-    camera = sextant.CameraModel(drive.calibration)
+    find, camera = detector(family), sextant.CameraModel(drive.calibration)
     locators = {mode: locator(mode) for mode in MODES}
     truth, estimates = {}, {mode: {} for mode in locators}
     for frame in drive.frames(frames):
         truth[_stamp(frame)] = frame.T_map_base
-        view = sextant.MarkerView(camera, drive.T_base_camera, find(frame.image))
+        view = sextant.MarkerView(camera, drive.T_base_camera, find.detect(frame.image, camera))
         for mode, each in locators.items():
             located = each.locate(drive.map, [view]).pose
             if located:

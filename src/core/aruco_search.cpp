@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kRawSigma = 0.75;  // pixels of what is read, of a coordinate of a contour's corner
 constexpr int kMinWindow = 16;      // pixels; no marker can be read in a smaller image
-constexpr double kMinModule = 1.4;   // pixels; no module can be read in fewer
+constexpr double kMinModule = 1.4;  // pixels; no module can be read in fewer
 constexpr double kEnough = 5;       // pixels a module; what has twice as many is read in a smaller image
 constexpr double kSmoothing = 0.6;  // pixels; less noise makes fewer contours
 constexpr int kBlock = 9, kSmallBlock = 5, kLargeBlock = 13;  // pixels whose mean is the threshold
