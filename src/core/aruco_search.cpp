@@ -40,8 +40,8 @@ class ArucoSearch : public MarkerSearch {
         parameters_(arucoParameters(params)) {}
 
   void everywhere(const cv::Mat& image, FoundMarkers& found) override {
-    readQuads(quads_.find(image, {{0, 0}, image.size()}, minSide(image.size()), {3, 13}), image, *this,
-              Effort::thorough, found);
+    readQuads(quads_.find(image, {{0, 0}, image.size()}, minSide(image.size()), Effort::thorough), image,
+              *this, Effort::thorough, found);
   }
 
   void within(const cv::Mat& image, const cv::Rect& window, double side, Effort effort,

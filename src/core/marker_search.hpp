@@ -24,8 +24,6 @@ class FoundMarkers {
   std::vector<Detection> markers;
 };
 
-enum class Effort { quick, thorough };
-
 /// One backend: where it is told to look, it reads markers. Corners and their deviations are the backend's
 /// own.
 class MarkerSearch {

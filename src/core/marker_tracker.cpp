@@ -5,8 +5,7 @@
 namespace sextant {
 namespace {
 
-constexpr int kSweep = 3;       // images within which a marker anywhere is found
-constexpr int kSweepBlock = 5;  // pixels, see QuadSearch
+constexpr int kSweep = 3;  // images within which a marker anywhere is found
 
 cv::Rect boundingBox(const Corners& corners) {
   Eigen::Vector2d low = corners[0], high = corners[0];
@@ -55,7 +54,7 @@ bool MarkerTracker::lookFor(const MarkerTracks::Expected& marker, double margin,
 
 void MarkerTracker::sweep(const cv::Mat& image, const cv::Rect& part, FoundMarkers& found) {
   if (part.size() == image.size()) since_sweep_ = 0;
-  readQuads(quads_.find(image, part, search_->minSide(image.size()), {kSweepBlock}), image, *search_,
+  readQuads(quads_.find(image, part, search_->minSide(image.size()), Effort::quick), image, *search_,
             Effort::quick, found);
 }
 

@@ -9,7 +9,9 @@
 namespace sextant {
 namespace {
 
-constexpr double kDarker = 7;        // grey levels below the mean around it: dark
+// Widths of the neighbourhoods whose mean is the threshold, pixels of the half image.
+const std::vector<int> kQuickBlocks = {5}, kBlocks = {3, 13};
+constexpr double kDarker = 7, kMuchDarker = 10;  // grey levels below the mean around it: dark
 constexpr double kStraight = 0.04;   // share of a contour's length that it may stand off its polygon
 constexpr double kNarrow = 1.0 / 8;  // shortest side over longest: what is seen more obliquely is not read
 constexpr double kSame = 0.15;       // share of its size by which both contours of one edge differ
@@ -39,14 +41,14 @@ bool sameEdge(const cv::Rect& larger, const cv::Rect& other) {
 }  // namespace
 
 const std::vector<QuadCandidate>& QuadSearch::find(const cv::Mat& image, const cv::Rect& part,
-                                                   double min_side, const std::vector<int>& blocks) {
+                                                   double min_side, Effort effort) {
   found_.clear();
   kept_.clear();
   if (part.width < 8 || part.height < 8) return kept_;
   cv::resize(image(part), half_, {part.width / 2, part.height / 2}, 0, 0, cv::INTER_AREA);
-  for (const int block : blocks) {
+  for (const int block : effort == Effort::quick ? kQuickBlocks : kBlocks) {
     cv::adaptiveThreshold(half_, dark_, 255, cv::ADAPTIVE_THRESH_MEAN_C, cv::THRESH_BINARY_INV, block,
-                          kDarker);
+                          effort == Effort::quick ? kMuchDarker : kDarker);
     collect(part.tl(), min_side / 2);
   }
   dropDoubles();

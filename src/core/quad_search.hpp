@@ -14,6 +14,8 @@ struct QuadCandidate {
   double side;   ///< its shortest side, pixels
 };
 
+enum class Effort { quick, thorough };
+
 /// Finds quadrilaterals (dark on light or light on dark) in an image of half the width and height, as
 /// OpenCV's aruco module does in the whole one: adaptive thresholds, contours, polygons. A print too small to
 /// be read there still has its outline; most contours that noise makes in the whole image are gone. Keeps its
@@ -23,10 +25,10 @@ class QuadSearch {
   /// @param image 8-bit grey
   /// @param part of it that is searched
   /// @param min_side pixels; shortest side of the smallest quad
-  /// @param blocks widths of the neighbourhoods whose mean is the threshold, odd, pixels of the half image
+  /// @param effort quick: one threshold, with which small quads are found as well, but fewer of low contrast
   /// @return the largest first, one for quads on both sides of one edge; valid until the next call
   const std::vector<QuadCandidate>& find(const cv::Mat& image, const cv::Rect& part, double min_side,
-                                         const std::vector<int>& blocks);
+                                         Effort effort);
 
  private:
   void collect(const cv::Point& origin, double min_side);

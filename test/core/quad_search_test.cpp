@@ -9,8 +9,6 @@
 namespace sextant {
 namespace {
 
-const std::vector<int> kBlocks = {5};
-
 // Squares of these sides, dark on light, the first turned by 20 degrees.
 cv::Mat squares(const std::vector<cv::RotatedRect>& places, double noise) {
   cv::Mat image(480, 640, CV_8UC1, cv::Scalar(180)), grains(image.size(), CV_32F), noisy;
@@ -41,20 +39,21 @@ bool holds(const std::vector<QuadCandidate>& found, const cv::RotatedRect& place
 TEST(QuadSearch, FindsSmallAndLargeOnesTheLargestFirst) {
   const std::vector<cv::RotatedRect> places = {
       {{300, 240}, {200, 200}, 20}, {{80, 80}, {40, 40}, 0}, {{560, 400}, {16, 16}, 30}};
-  for (const double noise : {0.0, 4.0}) {
-    QuadSearch search;
-    const auto& found = search.find(squares(places, noise), {0, 0, 640, 480}, 12, kBlocks);
-    for (const auto& place : places) EXPECT_TRUE(holds(found, place)) << place.center << " noise " << noise;
-    for (size_t i = 1; i < found.size(); ++i) EXPECT_GE(found[i - 1].box.area(), found[i].box.area());
-    EXPECT_LE(found.size(), 5u);
-  }
+  for (const Effort effort : {Effort::quick, Effort::thorough})
+    for (const double noise : {0.0, 4.0}) {
+      QuadSearch search;
+      const auto& found = search.find(squares(places, noise), {0, 0, 640, 480}, 12, effort);
+      for (const auto& place : places) EXPECT_TRUE(holds(found, place)) << place.center << " noise " << noise;
+      for (size_t i = 1; i < found.size(); ++i) EXPECT_GE(found[i - 1].box.area(), found[i].box.area());
+      EXPECT_LE(found.size(), 5u);
+    }
 }
 
 TEST(QuadSearch, LooksOnlyWhereItIsTold) {
   const cv::RotatedRect left({100, 240}, {60, 60}, 10), right({501, 241}, {60, 60}, 40);
   const cv::Mat image = squares({left, right}, 2);
   QuadSearch search;
-  const auto& found = search.find(image, {401, 101, 200, 300}, 12, kBlocks);
+  const auto& found = search.find(image, {401, 101, 200, 300}, 12, Effort::quick);
   EXPECT_TRUE(holds(found, right));
   EXPECT_FALSE(holds(found, left));
 }
@@ -63,9 +62,9 @@ TEST(QuadSearch, TellsNothingBelowTheAskedSize) {
   const cv::RotatedRect place({300, 200}, {30, 30}, 0);
   const cv::Mat image = squares({place}, 0);
   QuadSearch search;
-  EXPECT_TRUE(holds(search.find(image, {0, 0, 640, 480}, 20, kBlocks), place));
-  EXPECT_TRUE(search.find(image, {0, 0, 640, 480}, 60, kBlocks).empty());
-  EXPECT_TRUE(search.find(image, {0, 0, 3, 3}, 20, kBlocks).empty());
+  EXPECT_TRUE(holds(search.find(image, {0, 0, 640, 480}, 20, Effort::quick), place));
+  EXPECT_TRUE(search.find(image, {0, 0, 640, 480}, 60, Effort::quick).empty());
+  EXPECT_TRUE(search.find(image, {0, 0, 3, 3}, 20, Effort::quick).empty());
 }
 
 }  // namespace

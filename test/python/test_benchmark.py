@@ -103,3 +103,10 @@ def test_quick_run_of_trust_publishes(topic, column):
 def test_quick_run_of_a_wrong_map_entry_leaves_it_out():
     (table,) = run_trust("moved_marker")
     assert all(row["left out, %"]["value"] > 0 for row in table["rows"][1:])
+
+
+def test_quick_run_of_the_searches_finds_the_same_markers():
+    for table in run_trust("speed"):
+        plain, full, tracking = table["rows"]
+        assert tracking["markers"]["value"] == full["markers"]["value"] >= plain["markers"]["value"] > 0
+        assert full["wrong"]["value"] == tracking["wrong"]["value"] == 0

@@ -66,6 +66,8 @@ class PhotoTest(unittest.TestCase):
         self.photos = real_data.Photos(FOLDER)
         self.map = sextant.MarkerMap("map")
         self.map_file = folder.name + "/map.yaml"
+        self.params_file = folder.name + "/params.yaml"  # every photo by itself, as Python sees it
+        Path(self.params_file).write_text("search: full\n")
         mount = transform(self.photos.T_base_camera, "base_link", "camera", rospy.Time.now())
         self.broadcaster = StaticTransformBroadcaster()
         self.broadcaster.sendTransform(mount)
@@ -74,6 +76,7 @@ class PhotoTest(unittest.TestCase):
         self.map.add(sextant.MappedMarker(FAMILY, ID, SIZE, T_map_marker))
         sextant.write_marker_map(self.map, self.map_file)
         common = {"image": "photo", "families": f"[{FAMILY}]", "marker_size": SIZE, "map": self.map_file}
+        common["detector_params"] = self.params_file
         texts = [f"{name}:={value}" for name, value in {**common, **arguments}.items()]
         process = subprocess.Popen(["roslaunch", "--wait", "sextant", "markers.launch", *texts])
         self.addCleanup(self.end, process)
@@ -101,11 +104,11 @@ class PhotoTest(unittest.TestCase):
         """The message is what Python computes, bit for bit, and the pose is the expected one."""
         params = sextant.DetectorParams()
         params.families = [FAMILY]
-        detections = sextant.MarkerDetector(params).detect(image)
+        camera = sextant.CameraModel(self.photos.calibration)
+        detections = sextant.MarkerDetector(params).detect(image, camera)
         self.assertEqual([(each.family, each.id) for each in markers.markers], [(FAMILY, ID)])
         (marker,), (detection,) = markers.markers, detections
         np.testing.assert_array_equal(np.reshape(marker.corners, (4, 2)), detection.corners)
-        camera = sextant.CameraModel(self.photos.calibration)
         best = sextant.solve_marker_pose(camera, detection.corners, SIZE).best
         self.assertEqual(marker.reprojection_error, best.reprojection_error)
         self.assertLessEqual(marker.reprojection_error, 0.11)
