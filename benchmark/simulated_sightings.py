@@ -16,6 +16,7 @@ LENSES: Dict[str, Tuple[str, List[float]]] = {
     "plumb_bob 0": ("plumb_bob", []),
     "plumb_bob 4": ("plumb_bob", [-0.25, 0.06, 0.001, -0.001]),
     "plumb_bob 5": ("plumb_bob", [-0.25, 0.08, 0.001, -0.001, -0.01]),
+    "plumb_bob 8": ("plumb_bob", [-0.1, 0.02, 0.001, -0.001, 0.002, 0.15, 0.01, 0.003]),
     "rational_polynomial": ("rational_polynomial", [0.2, 0.02, 0.001, -0.001, 0.002, 0.5, 0.08, 0.005]),
     "equidistant": ("equidistant", [-0.01, 0.002, 0.0, 0.0]),
 }

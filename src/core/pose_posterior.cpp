@@ -5,6 +5,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 #include <limits>
@@ -29,17 +30,48 @@ struct Component {
   size_t group;       // the same for hypotheses that no barrier parts
 };
 
-// How far, in squared deviations, the arc on which the base lies about its markers leaves its tangent: half
-// the second-order term of Exp(r) (p - c), summed over the principal rotations.
-double curvature(const PoseHypothesis& found, const Eigen::Vector3d& centre) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> rotation(found.covariance.bottomRightCorner<3, 3>());
-  const Eigen::Vector3d arm = found.T_map_base.translation() - centre;
-  Vector6d bend = Vector6d::Zero();
-  for (int i = 0; i < 3; ++i) {
-    const Eigen::Matrix3d turn = skew(rotation.eigenvectors().col(i));
-    bend.head<3>() += 0.5 * rotation.eigenvalues()[i] * turn * turn * arm;
+// The second order of p = c + Exp(r) (arm + s), which the covariance leaves out: r x s + r x (r x arm) / 2,
+// with shift and turn about the markers' centre c Gaussian.
+struct Bend {
+  Eigen::Vector3d mean;
+  Eigen::Matrix3d moment;  // second, about 0
+};
+
+// Each coordinate is a quadratic form y' M y / 2 of y = (s, r).
+std::array<Matrix6d, 3> bendForms(const Eigen::Vector3d& arm) {
+  std::array<Matrix6d, 3> forms;
+  for (int k = 0; k < 3; ++k) {
+    const Eigen::Vector3d axis = Eigen::Vector3d::Unit(k);
+    forms[k].setZero();
+    forms[k].topRightCorner<3, 3>() = skew(axis);
+    forms[k].bottomLeftCorner<3, 3>() = -skew(axis);
+    forms[k].bottomRightCorner<3, 3>() = 0.5 * (axis * arm.transpose() + arm * axis.transpose());
+    forms[k].bottomRightCorner<3, 3>().diagonal().array() -= arm[k];
   }
-  return bend.dot(found.covariance.ldlt().solve(bend));
+  return forms;
+}
+
+// Moments of quadratic forms of a Gaussian (Isserlis 1918).
+Bend bend(const PoseHypothesis& found, const Pivot& pivot) {
+  const Matrix6d inverse = pivot.jacobian(found.T_map_base).inverse();
+  const Matrix6d covariance = inverse * found.covariance * inverse.transpose();
+  auto forms = bendForms(found.T_map_base.translation() - pivot.centre());
+  Bend result;
+  for (int k = 0; k < 3; ++k) {
+    forms[k] = forms[k] * covariance;
+    result.mean[k] = 0.5 * forms[k].trace();
+  }
+  result.moment = result.mean * result.mean.transpose();
+  for (int k = 0; k < 3; ++k)
+    for (int l = 0; l < 3; ++l) result.moment(k, l) += 0.5 * (forms[k] * forms[l]).trace();
+  return result;
+}
+
+// How far the bend's mean lies from the tangent, in squared deviations.
+double curvature(const PoseHypothesis& found, const Bend& bend) {
+  Vector6d mean = Vector6d::Zero();
+  mean.head<3>() = bend.mean;
+  return mean.dot(found.covariance.ldlt().solve(mean));
 }
 
 // Whether the cost rises as the covariance says along the two weakest rotations, 2.5 deviations to either
@@ -66,12 +98,23 @@ bool rises(const std::vector<MarkerSighting>& used, const PoseHypothesis& found,
   return true;
 }
 
-// The hypotheses as Gaussians, as the minima are.
-std::vector<Component> gaussians(const std::vector<PoseHypothesis>& hypotheses) {
+std::vector<MarkerSighting> usedBy(const PoseHypothesis& found,
+                                   const std::vector<MarkerSighting>& sightings) {
+  std::vector<MarkerSighting> used;
+  for (const size_t i : found.used) used.push_back(sightings[i]);
+  return used;
+}
+
+// The hypotheses as Gaussians, as the minima are, wider by their bend.
+std::vector<Component> gaussians(const std::vector<MarkerSighting>& sightings,
+                                 const std::vector<PoseHypothesis>& hypotheses) {
   std::vector<Component> all;
-  for (size_t i = 0; i < hypotheses.size(); ++i)
-    if (hypotheses[i].weight > kNegligible)
-      all.push_back({hypotheses[i].T_map_base, hypotheses[i].covariance, hypotheses[i].weight, i, i});
+  for (size_t i = 0; i < hypotheses.size(); ++i) {
+    if (hypotheses[i].weight <= kNegligible) continue;
+    Matrix6d covariance = hypotheses[i].covariance;
+    covariance.topLeftCorner<3, 3>() += bend(hypotheses[i], Pivot(usedBy(hypotheses[i], sightings))).moment;
+    all.push_back({hypotheses[i].T_map_base, covariance, hypotheses[i].weight, i, i});
+  }
   return all;
 }
 
@@ -85,7 +128,8 @@ std::vector<size_t> peers(const std::vector<PoseHypothesis>& hypotheses) {
 
 // The lattice's cells instead of the Gaussians of the peers, with their share. The prior weighs groups:
 // inside one it would not decide, it would be mixed in.
-std::vector<Component> refined(const std::vector<PoseHypothesis>& hypotheses, const std::vector<size_t>& same,
+std::vector<Component> refined(const std::vector<Component>& gaussians,
+                               const std::vector<PoseHypothesis>& hypotheses, const std::vector<size_t>& same,
                                const TiltLattice& lattice) {
   std::map<size_t, double> log_prior;
   for (size_t k = 0; k < same.size(); ++k) {
@@ -103,7 +147,7 @@ std::vector<Component> refined(const std::vector<PoseHypothesis>& hypotheses, co
   for (const TiltCell& cell : lattice.cells)
     all.push_back({cell.T_map_base, cell.covariance, share * std::exp(logarithm(cell) - largest) / sum,
                    same[cell.hypothesis], same[lattice.group[cell.hypothesis]]});
-  for (const Component& other : gaussians(hypotheses))
+  for (const Component& other : gaussians)
     if (std::find(same.begin(), same.end(), other.hypothesis) == same.end()) all.push_back(other);
   return all;
 }
@@ -111,15 +155,16 @@ std::vector<Component> refined(const std::vector<PoseHypothesis>& hypotheses, co
 std::vector<Component> components(const std::vector<MarkerSighting>& sightings,
                                   const std::vector<PoseHypothesis>& hypotheses,
                                   const PosteriorParams& params) {
-  std::vector<MarkerSighting> used;
-  for (const size_t i : hypotheses[0].used) used.push_back(sightings[i]);
-  if (curvature(hypotheses[0], Pivot(used).centre()) < kCurved && rises(used, hypotheses[0], params.floor))
-    return gaussians(hypotheses);
+  const auto simple = gaussians(sightings, hypotheses);
+  const auto used = usedBy(hypotheses[0], sightings);
+  if (curvature(hypotheses[0], bend(hypotheses[0], Pivot(used))) < kCurved &&
+      rises(used, hypotheses[0], params.floor))
+    return simple;
   const auto same = peers(hypotheses);
   std::vector<PoseHypothesis> minima;
   for (const size_t i : same) minima.push_back(hypotheses[i]);
   const TiltLattice lattice = tiltLattice(used, minima, params.floor);
-  return lattice.cells.empty() ? gaussians(hypotheses) : refined(hypotheses, same, lattice);
+  return lattice.cells.empty() ? simple : refined(simple, hypotheses, same, lattice);
 }
 
 // Second moment of the components about a pose.

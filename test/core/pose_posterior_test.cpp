@@ -98,6 +98,15 @@ TEST(PosePosterior, FloorAndOneMarkerAreConsistent) {
   EXPECT_NEAR(sum.nees / sum.frames, 6.0, 0.8);
 }
 
+// From afar the bearing of the markers is known so well that a shift along a turned line of sight counts.
+TEST(PosePosterior, FloorAndFarCoplanarMarkersAreConsistent) {
+  const auto sum =
+      simulate({markerOnWall({3, -0.8, 1.2}), markerOnWall({3, 0, 1.2}), markerOnWall({3, 0.8, 1.2})}, 10,
+               800, FloorPrior{0.01, 0.01});
+  EXPECT_GT(sum.decided, 0.98 * sum.frames);
+  EXPECT_NEAR(sum.decided_nees / sum.decided, 6.0, 0.4);
+}
+
 // Three markers say that the base is here, three others that it is 2 m aside: a narrow Gaussian at each
 // place.
 TEST(PosePosterior, TwoHypothesesAreCoveredTogether) {
