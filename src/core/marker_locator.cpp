@@ -201,7 +201,7 @@ void LocatorParams::validate() const {
   Range::closed(8, 1e6).require("gate", gate);
   Range::closed(0, 10).require("floor_height_sigma", floor_height_sigma, "m");
   Range::openLow(0, 1).require("floor_tilt_sigma", floor_tilt_sigma, "rad");
-  Range::closed(0.5, 0.999999).require("decided", decided);
+  Range::closed(0.5, 0.9999999).require("decided", decided);
   if (ambiguous != "cover" && ambiguous != "skip")
     throw std::invalid_argument("ambiguous is '" + ambiguous + "', allowed are cover and skip");
   if (constant_covariance.empty()) return;

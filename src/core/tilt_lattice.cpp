@@ -18,10 +18,10 @@ using Vector4d = Eigen::Vector4d;
 using Matrix4d = Eigen::Matrix4d;
 using Matrix64d = Eigen::Matrix<double, 6, 4>;
 
-constexpr double kDepth = 20.0;      // cost above the least at which the lattice ends
+constexpr double kDepth = 30.0;      // cost above the least at which the lattice ends
 constexpr double kSpacing = 0.8;     // deviations; sums over a Gaussian are exact to 1e-6 up to 1
 constexpr double kMaxSpacing = 0.1;  // radians
-constexpr size_t kMaxCells = 1200;
+constexpr size_t kMaxCells = 1800;
 constexpr double kBridge = 12.0;  // a saddle this far above the higher of two minima parts them
 
 using Place = std::pair<int, int>;

@@ -67,7 +67,7 @@ Consistency simulate(const std::vector<Pose>& markers, double farthest, int fram
     params.floor = floor;
     const auto hypotheses = poseHypotheses(sightings, starts, params, std::nullopt);
     if (hypotheses.empty()) continue;
-    const PosteriorParams decision{0.9999, floor};
+    const PosteriorParams decision{0.999999, floor};
     const auto posterior = posePosterior(sightings, hypotheses, decision);
     sum.add(truth, hypotheses[posterior.best].T_map_base, posterior,
             posterior.probability >= decision.decided);

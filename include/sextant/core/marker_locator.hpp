@@ -36,7 +36,7 @@ struct LocatorParams {
       0.0;  ///< joint: the base stands on the map's plane z = 0 so exactly, metres, [0, 10]; 0: it does not
   double floor_tilt_sigma =
       0.02;  ///< joint: roll and pitch are 0 so exactly, radians, (0, 1]; with floor_height_sigma
-  double decided = 0.9999;  ///< joint: probability from which one of two poses is told as certain, [0.5, 1)
+  double decided = 0.999999;  ///< joint: probability from which one of two poses is told as certain, [0.5, 1)
   std::string ambiguous =
       "cover";  ///< joint: else tell the better one with a covariance that holds both (cover), or none (skip)
   std::vector<double> constant_covariance;  ///< empty: the measurement's own; or 36 numbers that are told

@@ -19,7 +19,7 @@ struct PosePosterior {
 };
 
 struct PosteriorParams {
-  double decided = 0.9999;  ///< probability from which the best hypothesis is taken as certain
+  double decided = 0.999999;  ///< probability from which the best hypothesis is taken as certain
   std::optional<FloorPrior> floor;
 };
 
