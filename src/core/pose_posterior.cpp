@@ -19,7 +19,7 @@ namespace {
 constexpr double kRegion95 = 12.591587;  // chi-square, 6 degrees of freedom
 constexpr double kHeld = 0.92;           // at least, by that region where undecided
 constexpr double kNegligible = 1e-7;     // probability of a hypothesis that is not looked at
-constexpr double kNear = 64.0;           // squared deviations of a minimum's rotation
+constexpr double kLikeMinimum = 2.25;    // variance of a rotation over what the minimum says, or inverse
 constexpr double kCurved = 0.01;         // squared deviations by which the arc may leave its tangent
 
 // A Gaussian about a pose, one of many that make up the distribution.
@@ -29,7 +29,6 @@ struct Component {
   double weight;
   size_t hypothesis;  // to whose minimum it belongs
   size_t group;       // the same for hypotheses that no barrier parts
-  bool near = true;   // its minimum: where that one's own Gaussian reaches
 };
 
 // The second order of p = c + Exp(r) (arm + s), which the covariance leaves out: r x s + r x (r x arm) / 2,
@@ -128,11 +127,6 @@ std::vector<size_t> peers(const std::vector<PoseHypothesis>& hypotheses) {
   return same;
 }
 
-bool isNear(const Pose& T_map_base, const PoseHypothesis& minimum) {
-  const Eigen::Vector3d r = poseError(T_map_base, minimum.T_map_base).tail<3>();
-  return r.dot(minimum.covariance.bottomRightCorner<3, 3>().ldlt().solve(r)) < kNear;
-}
-
 // The lattice's cells instead of the Gaussians of the peers, with their share. The prior weighs groups:
 // inside one it would not decide, it would be mixed in.
 std::vector<Component> refined(const std::vector<Component>& gaussians,
@@ -153,8 +147,7 @@ std::vector<Component> refined(const std::vector<Component>& gaussians,
   std::vector<Component> all;
   for (const TiltCell& cell : lattice.cells)
     all.push_back({cell.T_map_base, cell.covariance, share * std::exp(logarithm(cell) - largest) / sum,
-                   same[cell.hypothesis], same[lattice.group[cell.hypothesis]],
-                   isNear(cell.T_map_base, hypotheses[same[cell.hypothesis]])});
+                   same[cell.hypothesis], same[lattice.group[cell.hypothesis]]});
   for (const Component& other : gaussians)
     if (std::find(same.begin(), same.end(), other.hypothesis) == same.end()) all.push_back(other);
   return all;
@@ -230,15 +223,16 @@ std::map<size_t, double> shares(const std::vector<Component>& all, size_t Compon
   return share;
 }
 
-// What the pose may be taken for: a minimum that stands alone. Nearly head-on, where two meet in one, the
-// distribution is much wider than the minimum says.
-double probabilityNear(const std::vector<Component>& all, size_t hypothesis) {
-  double near = 0.0, sum = 0.0;
-  for (const Component& component : all) {
-    sum += component.weight;
-    if (component.hypothesis == hypothesis && component.near) near += component.weight;
-  }
-  return near / sum;
+// Whether the pose scatters about a minimum as that one says. Nearly head-on, where two meet in one, the
+// valley is flat or lopsided, and which of two poses it is has no answer.
+bool standsAlone(const std::vector<Component>& all, size_t hypothesis, const PoseHypothesis& minimum) {
+  std::vector<Component> own;
+  std::copy_if(all.begin(), all.end(), std::back_inserter(own),
+               [&](const Component& component) { return component.hypothesis == hypothesis; });
+  const Matrix6d moment = secondMoment(own, minimum.T_map_base);
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::Matrix3d> ratio(
+      moment.bottomRightCorner<3, 3>(), minimum.covariance.bottomRightCorner<3, 3>(), Eigen::EigenvaluesOnly);
+  return ratio.eigenvalues()[0] * kLikeMinimum > 1 && ratio.eigenvalues()[2] < kLikeMinimum;
 }
 
 size_t largest(const std::map<size_t, double>& share) {
@@ -266,7 +260,9 @@ PosePosterior posePosterior(const std::vector<MarkerSighting>& sightings,
   if (by_group.at(group) >= params.decided) all = probable;
   PosePosterior posterior;
   posterior.best = bestHypothesis(probable, hypotheses);
-  posterior.probability = probabilityNear(all, posterior.best);
+  posterior.probability = shares(all, &Component::hypothesis).at(posterior.best);
+  if (!standsAlone(all, posterior.best, hypotheses[posterior.best]))
+    posterior.probability = std::min(posterior.probability, 0.5);
   const Pose& about = hypotheses[posterior.best].T_map_base;
   posterior.covariance = secondMoment(all, about);
   if (posterior.probability < params.decided)
