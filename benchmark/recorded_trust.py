@@ -4,7 +4,7 @@
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Dict, List, NamedTuple, Tuple
+from typing import List, NamedTuple, Tuple
 
 import numpy as np
 from real_data import Sighting, TagslamRecording, read_tagslam
@@ -36,11 +36,14 @@ def trust_tables(folder: Path, quick: bool) -> List[Table]:
 def trust_table(name: str, recording: TagslamRecording, quick: bool) -> Table:
     """Figures of one recording; a quick run takes a few images and holds no bar."""
     images = recording.referenced()[: 40 if quick else None]
-    scales = noise_scales(recording, images[:NOISE_IMAGES])
+    taught = taught_localization(recording, images, recording.map)
     sigma = sextant.LocatorParams().corner_sigma
-    rows = [(f"corner noise of {camera}, px", [Value(sigma * each)]) for camera, each in scales.items()]
-    distances = single_marker_distances(recording, images, scales)
-    outside, halves = distances > OUTSIDE, hold_out(recording, images, scales, recording.map)
+    rows = [
+        (f"usual corner noise of {camera}, px", [Value(sigma * taught.noise_scale(index), 3)])
+        for index, camera in enumerate(recording.cameras)
+    ]
+    distances = single_marker_distances(recording, images, taught)
+    outside, halves = distances > OUTSIDE, hold_out(recording, images, taught, recording.map)
     bar, half_bar = NEES_BARS.get(name), HALF_BARS[name]
     rows += [
         ("single markers, published poses", [Value(len(distances), 0)]),
@@ -50,56 +53,51 @@ def trust_table(name: str, recording: TagslamRecording, quick: bool) -> Table:
     ]
     for title, nees, freedoms in (("6", halves.nees, 6), ("position", halves.nees_position, 3)):
         most, least = (None, None) if quick or not bar else (bar, 1 / bar)
-        cell = Value(_mean(nees) / freedoms, at_most=most, at_least=least)
+        cell = Value(_mean(nees) / freedoms, 3, at_most=most, at_least=least)
         rows.append((f"  NEES / degrees of freedom, {title}", [cell]))
     if not bar:
-        rows.append(("  ... under 2 with a map sigma of, mm", [_needed_sigma(recording, images, scales)]))
+        rows.append(("  ... under 2 with a map sigma of, mm", [_needed_sigma(recording, images)]))
     return Table(f"{name}: recorded corners", ["figure"], rows, {"single markers": distances})
 
 
-def noise_scales(recording: TagslamRecording, images: List[Sighting]) -> Dict[str, float]:
-    """Factor on corner_sigma by camera, as the product estimates it from the residuals of the images."""
-    localization, cameras = sextant.MarkerLocalization(), list(recording.cameras)
-    for each in images:
-        view = recording.view(each)
-        view.camera_index = cameras.index(each.camera)
-        localization.locate(recording.map, [view])
-    return {camera: localization.noise_scale(index) for index, camera in enumerate(cameras)}
+def taught_localization(recording: TagslamRecording, images: List[Sighting], marker_map):
+    """One that has learnt the noise of the cameras: one rule for both, from the first images."""
+    localization = sextant.MarkerLocalization()
+    for image in images[:NOISE_IMAGES]:
+        _locate(localization, recording, image, marker_map)
+    return localization
 
 
-def single_marker_distances(
-    recording: TagslamRecording, images: List[Sighting], scales: Dict[str, float]
-) -> np.ndarray:
+def single_marker_distances(recording: TagslamRecording, images: List[Sighting], taught) -> np.ndarray:
     """(N,) squared Mahalanobis distances in position to the reference, of every marker alone."""
-    locator, distances = sextant.MarkerLocator(), []
+    distances = []
     for image in images:
         for detection in image.detections:
-            alone = replace(image, detections=[detection])
-            pose = _locate(locator, recording, alone, scales, recording.map)
+            pose = _locate(taught, recording, replace(image, detections=[detection]), recording.map)
             if pose:
                 error = pose.T_map_base[:3, 3] - recording.trajectory[image.stamp][:3, 3]
                 distances.append(error @ np.linalg.solve(pose.covariance[:3, :3], error))
     return np.array(distances)
 
 
-def hold_out(recording: TagslamRecording, images: List[Sighting], scales: dict, marker_map) -> Halves:
+def hold_out(recording: TagslamRecording, images: List[Sighting], taught, marker_map) -> Halves:
     """Of the images with at least two even and two odd ids."""
-    locator, found = sextant.MarkerLocator(), []
+    found = []
     for image in images:
         halves = [[each for each in image.detections if each.id % 2 == odd] for odd in (0, 1)]
         if min(map(len, halves)) < 2:
             continue
         views = [replace(image, detections=half) for half in halves]
-        even, odd = (_locate(locator, recording, view, scales, marker_map) for view in views)
+        even, odd = (_locate(taught, recording, view, marker_map) for view in views)
         if even and odd:
             found.append(_difference(even, odd))
     return Halves(*np.array(found).reshape(-1, 3).T)
 
 
-def _locate(locator, recording: TagslamRecording, image: Sighting, scales: dict, marker_map):
+def _locate(localization, recording: TagslamRecording, image: Sighting, marker_map):
     view = recording.view(image)
-    view.noise_scale = scales[image.camera]
-    return locator.locate(marker_map, [view]).pose
+    view.camera_index = list(recording.cameras).index(image.camera)
+    return localization.locate(marker_map, [view]).pose
 
 
 def _difference(even, odd) -> Tuple[float, float, float]:
@@ -109,10 +107,11 @@ def _difference(even, odd) -> Tuple[float, float, float]:
     return 100.0 * np.linalg.norm(error[:3]), error @ np.linalg.solve(P, error), position
 
 
-def _needed_sigma(recording: TagslamRecording, images: List[Sighting], scales: dict) -> Value:
+def _needed_sigma(recording: TagslamRecording, images: List[Sighting]) -> Value:
     for sigma in MAP_SIGMAS:
-        halves = hold_out(recording, images, scales, uncertain(recording.map, sigma))
-        if _mean(halves.nees) <= 12.0:
+        marker_map = uncertain(recording.map, sigma)
+        taught = taught_localization(recording, images, marker_map)
+        if _mean(hold_out(recording, images, taught, marker_map).nees) <= 12.0:
             return Value(1000.0 * sigma, 1)
     return Value(float("nan"))
 

@@ -24,12 +24,13 @@ void bindMarkerLocalization(py::module_& module) {
       .def_readwrite("locator", &LocalizationParams::locator)
       .def_readwrite("odometry", &LocalizationParams::odometry)
       .def_readwrite("estimate_noise", &LocalizationParams::estimate_noise)
+      .def_readwrite("leave_out_moved", &LocalizationParams::leave_out_moved)
       .def("validate", &LocalizationParams::validate);
   py::class_<MovedMarker>(module, "MovedMarker", "A marker that does not stand where the map has it.")
       .def_property_readonly("family", [](const MovedMarker& marker) { return marker.key.family; })
       .def_property_readonly("id", [](const MovedMarker& marker) { return marker.key.id; })
       .def_readonly("offset", &MovedMarker::offset, "where it is seen minus where the map has it, metres")
-      .def_readonly("images", &MovedMarker::images, "in which it was left out");
+      .def_readonly("images", &MovedMarker::images, "in which it was seen elsewhere");
   py::class_<MarkerLocalization>(module, "MarkerLocalization",
                                  "Locates a robot image by image: what the locator node does, without ROS.")
       .def(py::init<const LocalizationParams&>(), "params"_a = LocalizationParams())
@@ -42,8 +43,8 @@ void bindMarkerLocalization(py::module_& module) {
       .def_property_readonly("moved", [](const MarkerLocalization& self) { return self.watch().moved(); })
       .def(
           "noise_scale",
-          [](const MarkerLocalization& self, size_t camera) { return self.noise().scale(camera); },
-          "camera"_a = 0, "factor on corner_sigma that the residuals of this camera say")
+          [](const MarkerLocalization& self, size_t camera) { return self.noise().typical(camera); },
+          "camera"_a = 0, "factor on corner_sigma of most images of this camera, by their residuals")
       .def("reset", &MarkerLocalization::reset,
            "Forgets everything: another map, or a clock that jumped back.");
 }

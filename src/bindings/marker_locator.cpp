@@ -54,8 +54,11 @@ void bindMarkerLocator(py::module_& module) {
       .def_property_readonly("repeated", [](const LocatorResult& result) { return pairs(result.repeated); });
   py::class_<MarkerLocator>(module, "MarkerLocator", "Locates a robot from mapped markers.")
       .def(py::init<const LocatorParams&>(), "params"_a = LocatorParams())
-      .def("locate", &MarkerLocator::locate, "map"_a, "views"_a, "prior"_a = py::none(),
-           "LocatorResult; views: MarkerView of one instant.");
+      .def(
+          "locate",
+          [](const MarkerLocator& self, const MarkerMap& map, const std::vector<MarkerView>& views,
+             const std::optional<PosePrior>& prior) { return self.locate(map, views, prior); },
+          "map"_a, "views"_a, "prior"_a = py::none(), "LocatorResult; views: MarkerView of one instant.");
   module.def("locator_modes", &locatorModes);
 }
 

@@ -2,7 +2,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sextant/core/marker_localization.hpp"
 
+#include <cmath>
+
 namespace sextant {
+namespace {
+
+constexpr double kSameScale = 0.02;
+const std::set<MarkerKey> kNone;
+
+}  // namespace
 
 void LocalizationParams::validate() const {
   locator.validate();
@@ -21,28 +29,40 @@ void MarkerLocalization::setParams(const LocalizationParams& params) {
 
 LocatorResult MarkerLocalization::locate(const MarkerMap& map, std::vector<MarkerView> views,
                                          const std::optional<Pose>& T_odom_base) {
-  if (params_.estimate_noise)
-    for (MarkerView& view : views) view.noise_scale = noise_.scale(view.camera_index);
-  const LocatorResult result =
-      T_odom_base ? reconciled(map, views, *T_odom_base) : locator_.locate(map, views);
+  const auto prior = T_odom_base ? correction_.predict(*T_odom_base) : std::nullopt;
+  LocatorResult result = locateWithNoise(map, views, prior);
+  // Where the prior fits none of the poses that the markers leave it is not asked: it may be wrong itself.
+  if (prior && result.pose &&
+      correction_.contradicts(*T_odom_base, result.pose->T_map_base, result.pose->covariance))
+    result = locateWithNoise(map, views, std::nullopt);
+  if (result.pose && T_odom_base) result = judged(result, *T_odom_base);
   if (!result.pose) return result;
   watch_.add(*result.pose, map);
-  if (params_.locator.mode == "joint") noise_.add(*result.pose);
+  if (estimatesNoise()) noise_.add(*result.pose);
   return result;
 }
 
-// The prior decides between the poses that the markers leave. Where it fits none of them it is not asked: it
-// may be wrong itself.
-LocatorResult MarkerLocalization::reconciled(const MarkerMap& map, const std::vector<MarkerView>& views,
-                                             const Pose& T_odom_base) {
-  const auto prior = correction_.predict(T_odom_base);
-  LocatorResult result = locator_.locate(map, views, prior);
-  const auto astray = [&] {
-    return result.pose &&
-           correction_.contradicts(T_odom_base, result.pose->T_map_base, result.pose->covariance);
-  };
-  if (prior && astray()) result = locator_.locate(map, views);
-  return result.pose ? judged(result, T_odom_base) : result;
+bool MarkerLocalization::estimatesNoise() const {
+  return params_.estimate_noise && params_.locator.mode == "joint";
+}
+
+// First with what is known of the camera's noise, then with what the image itself says of it.
+LocatorResult MarkerLocalization::locateWithNoise(const MarkerMap& map, std::vector<MarkerView>& views,
+                                                  const std::optional<PosePrior>& prior) {
+  const auto& distrusted = params_.leave_out_moved ? watch_.distrusted() : kNone;
+  if (estimatesNoise())
+    for (MarkerView& view : views) view.noise_scale = noise_.scale(view.camera_index);
+  LocatorResult result = locator_.locate(map, views, prior, distrusted);
+  if (!estimatesNoise() || !result.pose) return result;
+  const auto images = imageNoise(*result.pose);
+  bool differs = false;
+  for (MarkerView& view : views) {
+    if (view.camera_index >= images.size()) continue;
+    const double scale = noise_.scale(view.camera_index, images[view.camera_index]);
+    differs |= std::abs(scale / view.noise_scale - 1) > kSameScale;
+    view.noise_scale = scale;
+  }
+  return differs ? locator_.locate(map, views, prior, distrusted) : result;
 }
 
 // An undecided pose neither corrects nor refutes, but it is better than none to begin with.

@@ -15,12 +15,15 @@
 namespace sextant {
 namespace {
 
+constexpr double kLeastCondition = 1e-14;  // of the information that the other markers leave
+
 // A mapped marker in a view, with the base poses that its two planar solutions give.
 struct Seen {
   const MarkerView* view;
   const Detection* detection;
   const MappedMarker* mapped;
   PlanarPoses poses;
+  bool trusted;
 };
 
 Pose basePose(const Seen& seen, const MarkerPose& solution) {
@@ -48,8 +51,9 @@ bool repeated(const MarkerView& view, const MarkerKey& key) {
                        [&](const Detection& other) { return other.key == key; }) > 1;
 }
 
+// The trusted ones first.
 std::vector<Seen> mappedMarkers(const MarkerMap& map, const std::vector<MarkerView>& views,
-                                LocatorResult& result) {
+                                const std::set<MarkerKey>& distrusted, LocatorResult& result) {
   std::vector<Seen> all;
   for (const MarkerView& view : views) {
     for (const Detection& detection : view.detections) {
@@ -59,10 +63,16 @@ std::vector<Seen> mappedMarkers(const MarkerMap& map, const std::vector<MarkerVi
       } else if (repeated(view, detection.key)) {
         result.repeated.push_back(detection.key);
       } else if (const auto poses = solveMarkerPose(view.camera, detection.corners, mapped->size)) {
-        all.push_back({&view, &detection, mapped, *poses});
+        all.push_back({&view, &detection, mapped, *poses, distrusted.count(detection.key) == 0});
       }
     }
   }
+  std::stable_partition(all.begin(), all.end(), [](const Seen& seen) { return seen.trusted; });
+  return all;
+}
+
+std::vector<Seen> trustedOnes(std::vector<Seen> all) {
+  all.erase(std::find_if(all.begin(), all.end(), [](const Seen& seen) { return !seen.trusted; }), all.end());
   return all;
 }
 
@@ -84,14 +94,54 @@ std::optional<FloorPrior> floorPrior(const LocatorParams& params) {
   return FloorPrior{params.floor_height_sigma, params.floor_tilt_sigma};
 }
 
-LocatedMarker located(const Seen& seen, const MarkerSighting& sighting, const Pose& T_map_base, bool used) {
-  const Eigen::Vector3d p_camera = seen.poses.best.T_camera_marker.translation();
-  return {seen.mapped->key,
-          seen.view->camera_index,
-          used,
-          squaredMahalanobis(sighting, T_map_base),
-          T_map_base * (seen.view->T_base_camera * p_camera),
-          p_camera.norm()};
+// The pose without one of the markers.
+struct WithoutMarker {
+  Pose T_map_base;
+  Matrix6d covariance;
+  double squared;  // Mahalanobis distance of the marker from it
+};
+
+// By the block's residual r (whitened), Jacobian J and information A = J' J, with H that of the pose: the
+// others' pose has the covariance (H - A)^-1, lies at (H - A)^-1 J' r, and r' (1 - J H^-1 J')^-1 r is
+// r' r + r' J (H - A)^-1 J' r. A marker that was not used is seen from the pose itself.
+std::optional<WithoutMarker> without(const MarkerSighting& sighting, const PoseHypothesis& best, bool used) {
+  const ReprojectionModel block = reprojectionModel({sighting}, best.T_map_base, {});
+  const Matrix6d H = best.covariance.ldlt().solve(Matrix6d::Identity());
+  const Eigen::LDLT<Matrix6d> rest(H + (used ? -1 : 1) * block.H);
+  if (!rest.isPositive() || rest.rcond() < kLeastCondition) return std::nullopt;
+  const Vector6d step = rest.solve(block.g);
+  if (!used) return WithoutMarker{best.T_map_base, best.covariance, block.cost - block.g.dot(step)};
+  return WithoutMarker{perturbed(best.T_map_base, step), rest.solve(Matrix6d::Identity()),
+                       block.cost + block.g.dot(step)};
+}
+
+// Where a marker is seen from a pose: p = p_base + R p_marker.
+MarkerInnovation innovation(const Seen& seen, const MarkerSighting& sighting, const WithoutMarker& others) {
+  const Pose& T_camera_marker = seen.poses.best.T_camera_marker;
+  const Pose T_map_camera = others.T_map_base * seen.view->T_base_camera;
+  const Eigen::Vector3d p_map = T_map_camera * T_camera_marker.translation();
+  Eigen::Matrix<double, 3, 6> by_pose;
+  by_pose << Eigen::Matrix3d::Identity(), -skew(p_map - others.T_map_base.translation());
+  Eigen::Matrix3d covariance = by_pose * others.covariance * by_pose.transpose();
+  const double sigma = *std::max_element(sighting.sigmas.begin(), sighting.sigmas.end());
+  const auto own = markerPoseCovariance(seen.view->camera, T_camera_marker, seen.mapped->size, sigma);
+  if (own)
+    covariance += T_map_camera.linear() * own->topLeftCorner<3, 3>() * T_map_camera.linear().transpose();
+  return {others.squared, p_map, covariance};
+}
+
+LocatedMarker located(const Seen& seen, const MarkerSighting& sighting, const PoseHypothesis& best,
+                      bool used) {
+  LocatedMarker marker{seen.mapped->key,
+                       seen.view->camera_index,
+                       used,
+                       squaredMahalanobis(sighting, best.T_map_base),
+                       seen.view->noise_scale,
+                       {}};
+  if (used && best.used.size() < 2) return marker;
+  const auto others = without(sighting, best, used);
+  if (others) marker.innovation = innovation(seen, sighting, *others);
+  return marker;
 }
 
 LocatedPose located(const std::vector<Seen>& all, const std::vector<MarkerSighting>& sightings,
@@ -99,7 +149,7 @@ LocatedPose located(const std::vector<Seen>& all, const std::vector<MarkerSighti
   LocatedPose pose{best.T_map_base, posterior.covariance, best.rms, posterior.probability, {}};
   for (size_t i = 0; i < all.size(); ++i) {
     const bool used = std::find(best.used.begin(), best.used.end(), i) != best.used.end();
-    pose.markers.push_back(located(all[i], sightings[i], best.T_map_base, used));
+    pose.markers.push_back(located(all[i], sightings[i], best, used));
   }
   return pose;
 }
@@ -116,13 +166,19 @@ LocatorResult result(const LocatedPose& pose) {
   return result;
 }
 
-LocatorResult joint(const std::vector<Seen>& all, const LocatorParams& params,
-                    const std::optional<PosePrior>& prior) {
+std::vector<MarkerSighting> sightingsOf(const std::vector<Seen>& all, const LocatorParams& params) {
   std::vector<MarkerSighting> sightings;
   for (const Seen& seen : all) sightings.push_back(sighting(seen, params));
+  return sightings;
+}
+
+LocatorResult joint(const std::vector<Seen>& all, const LocatorParams& params,
+                    const std::optional<PosePrior>& prior) {
+  const auto trusted = trustedOnes(all);
+  const auto sightings = sightingsOf(trusted, params);
   const auto floor = floorPrior(params);
   const auto hypotheses =
-      poseHypotheses(sightings, starts(all), {params.robust_width, params.gate, floor}, prior);
+      poseHypotheses(sightings, starts(trusted), {params.robust_width, params.gate, floor}, prior);
   if (hypotheses.empty())
     return none(
         "no pose explains a marker within the gate: do map, marker size, mount, calibration and corner_sigma "
@@ -130,11 +186,13 @@ LocatorResult joint(const std::vector<Seen>& all, const LocatorParams& params,
   const PosePosterior posterior = posePosterior(sightings, hypotheses, {params.decided, floor});
   if (posterior.probability < params.decided && params.ambiguous == "skip")
     return none("ambiguous: more than one pose explains the markers");
-  return result(located(all, sightings, hypotheses[posterior.best], posterior));
+  // Those that are not trusted come last: the indices are the same.
+  return result(located(all, sightingsOf(all, params), hypotheses[posterior.best], posterior));
 }
 
-LocatorResult nearest(const std::vector<Seen>& all, const LocatorParams& params,
+LocatorResult nearest(const std::vector<Seen>& seen, const LocatorParams& params,
                       const std::optional<PosePrior>& prior) {
+  const auto all = trustedOnes(seen);
   const auto depth = [](const Seen& seen) { return seen.poses.best.T_camera_marker.translation().z(); };
   return joint({*std::min_element(all.begin(), all.end(),
                                   [&](const Seen& a, const Seen& b) { return depth(a) < depth(b); })},
@@ -147,7 +205,7 @@ LocatorResult average(const std::vector<Seen>& all, const LocatorParams& params,
   LocatedPose mean{Pose::Identity(), Matrix6d::Zero(), 0.0, 1.0, {}};
   LocatorResult last;
   double squares = 0;
-  for (const Seen& seen : all) {
+  for (const Seen& seen : trustedOnes(all)) {
     last = joint({seen}, params, prior);
     if (!last.pose) continue;
     poses.push_back(last.pose->T_map_base);
@@ -213,11 +271,13 @@ void LocatorParams::validate() const {
 MarkerLocator::MarkerLocator(const LocatorParams& params) : params_(params) { params_.validate(); }
 
 LocatorResult MarkerLocator::locate(const MarkerMap& map, const std::vector<MarkerView>& views,
-                                    const std::optional<PosePrior>& prior) const {
+                                    const std::optional<PosePrior>& prior,
+                                    const std::set<MarkerKey>& distrusted) const {
   LocatorResult result;
-  const auto seen = mappedMarkers(map, views, result);
-  if (seen.empty()) {
-    result.reason = whyNothing(views, result);
+  const auto seen = mappedMarkers(map, views, distrusted, result);
+  if (seen.empty() || !seen.front().trusted) {
+    result.reason = seen.empty() ? whyNothing(views, result)
+                                 : "the markers in sight stand elsewhere than the map has them";
     return result;
   }
   const LocatorResult found = modes().at(params_.mode)(seen, params_, prior);

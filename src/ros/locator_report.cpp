@@ -53,7 +53,7 @@ void LocatorReport::fill(diagnostic_updater::DiagnosticStatusWrapper& status,
   status.add("reprojection error (px)", reprojection_error_);
   for (size_t i = 0; i < cameras.size(); ++i)
     status.addf("corner noise on " + cameras[i] + " (px)", "%.3f",
-                localization.params().locator.corner_sigma * localization.noise().scale(i));
+                localization.params().locator.corner_sigma * localization.noise().typical(i));
   status.add("markers in the map", map ? map->markers().size() : 0);
   for (const auto& [reason, count] : reasons_) status.add("no pose: " + reason, count);
   for (const auto& [key, count] : unmapped_) status.add("not in the map: " + nameOf(key), count);
@@ -68,9 +68,8 @@ void LocatorReport::fillMoved(diagnostic_updater::DiagnosticStatusWrapper& statu
                              ") stands " + std::to_string(std::lround(100 * offset.norm())) +
                              " cm from where the map has it";
     status.mergeSummary(DiagnosticStatus::WARN, text);
-    status.addf("seen elsewhere than in the map: " + nameOf(marker.key),
-                "by %.3f %.3f %.3f m, left out of %d images", offset.x(), offset.y(), offset.z(),
-                marker.images);
+    status.addf("seen elsewhere than in the map: " + nameOf(marker.key), "by %.3f %.3f %.3f m, in %d images",
+                offset.x(), offset.y(), offset.z(), marker.images);
   }
 }
 

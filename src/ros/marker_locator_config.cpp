@@ -18,6 +18,7 @@ void pairUp(Params& params, Config& config, Assign assign) {
   assign(params.localization.locator.decided, config.decided);
   assign(params.localization.locator.ambiguous, config.ambiguous);
   assign(params.localization.estimate_noise, config.estimate_noise);
+  assign(params.localization.leave_out_moved, config.leave_out_moved);
   assign(params.localization.odometry.position_drift, config.odometry_position_drift);
   assign(params.localization.odometry.heading_drift, config.odometry_heading_drift);
   assign(params.localization.odometry.turn_drift, config.odometry_turn_drift);

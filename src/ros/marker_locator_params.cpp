@@ -57,6 +57,7 @@ MarkerLocatorParams MarkerLocatorParams::fromRos(const ros::NodeHandle& private_
   reader.read("ambiguous", params.localization.locator.ambiguous);
   reader.read("constant_covariance", params.localization.locator.constant_covariance);
   reader.read("estimate_noise", params.localization.estimate_noise);
+  reader.read("leave_out_moved", params.localization.leave_out_moved);
   reader.read("use_odometry", params.use_odometry);
   reader.read("odometry_position_drift", params.localization.odometry.position_drift);
   reader.read("odometry_heading_drift", params.localization.odometry.heading_drift);

@@ -41,6 +41,34 @@ TEST(MarkerWatch, NamesTheMarkerThatWasMovedAndByHowMuch) {
   EXPECT_EQ(moved[0].images, 40);
 }
 
+// It is within the gate of every image, but always to the same side.
+TEST(MarkerWatch, NamesTheMarkerThatNoImageLeavesOut) {
+  MarkerMap map;
+  const MarkerMap exact = room();
+  for (auto [key, marker] : exact.markers()) {
+    if (key.id == 2) marker.T_map_marker.translation().x() += 0.06;
+    map.add(marker);
+  }
+  const auto moved = after(60, map).moved();
+  ASSERT_EQ(moved.size(), 1u);
+  EXPECT_EQ(moved[0].key.id, 2);
+  EXPECT_LT((moved[0].offset - Eigen::Vector3d(-0.06, 0, 0)).norm(), 0.015);
+}
+
+// Two that contradict each other: either may be the one.
+TEST(MarkerWatch, AccusesNoneOfTwo) {
+  const CameraModel camera(testCalibrations()[0], CameraModel::Image::raw);
+  const MarkerLocator locator{LocatorParams{}};
+  MarkerWatch watch;
+  for (int i = 0; i < 60; ++i) {
+    MarkerView view = look(room(), camera, kTruth, 0.3, i);
+    view.detections.resize(2);
+    const auto result = locator.locate(taped(), {view});
+    if (result.pose) watch.add(*result.pose, taped());
+  }
+  EXPECT_TRUE(watch.moved().empty());
+}
+
 TEST(MarkerWatch, IsNotHastyAndAccusesNobodyFalsely) {
   EXPECT_TRUE(after(5, taped()).moved().empty());
   EXPECT_TRUE(after(100, room()).moved().empty());

@@ -16,7 +16,8 @@ namespace sextant {
 struct LocalizationParams {
   LocatorParams locator;
   OdometryParams odometry;
-  bool estimate_noise = true;  ///< corner_sigma is followed by what the residuals say, camera by camera
+  bool estimate_noise = true;   ///< corner_sigma is followed by what the residuals say, camera by camera
+  bool leave_out_moved = true;  ///< markers that stand elsewhere than the map says count no more
 
   /// @throws std::invalid_argument that names the first field out of range.
   void validate() const;
@@ -49,8 +50,9 @@ class MarkerLocalization {
   void reset();
 
  private:
-  LocatorResult reconciled(const MarkerMap& map, const std::vector<MarkerView>& views,
-                           const Pose& T_odom_base);
+  LocatorResult locateWithNoise(const MarkerMap& map, std::vector<MarkerView>& views,
+                                const std::optional<PosePrior>& prior);
+  bool estimatesNoise() const;
   LocatorResult judged(LocatorResult result, const Pose& T_odom_base);
 
   LocalizationParams params_;

@@ -4,6 +4,7 @@
 
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -31,7 +32,7 @@ struct LocatorParams {
       2.0;  ///< RMS over all used corners above which there is no pose, pixels, (0, 1000]
   double robust_width =
       5.0;             ///< joint: a marker farther off than so many sigma counts less at first, [0.5, 1000]
-  double gate = 50.0;  ///< joint: squared Mahalanobis distance beyond which a marker is left out, [8, 1e6]
+  double gate = 30.0;  ///< joint: squared Mahalanobis distance beyond which a marker is left out, [8, 1e6]
   double floor_height_sigma =
       0.0;  ///< joint: the base stands on the map's plane z = 0 so exactly, metres, [0, 10]; 0: it does not
   double floor_tilt_sigma =
@@ -46,14 +47,21 @@ struct LocatorParams {
   void validate() const;
 };
 
+/// What the other markers of an image say of one.
+struct MarkerInnovation {
+  double squared;         ///< Mahalanobis distance of its eight coordinates from where they are expected
+  Eigen::Vector3d p_map;  ///< where its centre is seen, metres
+  Eigen::Matrix3d p_covariance;  ///< of that
+};
+
 /// A mapped marker that was seen, against the pose that was found.
 struct LocatedMarker {
   MarkerKey key;
   size_t camera_index;      ///< of the camera that saw it
   bool used;                ///< false: left out, since it stands elsewhere than the others say
   double squared_distance;  ///< Mahalanobis, of its eight coordinates
-  Eigen::Vector3d p_map;    ///< where its centre is seen, metres
-  double distance;          ///< from the camera, metres
+  double noise_scale;       ///< of its view
+  std::optional<MarkerInnovation> innovation;  ///< joint: nothing where it is alone
 };
 
 /// Where the base is, and how that is known.
@@ -92,8 +100,10 @@ class MarkerLocator {
 
   /// @param views of one instant, one a camera
   /// @param prior the last pose moved by odometry: it decides where the markers do not, and is not mixed in
+  /// @param distrusted markers that are left out, whatever they say
   LocatorResult locate(const MarkerMap& map, const std::vector<MarkerView>& views,
-                       const std::optional<PosePrior>& prior = std::nullopt) const;
+                       const std::optional<PosePrior>& prior = std::nullopt,
+                       const std::set<MarkerKey>& distrusted = {}) const;
 
  private:
   LocatorParams params_;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <map>
+#include <set>
 #include <vector>
 
 #include "sextant/core/marker_locator.hpp"
@@ -14,28 +15,40 @@ namespace sextant {
 struct MovedMarker {
   MarkerKey key;
   Eigen::Vector3d offset;  ///< where it is seen minus where the map has it, metres in the map's axes
-  int images;              ///< in which it was left out
+  int images;              ///< in which it was seen elsewhere
 };
 
-/// Finds markers that stand elsewhere than the map says: those that poses leave out for long.
+/// Finds markers that stand elsewhere than the map says: those that for long lie farther from where the other
+/// markers of their images expect them than any other does. One at a time: until it is left out, it speaks
+/// against those that are right.
 class MarkerWatch {
  public:
   /// To be told every pose.
   void add(const LocatedPose& pose, const MarkerMap& map);
 
-  /// Those that were left out of most of the last images that showed them, in order of their keys.
+  /// In order of their keys.
   std::vector<MovedMarker> moved() const;
+  /// Their keys, for MarkerLocator::locate.
+  const std::set<MarkerKey>& distrusted() const { return distrusted_; }
 
-  void reset() { seen_.clear(); }
+  void reset();
 
  private:
   struct Seen {
-    double images = 0.0, left_out = 0.0;  // of late: older ones fade
-    int total_left_out = 0;
-    double weight = 0.0;
-    Eigen::Vector3d offset = Eigen::Vector3d::Zero();  // weighted sum
+    double images = 0.0, squares = 0.0;  // of late: older ones fade
+    int elsewhere = 0;
+    Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d weighted = Eigen::Vector3d::Zero();  // information times offset
+
+    double mean() const { return squares / images; }
+    Eigen::Vector3d offset() const;
   };
+
+  void judge();
+  double typical(const MarkerKey& but) const;
+
   std::map<MarkerKey, Seen> seen_;
+  std::set<MarkerKey> distrusted_;
 };
 
 }  // namespace sextant

@@ -36,7 +36,7 @@ struct PoseHypothesis {
 struct HypothesesParams {
   double robust_width =
       5.0;  ///< of the first search: a marker farther off than so many sigma (of 8 dimensions) counts less
-  double gate = 50.0;  ///< squared Mahalanobis distance of a marker beyond which a hypothesis leaves it out
+  double gate = 30.0;  ///< squared Mahalanobis distance of a marker beyond which a hypothesis leaves it out
   std::optional<FloorPrior> floor;
 };
 
