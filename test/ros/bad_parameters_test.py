@@ -43,6 +43,7 @@ LOCATOR = [
     ("max_reprojection_error", 0, "parameter /{node}/max_reprojection_error is 0"),
     ("transform_timeout", 11, "parameter /{node}/transform_timeout is 11, allowed is [0, 10] s"),
     ("cameras", [], "parameter /{node}/cameras is empty"),
+    ("cameras", ["front markers"], "parameter /{node}/cameras: 'front markers' is no topic"),
     ("sizes", {"five": 0.1}, "sizes: 'five' is no marker id"),
     ("map_file", "/nowhere/map.txt", "/nowhere/map.txt"),
 ]
