@@ -245,7 +245,7 @@ TEST_F(NodeletsStorm, WorkGoesOnAndIsRightAfterwards) {
   EXPECT_GT(boards_, 2);
   EXPECT_TRUE(reach(poses() + 20));
   const std::lock_guard<std::mutex> lock(mutex_);
-  EXPECT_GT(jumps_, 2);
+  EXPECT_GT(jumps_, 0);
   EXPECT_LT((position_ - T_map_camera_.translation()).norm(), 0.03);
 }
 
