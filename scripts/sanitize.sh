@@ -43,16 +43,22 @@ set +u
 set -u
 
 # One test program on a master of its own. ThreadSanitizer of GCC 12 cannot live with today's address layouts.
+master=""
+trap '[[ -z $master ]] || kill "$master"' EXIT
 run_on_master() {
   local port status=0
   port=$(python3 -c 'import socket; s = socket.socket(); s.bind(("localhost", 0)); print(s.getsockname()[1])')
   export ROS_MASTER_URI=http://localhost:$port
   rosmaster --core -p "$port" >/dev/null &
-  local master=$!
-  until rosparam list >/dev/null 2>&1; do sleep 0.2; done
+  master=$!
+  until rosparam list >/dev/null 2>&1; do
+    sleep 0.2
+    kill -0 "$master" || die "no rosmaster on port $port"
+  done
   timeout 15m setarch -R "$@" || status=$?
   kill "$master"
   wait "$master" || true
+  master=""
   return "$status"
 }
 

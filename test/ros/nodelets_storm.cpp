@@ -21,6 +21,7 @@
 #include <boost/make_shared.hpp>
 #include <chrono>
 #include <filesystem>
+#include <functional>
 #include <mutex>
 #include <opencv2/imgcodecs.hpp>
 #include <thread>
@@ -112,11 +113,18 @@ class NodeletsStorm : public ::testing::Test {
     const std::lock_guard<std::mutex> lock(mutex_);
     return poses_;
   }
-  bool reach(int poses_wanted) {
+  // Of everything that the storm is made of.
+  bool sawEnough() {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return accepted_ > 10 && pictures_ > 2 && boards_ > 2 && jumps_ > 0;
+  }
+  static bool await(const std::function<bool()>& what) {
     const auto end = Clock::now() + kPatience;
-    while (poses() < poses_wanted && Clock::now() < end)
-      std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    return poses() >= poses_wanted;
+    while (!what() && Clock::now() < end) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    return what();
+  }
+  bool awaitPoses(int more) {
+    return await([this, wanted = poses() + more] { return poses() >= wanted; });
   }
 
   // A bag that is played again and again while the storm lasts; the camera's mount comes with it.
@@ -233,19 +241,17 @@ class NodeletsStorm : public ::testing::Test {
 
 TEST_F(NodeletsStorm, WorkGoesOnAndIsRightAfterwards) {
   load();
-  ASSERT_TRUE(reach(1));
+  ASSERT_TRUE(awaitPoses(1));
   rage();
   std::this_thread::sleep_for(kStorm);
+  EXPECT_TRUE(await([this] { return sawEnough(); }))
+      << accepted_ << " changes, " << pictures_ << " pictures, " << boards_ << " boards";
   calm();
   info_pub_.publish(info());
   map_pub_.publish(map(map_));
   reconfigureLocator(0);
-  EXPECT_GT(accepted_, 10);
-  EXPECT_GT(pictures_, 2);
-  EXPECT_GT(boards_, 2);
-  EXPECT_TRUE(reach(poses() + 20));
+  EXPECT_TRUE(awaitPoses(20));
   const std::lock_guard<std::mutex> lock(mutex_);
-  EXPECT_GT(jumps_, 0);
   EXPECT_LT((position_ - T_map_camera_.translation()).norm(), 0.03);
 }
 
@@ -253,7 +259,7 @@ TEST_F(NodeletsStorm, NodeletsAreUnloadedWhileTheyWork) {
   rage();
   for (int i = 0; i < 3; ++i) {
     load();
-    ASSERT_TRUE(reach(poses() + 3));
+    ASSERT_TRUE(awaitPoses(3));
     for (const char* name : {"/detector", "/driver", "/locator"}) EXPECT_TRUE(loader_.unload(name));
   }
 }
@@ -263,7 +269,7 @@ TEST_F(NodeletsStorm, RefusedNodeletsLeaveTheOthersAlone) {
   ros::param::set("/refused/nonsense", 1);
   for (const char* type : {"sextant/CameraDriver", "sextant/MarkerDetector", "sextant/MarkerLocator"})
     EXPECT_FALSE(loader_.load("/refused", type, {}, {})) << type;
-  EXPECT_TRUE(reach(poses() + 3));
+  EXPECT_TRUE(awaitPoses(3));
 }
 
 }  // namespace
