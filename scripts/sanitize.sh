@@ -30,7 +30,7 @@ lists=$root/test/sanitizer
 export ASAN_OPTIONS=detect_stack_use_after_return=1:new_delete_type_mismatch=1
 export LSAN_OPTIONS=suppressions=$lists/leaks.txt:print_suppressions=0
 export UBSAN_OPTIONS=print_stacktrace=1
-export TSAN_OPTIONS=suppressions=$lists/threads.txt:halt_on_error=1:second_deadlock_stack=1
+export TSAN_OPTIONS=suppressions=$lists/threads.txt:halt_on_error=1:second_deadlock_stack=1:history_size=7
 
 binary=$build/sanitize_$sanitizer
 cmake -S "$source" -B "$binary" -DCATKIN_DEVEL_PREFIX="$binary/devel" -DCATKIN_TEST_RESULTS_DIR="$binary/test_results" \
@@ -43,16 +43,22 @@ set +u
 set -u
 
 # One test program on a master of its own. ThreadSanitizer of GCC 12 cannot live with today's address layouts.
+master=""
+trap '[[ -z $master ]] || kill "$master"' EXIT
 run_on_master() {
   local port status=0
   port=$(python3 -c 'import socket; s = socket.socket(); s.bind(("localhost", 0)); print(s.getsockname()[1])')
   export ROS_MASTER_URI=http://localhost:$port
   rosmaster --core -p "$port" >/dev/null &
-  local master=$!
-  until rosparam list >/dev/null 2>&1; do sleep 0.2; done
+  master=$!
+  until rosparam list >/dev/null 2>&1; do
+    sleep 0.2
+    kill -0 "$master" || die "no rosmaster on port $port"
+  done
   timeout 15m setarch -R "$@" || status=$?
   kill "$master"
   wait "$master" || true
+  master=""
   return "$status"
 }
 

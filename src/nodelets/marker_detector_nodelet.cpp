@@ -20,6 +20,7 @@
 #include "sextant/ros/marker_detector_params.hpp"
 #include "sextant/ros/reconfigure_server.hpp"
 #include "sextant/ros/stage_clock.hpp"
+#include "sextant/ros/start_in_queue.hpp"
 #include "sextant/ros/trouble_log.hpp"
 
 namespace sextant {
@@ -36,8 +37,10 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
       throw;
     }
     enabled_ = params_.enabled;
-    advertise();
-    updateSubscription();
+    start_timer_ = startInQueue(getNodeHandle(), [this] {
+      advertise();
+      updateSubscription();
+    });
   }
 
   void advertise() {
@@ -248,7 +251,7 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
   tf2_ros::TransformBroadcaster broadcaster_;
   std::unique_ptr<diagnostic_updater::Updater> diagnostics_;
   std::unique_ptr<ReconfigureServer<MarkerDetectorConfig>> reconfigure_;
-  ros::WallTimer diagnostics_timer_;
+  ros::WallTimer start_timer_, diagnostics_timer_;
   ros::Publisher markers_pub_, picture_pub_, jpeg_pub_;
   ros::ServiceServer enable_srv_;
   ros::Subscriber image_sub_, info_sub_;

@@ -24,6 +24,7 @@
 #include "sextant/ros/marker_locator_params.hpp"
 #include "sextant/ros/reconfigure_server.hpp"
 #include "sextant/ros/stage_clock.hpp"
+#include "sextant/ros/start_in_queue.hpp"
 #include "sextant/ros/tf_bridge.hpp"
 #include "sextant/ros/trouble_log.hpp"
 
@@ -64,9 +65,7 @@ class MarkerLocatorNodelet : public nodelet::Nodelet {
     groups_ = std::make_unique<Groups>(
         StampGroupsParams{params_.cameras.size(), params_.camera_window, params_.camera_patience});
     newest_.resize(params_.cameras.size());
-    tf_listener_ = std::make_unique<tf2_ros::TransformListener>(tf_);
-    advertise();
-    subscribe();
+    start_timer_ = startInQueue(getNodeHandle(), [this] { advertise(), subscribe(); });
   }
 
   void advertise() {
@@ -111,6 +110,7 @@ class MarkerLocatorNodelet : public nodelet::Nodelet {
 
   void subscribe() {
     ros::NodeHandle& node = getNodeHandle();
+    tf_listener_ = std::make_unique<tf2_ros::TransformListener>(tf_);
     subscribeMap();
     for (size_t i = 0; i < params_.cameras.size(); ++i)
       marker_subs_.push_back(node.subscribe<MarkerArray>(
@@ -288,7 +288,7 @@ class MarkerLocatorNodelet : public nodelet::Nodelet {
   std::unique_ptr<MapTransform> transform_;
   std::unique_ptr<diagnostic_updater::Updater> diagnostics_;
   std::unique_ptr<ReconfigureServer<MarkerLocatorConfig>> reconfigure_;
-  ros::WallTimer diagnostics_timer_, retry_timer_, transform_timer_;
+  ros::WallTimer start_timer_, diagnostics_timer_, retry_timer_, transform_timer_;
   ros::Publisher pose_pub_, visualization_pub_;
   ros::Subscriber map_sub_;
   std::vector<ros::Subscriber> marker_subs_;

@@ -5,6 +5,7 @@
 
 import math
 import os
+import signal
 import subprocess
 import tempfile
 import unittest
@@ -43,8 +44,16 @@ LOCATOR = [
     ("max_reprojection_error", 0, "parameter /{node}/max_reprojection_error is 0"),
     ("transform_timeout", 11, "parameter /{node}/transform_timeout is 11, allowed is [0, 10] s"),
     ("cameras", [], "parameter /{node}/cameras is empty"),
+    ("cameras", ["front markers"], "parameter /{node}/cameras: 'front markers' is no topic"),
     ("sizes", {"five": 0.1}, "sizes: 'five' is no marker id"),
     ("map_file", "/nowhere/map.txt", "/nowhere/map.txt"),
+]
+# What would be found out only after topics are advertised would end the whole manager.
+NODELETS = [
+    ("sextant/CameraDriver", "rate", -1),
+    ("sextant/MarkerDetector", "threads", 0),
+    ("sextant/MarkerLocator", "mode", "best"),
+    ("sextant/MarkerLocator", "cameras", ["front markers"]),
 ]
 # (name of the file, text, line, reason)
 MAPS = [
@@ -113,20 +122,30 @@ class BadParametersTest(unittest.TestCase):
                 cases.append(("map_file", path, f"{path}:{line}: {reason}"))
             self.assert_refused("marker_locator", cases)
 
-    def test_a_nodelet_that_is_refused_leaves_its_manager_alone(self):
-        rospy.wait_for_service("manager/load_nodelet", WAIT)
-        load = [find_node("nodelet", "nodelet")[0], "load"]
-        for type_, argument in [
-            ("sextant/MarkerDetector", "_threads:=0"),
-            ("sextant/MarkerLocator", "_mode:=best"),
-        ]:
-            process = start(*load, type_, "manager", "__name:=refused", argument)
+    def load(self, type_, manager, name):
+        return start(find_node("nodelet", "nodelet")[0], "load", type_, manager, "__name:=" + name)
+
+    def assert_not_loaded(self, manager):
+        rospy.wait_for_service(manager + "/load_nodelet", WAIT)
+        for type_, name, value in NODELETS:
+            rospy.set_param("/refused", {name: value})
+            process = self.load(type_, manager, "refused")
             self.assert_ended(process, "Failed to load nodelet", status=255)
             rospy.delete_param("/refused")
-        loaded = start(*load, "sextant/MarkerDetector", "manager", "__name:=taken")
+
+    def test_a_nodelet_that_is_refused_leaves_its_manager_alone(self):
+        self.assert_not_loaded("manager")
+        loaded = self.load("sextant/MarkerDetector", "manager", "taken")
         self.addCleanup(loaded.wait, WAIT)
         self.addCleanup(loaded.terminate)
         self.assertTrue(Recorder("markers", MarkerArray).connected())
+
+    def test_a_manager_that_refused_nodelets_ends_in_order(self):
+        manager = start(find_node("nodelet", "nodelet")[0], "manager", "__name:=refusing")
+        self.addCleanup(manager.kill)
+        self.assert_not_loaded("refusing")
+        manager.send_signal(signal.SIGINT)
+        self.assert_ended(manager, "'front markers' is no topic", status=0)
 
 
 if __name__ == "__main__":

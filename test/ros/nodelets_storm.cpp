@@ -8,27 +8,36 @@
 #include <nodelet/loader.h>
 #include <ros/package.h>
 #include <ros/ros.h>
+#include <rosgraph_msgs/Clock.h>
 #include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/CompressedImage.h>
 #include <sensor_msgs/Image.h>
 #include <std_srvs/SetBool.h>
 #include <stdlib.h>
+#include <tf2_ros/transform_broadcaster.h>
+#include <visualization_msgs/MarkerArray.h>
 
 #include <atomic>
 #include <boost/make_shared.hpp>
 #include <chrono>
 #include <filesystem>
+#include <functional>
 #include <mutex>
 #include <opencv2/imgcodecs.hpp>
 #include <thread>
 
+#include "sextant/MarkerMapEntries.h"
 #include "sextant/core/marker_map_file.hpp"
 #include "sextant/core/room_renderer.hpp"
+#include "sextant/ros/conversions.hpp"
 
 namespace sextant {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+constexpr auto kTick = std::chrono::milliseconds(20);  // of /clock
+constexpr int kTicksToJump = 50;                       // in a storm
+constexpr double kJump = 5.0;                          // seconds, back
 constexpr auto kStorm = std::chrono::seconds(8);
 constexpr auto kPatience = std::chrono::seconds(60);  // a sanitizer makes everything ten times as slow
 
@@ -56,7 +65,8 @@ class NodeletsStorm : public ::testing::Test {
  protected:
   void SetUp() override {
     const std::string room = ros::package::getPath("sextant") + "/config/room.txt";
-    auto scene = std::make_shared<RoomScene>(RoomSceneParams(), readMarkerMap(room, TextMapParams()));
+    map_ = readMarkerMap(room, TextMapParams());
+    auto scene = std::make_shared<RoomScene>(RoomSceneParams(), map_);
     picture_ = RoomRenderer(RoomRendererParams(), scene, camera()).render({T_map_camera_}, 0);
     char name[] = "/tmp/sextant_storm_XXXXXX";
     ASSERT_NE(mkdtemp(name), nullptr);
@@ -67,14 +77,19 @@ class NodeletsStorm : public ::testing::Test {
     ros::param::set("/driver/rate", 50);
     ros::param::set("/driver/loop", true);
     ros::param::set("/locator/map_file", room);
-    ros::param::set("/locator/base_frame", "");
+    ros::param::set("/locator/tf_output", "map_to_base");
     poses_sub_ = node_.subscribe("pose", 100, &NodeletsStorm::onPose, this);
     info_pub_ = node_.advertise<sensor_msgs::CameraInfo>("/image/camera_info", 1, true);
     info_pub_.publish(info());
+    map_pub_ = node_.advertise<MarkerMapEntries>("marker_map/entries", 1);
     spinner_.start();
+    clock_ = std::thread(&NodeletsStorm::runClock, this);
   }
   void TearDown() override {
+    calm();
     loader_.clear();
+    finished_ = true;
+    if (clock_.joinable()) clock_.join();
     spinner_.stop();
     std::filesystem::remove_all(folder_);
   }
@@ -89,6 +104,8 @@ class NodeletsStorm : public ::testing::Test {
   void onPose(const geometry_msgs::PoseWithCovarianceStampedConstPtr& msg) {
     const std::lock_guard<std::mutex> lock(mutex_);
     ++poses_;
+    if ((msg->header.stamp - stamp_).toSec() < -kJump / 2) ++jumps_;
+    stamp_ = msg->header.stamp;
     const auto& p = msg->pose.pose.position;
     position_ = {p.x, p.y, p.z};
   }
@@ -96,19 +113,59 @@ class NodeletsStorm : public ::testing::Test {
     const std::lock_guard<std::mutex> lock(mutex_);
     return poses_;
   }
-  bool reach(int poses_wanted) {
+  // Of everything that the storm is made of.
+  bool sawEnough() {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return accepted_ > 10 && pictures_ > 2 && boards_ > 2 && jumps_ > 0;
+  }
+  static bool await(const std::function<bool()>& what) {
     const auto end = Clock::now() + kPatience;
-    while (poses() < poses_wanted && Clock::now() < end)
-      std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    return poses() >= poses_wanted;
+    while (!what() && Clock::now() < end) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    return what();
+  }
+  bool awaitPoses(int more) {
+    return await([this, wanted = poses() + more] { return poses() >= wanted; });
   }
 
+  // A bag that is played again and again while the storm lasts; the camera's mount comes with it.
+  void runClock() {
+    const auto clock_pub = node_.advertise<rosgraph_msgs::Clock>("/clock", 10);
+    tf2_ros::TransformBroadcaster broadcaster;
+    geometry_msgs::TransformStamped mount;
+    mount.header.frame_id = "base_link";
+    mount.child_frame_id = "camera_optical_frame";
+    mount.transform = toTransformMsg(Pose::Identity());
+    rosgraph_msgs::Clock now;
+    now.clock = ros::Time(1000.0);
+    for (int tick = 1; !finished_; ++tick) {
+      now.clock += ros::Duration(std::chrono::duration<double>(kTick).count());
+      if (raging_ && tick % kTicksToJump == 0) now.clock -= ros::Duration(kJump);
+      mount.header.stamp = now.clock;
+      broadcaster.sendTransform(mount);
+      clock_pub.publish(now);
+      std::this_thread::sleep_for(kTick);
+    }
+  }
+
+  void rage() {
+    raging_ = true;
+    repeat(&NodeletsStorm::reconfigureDetector);
+    repeat(&NodeletsStorm::reconfigureLocator);
+    repeat(&NodeletsStorm::lookAtPictures);
+    repeat(&NodeletsStorm::switchOffAndOn);
+    repeat(&NodeletsStorm::recalibrate);
+    repeat(&NodeletsStorm::changeMap);
+  }
   // As fast as it can, until the storm is over.
-  template <typename Do>
-  std::thread repeat(Do what) {
-    return std::thread([this, what] {
-      for (int i = 0; !over_; ++i) what(i);
+  void repeat(void (NodeletsStorm::*what)(int i)) {
+    storm_.emplace_back([this, what] {
+      for (int i = 0; raging_; ++i) (this->*what)(i);
     });
+  }
+  void calm() {
+    raging_ = false;
+    for (std::thread& each : storm_) each.join();
+    storm_.clear();
   }
 
   void reconfigureDetector(int i) {
@@ -130,6 +187,8 @@ class NodeletsStorm : public ::testing::Test {
         node_.subscribe<sensor_msgs::Image>("markers/image", 1, [this](const auto&) { ++pictures_; });
     const auto jpeg = node_.subscribe<sensor_msgs::CompressedImage>("markers/image/compressed", 1,
                                                                     [this](const auto&) { ++pictures_; });
+    const auto boards = node_.subscribe<visualization_msgs::MarkerArray>("visualization", 1,
+                                                                         [this](const auto&) { ++boards_; });
     std::this_thread::sleep_for(std::chrono::milliseconds(200));
   }
   void switchOffAndOn(int) {
@@ -147,48 +206,70 @@ class NodeletsStorm : public ::testing::Test {
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
   }
 
+  void changeMap(int i) {
+    MarkerMapEntries changed = map(map_);
+    if (i % 3 == 1) changed.markers.resize(changed.markers.size() / 2);
+    if (i % 3 == 2) changed.markers.front().size = -1.0;  // is refused
+    map_pub_.publish(changed);
+    std::this_thread::sleep_for(std::chrono::milliseconds(150));
+  }
+  static MarkerMapEntries map(const MarkerMap& map) {
+    MarkerMapEntries msg;
+    msg.header.frame_id = map.frame();
+    for (const auto& marker : map.markers()) msg.markers.push_back(toMsg(marker.second));
+    return msg;
+  }
+
   const Pose T_map_camera_ = poseFromXyzRpy({0, 0, 1}, {-M_PI / 2, 0, 0});  // looks along y
+  MarkerMap map_;
   cv::Mat picture_;
   std::filesystem::path folder_;
   ros::NodeHandle node_;
   ros::AsyncSpinner spinner_{2};
   ros::Subscriber poses_sub_;
-  ros::Publisher info_pub_;
-  std::mutex mutex_;
-  int poses_ = 0;             // with the mutex
-  Eigen::Vector3d position_;  // with the mutex
-  std::atomic<bool> over_{false};
-  std::atomic<int> accepted_{0}, pictures_{0};
+  ros::Publisher info_pub_, map_pub_;
+  std::mutex mutex_;  // of these
+  int poses_ = 0, jumps_ = 0;
+  ros::Time stamp_;
+  Eigen::Vector3d position_;
+  std::atomic<bool> raging_{false}, finished_{false};
+  std::atomic<int> accepted_{0}, pictures_{0}, boards_{0};
+  std::thread clock_;
+  std::vector<std::thread> storm_;
   nodelet::Loader loader_{ros::NodeHandle("~")};
 };
 
 TEST_F(NodeletsStorm, WorkGoesOnAndIsRightAfterwards) {
   load();
-  ASSERT_TRUE(reach(1));
-  std::vector<std::thread> storm;
-  storm.push_back(repeat([this](int i) { reconfigureDetector(i); }));
-  storm.push_back(repeat([this](int i) { reconfigureLocator(i); }));
-  storm.push_back(repeat([this](int i) { lookAtPictures(i); }));
-  storm.push_back(repeat([this](int i) { switchOffAndOn(i); }));
-  storm.push_back(repeat([this](int i) { recalibrate(i); }));
+  ASSERT_TRUE(awaitPoses(1));
+  rage();
   std::this_thread::sleep_for(kStorm);
-  over_ = true;
-  for (std::thread& each : storm) each.join();
+  EXPECT_TRUE(await([this] { return sawEnough(); }))
+      << accepted_ << " changes, " << pictures_ << " pictures, " << boards_ << " boards";
+  calm();
   info_pub_.publish(info());
+  map_pub_.publish(map(map_));
   reconfigureLocator(0);
-  EXPECT_GT(accepted_, 10);
-  EXPECT_GT(pictures_, 2);
-  EXPECT_TRUE(reach(poses() + 20));
+  EXPECT_TRUE(awaitPoses(20));
   const std::lock_guard<std::mutex> lock(mutex_);
   EXPECT_LT((position_ - T_map_camera_.translation()).norm(), 0.03);
 }
 
 TEST_F(NodeletsStorm, NodeletsAreUnloadedWhileTheyWork) {
+  rage();
   for (int i = 0; i < 3; ++i) {
     load();
-    ASSERT_TRUE(reach(poses() + 3));
+    ASSERT_TRUE(awaitPoses(3));
     for (const char* name : {"/detector", "/driver", "/locator"}) EXPECT_TRUE(loader_.unload(name));
   }
+}
+
+TEST_F(NodeletsStorm, RefusedNodeletsLeaveTheOthersAlone) {
+  load();
+  ros::param::set("/refused/nonsense", 1);
+  for (const char* type : {"sextant/CameraDriver", "sextant/MarkerDetector", "sextant/MarkerLocator"})
+    EXPECT_FALSE(loader_.load("/refused", type, {}, {})) << type;
+  EXPECT_TRUE(awaitPoses(3));
 }
 
 }  // namespace
@@ -197,5 +278,6 @@ TEST_F(NodeletsStorm, NodeletsAreUnloadedWhileTheyWork) {
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);
   ros::init(argc, argv, "nodelets_storm");
+  ros::param::set("/use_sim_time", true);
   return RUN_ALL_TESTS();
 }
