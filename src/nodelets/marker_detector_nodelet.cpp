@@ -18,6 +18,7 @@
 #include "sextant/ros/image_bridge.hpp"
 #include "sextant/ros/marker_detector_config.hpp"
 #include "sextant/ros/marker_detector_params.hpp"
+#include "sextant/ros/rate_limit.hpp"
 #include "sextant/ros/reconfigure_server.hpp"
 #include "sextant/ros/stage_clock.hpp"
 #include "sextant/ros/trouble_log.hpp"
@@ -131,6 +132,7 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
 
   template <typename Decode>
   void process(const std_msgs::Header& header, Decode decode) {
+    if (!search_rate_.passes(RateLimit::Clock::now(), params_.rate)) return;
     report_.image();
     try {
       clock_.start();
@@ -202,11 +204,7 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
   void publishPicture(const std_msgs::Header& header, const cv::Mat& image,
                       const std::vector<ObservedMarker>& markers) {
     const bool raw = picture_pub_.getNumSubscribers() > 0, jpeg = jpeg_pub_.getNumSubscribers() > 0;
-    const ros::SteadyTime now = ros::SteadyTime::now();
-    if (!(raw || jpeg) ||
-        (params_.debug_rate > 0 && (now - last_picture_).toSec() < 1.0 / params_.debug_rate))
-      return;
-    last_picture_ = now;
+    if (!(raw || jpeg) || !picture_rate_.passes(RateLimit::Clock::now(), params_.debug_rate)) return;
     const cv::Mat picture = drawMarkers(image, *camera_, markers, params_.debug_width);
     if (raw) picture_pub_.publish(toImageMsg(picture, header));
     clock_.finish("picture");
@@ -242,7 +240,7 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
   std::string camera_trouble_;
   bool enabled_ = true;
   DetectorReport report_;
-  ros::SteadyTime last_picture_;
+  RateLimit search_rate_, picture_rate_;
   std::unique_ptr<TroubleLog> trouble_;
   StageClock clock_;
   tf2_ros::TransformBroadcaster broadcaster_;
