@@ -8,6 +8,7 @@
 
 #include <boost/make_shared.hpp>
 #include <memory>
+#include <opencv2/core/utility.hpp>
 #include <optional>
 #include <pluginlib/class_list_macros.hpp>
 
@@ -139,7 +140,7 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
       const cv::Mat image = decode();
       requireCamera(image);
       clock_.finish("image");
-      const auto detections = detector_->detect(image, &*camera_);
+      const auto detections = detect(image);
       clock_.finish("detection");
       const auto markers = observeMarkers(*camera_, detections, params_.sizes, params_.corner_sigma);
       clock_.finish("marker poses");
@@ -154,6 +155,18 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
     } catch (const std::exception& error) {
       trouble_->report("failure", error.what());
     }
+  }
+
+  // OpenCV shares its loops among all cores, even the tiny ones of a search in small windows: to wake a
+  // thread for them costs more than it saves. Within a loop of its own it does not.
+  std::vector<Detection> detect(const cv::Mat& image) {
+    std::vector<Detection> detections;
+    const auto search = [&](const cv::Range&) { detections = detector_->detect(image, &*camera_); };
+    if (params_.detector.threads > 1)
+      search({});
+    else
+      cv::parallel_for_({0, 1}, search);
+    return detections;
   }
 
   struct Uncalibrated : std::runtime_error {
