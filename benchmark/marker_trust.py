@@ -13,6 +13,7 @@ import sys
 from pathlib import Path
 from typing import Dict, List
 
+from chain import chain_tables
 from consistency import consistency_tables
 from detector_speed import speed_tables
 from head_on import head_on_tables
@@ -27,6 +28,7 @@ TOPICS = {
     "moved_marker": lambda options: moved_marker_tables(options.quick),
     "real": lambda options: trust_tables(options.data / "markers", options.quick),
     "speed": lambda options: speed_tables(options.quick),
+    "chain": lambda options: chain_tables(options.quick),
 }
 
 
