@@ -157,6 +157,7 @@ def _play(run: Run, count: int) -> None:
     manager = process_id("/sextant_manager")
     before = cpu_seconds(manager)
     rospy.ServiceProxy("marker_detector/enable", SetBool)(True)
+    wait_for("the first pose", lambda: run.poses, START)
     wait_for("the last image", lambda: run.fact("camera", "published") >= count, START + 2 * count / RATE)
     run.cpu = cpu_seconds(manager) - before
     time.sleep(2 * DIAGNOSTICS_PERIOD)  # the last second's stages
