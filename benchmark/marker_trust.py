@@ -46,6 +46,10 @@ def main(arguments: List[str]) -> int:
     holds = all(table.holds for tables in results.values() for table in tables)
     print("every bar holds" if holds else "a bar FAILS", file=say)
     _write(options, results, holds)
+    if options.plots:
+        from trust_plots import plot_topics  # only now: matplotlib takes a second to load
+
+        plot_topics(options.plots, results)
     return 0 if holds else 1
 
 
@@ -59,6 +63,7 @@ def _parse(arguments: List[str]) -> argparse.Namespace:
         "--data", type=Path, default=EXTERNAL, help="external test data (default: %(default)s)"
     )
     parser.add_argument("--json", metavar="FILE", help="figures for machines; -: on standard output")
+    parser.add_argument("--plots", metavar="DIR", help="a picture a topic: DIR/TOPIC.png")
     options = parser.parse_args(arguments)
     options.only = options.only.split(",")
     unknown = sorted(set(options.only) - set(TOPICS))
