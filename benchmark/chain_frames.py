@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Renders the drive that the chain is fed with, the files that belong to it, and what one plain search costs."""
+"""Renders the drive that the chain is fed with, and measures one plain search of every frame."""
 
 import time
 from dataclasses import dataclass, field

@@ -16,6 +16,8 @@ from scipy.stats import chi2
 from tables import Table
 
 COLUMNS = {2: 2, 4: 2}  # by panels; 3 of any other number
+RIGHT_MAP = {"color": "k", "lw": 2, "label": "right map", "zorder": 3}
+WRONG_MAP = {"color": "tab:red", "lw": 0.6}
 
 
 def plot_topics(folder: str, results: Dict[str, List[Table]]) -> None:
@@ -53,7 +55,7 @@ def _draw_head_on(samples: np.ndarray, axes: Axes) -> None:
     axes.fill_between(distance, -2 * sigma, 2 * sigma, alpha=0.4, lw=0, label="± 2 published deviations")
     axes.plot(distance, error, "k.", ms=2, label="error")
     far = jump > JUMP
-    axes.plot(distance[far], error[far], "rx", label=f"after a jump beyond {JUMP:g} deviations")
+    axes.plot(distance[far], error[far], "rx", label=f"jump beyond {JUMP:g} deviations")
     axes.set(xlabel="distance to the marker, m", ylabel="error across the line of sight, cm")
     axes.legend(fontsize="small", loc="upper left")
 
@@ -69,10 +71,9 @@ def _draw_errors(table: Table, axes: Axes) -> None:
     for name, errors in table.samples.items():
         if name == OFFSETS:
             continue
-        right = name == "right map"
-        style = {"color": "k", "lw": 2, "label": name, "zorder": 3} if right else {"color": "tab:red", "lw": 0.6}
+        style = RIGHT_MAP if name == "right map" else WRONG_MAP
         axes.plot(np.sort(errors), 100.0 * np.arange(1, len(errors) + 1) / len(errors), **style)
-    axes.plot([], [], color="tab:red", lw=0.6, label="one entry wrong, a line each")
+    axes.plot([], [], label="one entry wrong, a line each", **WRONG_MAP)
     axes.axvline(100.0 * OFFSET, color="grey", ls=":", label="the entry's own error")
     readable_decades(axes)
     axes.set(xlabel="position error, cm", ylabel="poses with less, %", ylim=(0, 100))
@@ -96,14 +97,14 @@ def _real(table: Table) -> List[Panel]:
 
 
 def _draw_distances(table: Table, axes: Axes) -> None:
-    (distances,) = table.samples.values()
+    distances = table.samples["single markers"]
     edges = np.linspace(0.0, max(20.0, np.percentile(distances, 99.9)), 60)
     axes.hist(np.minimum(distances, edges[-1]), edges, color="tab:blue", alpha=0.7, label="published poses")
     expected = len(distances) * np.diff(chi2.cdf(edges, 3))
     axes.stairs(expected, edges, color="k", label="chi-square, 3 d.o.f.")
     axes.axvline(OUTSIDE, color="r", ls="--", label=f"{OUTSIDE}: one of 400 is beyond")
-    axes.set(xlabel="squared Mahalanobis distance in position (last bar: all beyond)", ylabel="poses", yscale="log")
-    axes.set_ylim(0.5)
+    axes.set(xlabel="squared Mahalanobis distance in position (last bar: all beyond)")
+    axes.set(ylabel="poses", yscale="log", ylim=(0.5, None))
 
 
 def _speed(table: Table) -> List[Panel]:
