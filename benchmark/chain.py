@@ -34,8 +34,6 @@ COLUMNS = ["poses, %", "late", "CPU a frame, ms", "of plain", "plain's CPU, ms"]
 COLUMNS += ["latency, ms: median", "95 %", "of plain's time", "plain's time, ms"]
 COLUMNS += ["joint, cm: mean", "95 % of it"]
 
-DECIMATE = {ARUCO: 1.0, APRILTAG: 2.0}
-
 
 class Bars(NamedTuple):
     """CPU and median latency over those of the plain library, position errors in cm."""
@@ -131,7 +129,7 @@ def _size_tables(folder: Path, size: Tuple[int, int], count: int, rounds: int, q
 def _run(played: PlayedDrive, family: str, rounds: int) -> Run:
     tf = StaticTransformBroadcaster()
     tf.sendTransform(_mount(played.T_base_camera))
-    settings = {"families": f"[{family}]", "decimate": DECIMATE[family], "rate": RATE}
+    settings = {"families": f"[{family}]", "rate": RATE}
     count, run = rounds * len(played.truth), Run()
     subscribers = [
         rospy.Subscriber("pose", PoseWithCovarianceStamped, run.on_pose, queue_size=100, tcp_nodelay=True),

@@ -28,7 +28,7 @@ class PlayedDrive:
     T_base_camera: np.ndarray
     arguments: Dict[str, str]  # of chain.launch
     truth: List[np.ndarray] = field(default_factory=list)  # T_map_base by frame
-    locatable: List[int] = field(default_factory=list)  # frames of which a full search tells a pose
+    locatable: List[int] = field(default_factory=list)  # frames with a pose by the same search, without ROS
     plain_cpu: List[float] = field(default_factory=list)  # seconds by frame
     plain_wall: List[float] = field(default_factory=list)
 
@@ -37,7 +37,7 @@ def play_of(folder: Path, family: str, size: Tuple[int, int], count: int) -> Pla
     """Writes the first frames of a drive with calibration, map and detector parameters."""
     drive = SimulatedDrive(DriveParams(width=size[0], height=size[1]), default_map(family))
     played = PlayedDrive(drive.T_base_camera, _write_files(folder, drive))
-    find, joint, plain = detector(family), locator("joint"), plain_search(family)
+    find, joint, plain = detector(family, search="tracking"), locator("joint"), plain_search(family)
     camera = sextant.CameraModel(drive.calibration)
     for frame in drive.frames(count):
         cv2.imwrite(str(folder / f"frames/{frame.index:06d}.pgm"), frame.image)
