@@ -1,37 +1,56 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Whether the nodelets keep up with 1280 x 720 at 30 Hz: rendered frames, image to pose in one manager."""
+"""The nodelets from image to pose in one manager: what they cost against one plain search of the same frames,
+how late and how far off the pose is."""
 
 import os
 import tempfile
 import time
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Dict, List, Optional, Tuple
+from typing import Dict, List, NamedTuple, Optional, Tuple
 
 import numpy as np
 import rospy
-from chain_frames import PLAYED_FRAMES_A_RENDERED_ONE, drive_of, write_drive
+from chain_frames import ROUND, PlayedDrive, play_of
+from detector_speed import APRILTAG, ARUCO, PLAIN
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PoseWithCovarianceStamped, TransformStamped
 from ros_session import cpu_seconds, launched, process_id, ros_master, wait_for
 from std_srvs.srv import SetBool
 from tables import Table, Value
 from tf2_ros import StaticTransformBroadcaster
-from under_test import detector
 
-from sextant.nodes.conversions import transform_to_message
-from sextant.simulation.drive import SimulatedDrive
+from sextant.nodes.conversions import pose_from_message, transform_to_message
+from sextant.statistics.trajectory import summarize, trajectory_errors
 
 RATE = 30.0  # Hz
-FRAMES = 1800
-QUICK_FRAMES = 90
-SHARE = 0.99  # of the frames that must have a pose
+ROUNDS, QUICK_FRAMES = 3, 90
+SHARE = 0.99  # of the frames with a pose to tell
 START = 120.0  # seconds to start all nodes and to decode the frames
-SILENCE = 5.0  # seconds without a pose after which no more are waited for
+EARLY = 0.1  # of a period, that a stamp may be early by rounding
 DIAGNOSTICS_PERIOD = 1.0  # seconds
+COLUMNS = ["poses, %", "late", "CPU a frame, ms", "of plain", "plain's CPU, ms"]
+COLUMNS += ["latency, ms: median", "95 %", "of plain's time", "plain's time, ms"]
+COLUMNS += ["joint, cm: mean", "95 % of it"]
 
-CHAINS = {"ArUco": ("DICT_4X4_50", 1.0), "AprilTag, decimate 2": ("tag36h11", 2.0)}  # family, decimate
+
+class Bars(NamedTuple):
+    """CPU and median latency over those of the plain library, position errors in cm."""
+
+    cpu: Optional[float] = None
+    latency: Optional[float] = None
+    mean: Optional[float] = None
+    p95: Optional[float] = None
+    share: Optional[float] = 100.0 * SHARE
+    late: Optional[int] = 0  # images that the driver showed late: another program had the machine
+
+
+NO_BARS = Bars(share=None, late=None)
+BARS = {
+    (1280, 720): {ARUCO: Bars(0.15, 0.3, 0.4, 1.2), APRILTAG: Bars(None, None, 0.4, 1.2)},
+    (640, 480): {ARUCO: Bars(0.17, 0.3, 1.2, 3.2), APRILTAG: Bars(None, None, 1.2, 3.2)},
+}
 
 
 @dataclass
@@ -52,14 +71,15 @@ class Stage:
 class Run:
     """What one run of the chain told."""
 
-    latencies: Dict[int, float] = field(default_factory=dict)  # seconds by the image's stamp in ns
+    poses: Dict[int, np.ndarray] = field(default_factory=dict)  # T_map_base by the image's stamp in ns
+    latencies: List[float] = field(default_factory=list)  # seconds from an image's stamp to its pose
     stages: Dict[Tuple[str, str], Stage] = field(default_factory=dict)  # by nodelet's task and stage
     facts: Dict[str, Dict[str, str]] = field(default_factory=dict)  # newest diagnostics by task
     cpu: float = 0.0  # seconds of the manager
 
     def on_pose(self, message: PoseWithCovarianceStamped) -> None:
-        now = rospy.Time.now()
-        self.latencies[message.header.stamp.to_nsec()] = (now - message.header.stamp).to_sec()
+        self.latencies.append((rospy.Time.now() - message.header.stamp).to_sec())
+        self.poses[message.header.stamp.to_nsec()] = pose_from_message(message.pose.pose)
 
     def on_diagnostics(self, message: DiagnosticArray) -> None:
         for status in message.status:
@@ -77,44 +97,55 @@ class Run:
 
 
 def chain_tables(quick: bool) -> List[Table]:
-    """Runs each chain on a master of its own. :raises OSError: it could not be started"""
-    count, load = QUICK_FRAMES if quick else FRAMES, os.getloadavg()[0]
+    """Two tables a size, on a master of their own; a quick run is a short one, without bars.
+
+    :raises OSError: it could not be started
+    """
+    count = QUICK_FRAMES if quick else ROUND
+    tables = []
     with tempfile.TemporaryDirectory() as folder, ros_master(Path(folder) / "logs"):
         rospy.init_node("benchmark", argv=["benchmark"], anonymous=True, disable_signals=True)
         try:
-            runs = {
-                name: _run(Path(folder) / family, family, decimate, count)
-                for name, (family, decimate) in CHAINS.items()
-            }
+            for size in BARS:
+                tables += _size_tables(Path(folder), size, count, 1 if quick else ROUNDS, quick)
         finally:
             rospy.signal_shutdown("measured")
-    bar = None if quick else SHARE * count
-    return [_keeping_up(runs, count, bar, load), *(_stage_table(name, run) for name, run in runs.items())]
+    return tables
 
 
-def _run(folder: Path, family: str, decimate: float, count: int) -> Run:
-    drive = drive_of(family)
-    find = detector(family, decimate=decimate)
-    files = write_drive(folder, drive, find, count // PLAYED_FRAMES_A_RENDERED_ONE)
+def _size_tables(folder: Path, size: Tuple[int, int], count: int, rounds: int, quick: bool) -> List[Table]:
+    load, rows, samples, stages = os.getloadavg()[0], [], {}, []
+    what = f"{size[0]} x {size[1]} at {RATE:g} Hz, {count * rounds} frames"
+    for family, bars in BARS[size].items():
+        played = play_of(folder / f"{family}_{size[0]}", family, size, count)
+        run = _run(played, family, rounds)
+        rows.append((f"{family} / {PLAIN[family]}", _cells(run, played, rounds, NO_BARS if quick else bars)))
+        samples[family] = 1e3 * np.array(run.latencies)
+        stages.append(_stage_table(f"{family}, {what}", run))
+    title = f"Chain from image to pose, {what}; load of the machine before: {load:.1f}"
+    return [Table(title, COLUMNS, rows, samples), *stages]
+
+
+def _run(played: PlayedDrive, family: str, rounds: int) -> Run:
     tf = StaticTransformBroadcaster()
-    tf.sendTransform(_mount(drive))
-    arguments = {**files, "families": f"[{family}]", "decimate": decimate, "rate": RATE, "count": count}
-    run = Run()
+    tf.sendTransform(_mount(played.T_base_camera))
+    settings = {"families": f"[{family}]", "rate": RATE}
+    count, run = rounds * len(played.truth), Run()
     subscribers = [
         rospy.Subscriber("pose", PoseWithCovarianceStamped, run.on_pose, queue_size=100, tcp_nodelay=True),
         rospy.Subscriber("/diagnostics", DiagnosticArray, run.on_diagnostics, queue_size=100),
     ]
-    with launched(Path(__file__).with_name("chain.launch"), arguments):
+    with launched(Path(__file__).with_name("chain.launch"), {**played.arguments, **settings, "count": count}):
         _play(run, count)
     for subscriber in subscribers:
         subscriber.unregister()
     return run
 
 
-def _mount(drive: SimulatedDrive) -> TransformStamped:
+def _mount(T_base_camera: np.ndarray) -> TransformStamped:
     message = TransformStamped(child_frame_id="camera_optical_frame")
     message.header.frame_id = "base_link"
-    message.transform = transform_to_message(drive.T_base_camera)
+    message.transform = transform_to_message(T_base_camera)
     return message
 
 
@@ -124,38 +155,47 @@ def _play(run: Run, count: int) -> None:
     manager = process_id("/sextant_manager")
     before = cpu_seconds(manager)
     rospy.ServiceProxy("marker_detector/enable", SetBool)(True)
-    wait_for("the first pose", lambda: run.latencies, START)
-    seen, last = 0, time.monotonic()
-    while len(run.latencies) < count and time.monotonic() < last + SILENCE:
-        if len(run.latencies) > seen:
-            seen, last = len(run.latencies), time.monotonic()
-        time.sleep(0.1)
+    wait_for("the first pose", lambda: run.poses, START)
+    wait_for("the last image", lambda: run.fact("camera", "published") >= count, START + 2 * count / RATE)
     run.cpu = cpu_seconds(manager) - before
     time.sleep(2 * DIAGNOSTICS_PERIOD)  # the last second's stages
 
 
-def _keeping_up(runs: Dict[str, Run], count: int, bar: Optional[float], load: float) -> Table:
-    columns = ["poses", "images a second", "latency, ms: mean", "95 %", "CPU of the manager, ms a frame"]
-    rows = [(name, _keeping_up_cells(run, count, bar)) for name, run in runs.items()]
-    title = f"Chain from image to pose, 1280 x 720 at {RATE:g} Hz, {count} frames"
-    return Table(f"{title}; load of the machine before: {load:.1f}", columns, rows)
-
-
-def _keeping_up_cells(run: Run, count: int, bar: Optional[float]) -> List[Value]:
-    latencies, stamps = np.array(list(run.latencies.values())) * 1e3, sorted(run.latencies)
+def _cells(run: Run, played: PlayedDrive, rounds: int, bars: Bars) -> List[Value]:
+    poses, latency = _numbered(run, played), 1e3 * np.array(run.latencies)
+    truth = dict(enumerate(played.truth * rounds))
+    position = 100.0 * trajectory_errors(truth, {k: pose for k, pose in poses.items() if k in truth}).position
+    told = sum(number % len(played.truth) in played.locatable for number in poses)
+    cpu, plain_cpu = 1e3 * run.cpu / len(truth), 1e3 * float(np.mean(played.plain_cpu))
+    median, plain = float(np.median(latency)), 1e3 * float(np.median(played.plain_wall))
     return [
-        Value(len(stamps), 0, at_least=bar),
-        Value(run.fact("camera", "published") / ((stamps[-1] - stamps[0]) * 1e-9 + 1.0 / RATE)),
-        Value(latencies.mean(), 1),
-        Value(np.percentile(latencies, 95), 1),
-        Value(run.cpu / count * 1e3, 1),
+        Value(100.0 * told / (rounds * len(played.locatable)), 1, at_least=bars.share),
+        Value(run.fact("camera", "late"), 0, at_most=bars.late),
+        Value(cpu),
+        Value(cpu / plain_cpu, 3, at_most=bars.cpu),
+        Value(plain_cpu),
+        Value(median),
+        Value(np.percentile(latency, 95)),
+        Value(median / plain, 3, at_most=bars.latency),
+        Value(plain),
+        Value(summarize(position).mean, at_most=bars.mean),
+        Value(summarize(position).p95, at_most=bars.p95),
     ]
 
 
+def _numbered(run: Run, played: PlayedDrive) -> Dict[int, np.ndarray]:
+    """Poses by the number of their frame, which the stamp tells: the driver is never early, and late by less
+    than a period as long as it counts none as late."""
+    stamps = sorted(run.poses)
+    ticks = (np.array(stamps) - stamps[0]) * 1e-9 * RATE
+    ticks -= (ticks - np.round(ticks)).min()
+    numbers = played.locatable[0] + np.floor(ticks + EARLY).astype(int)
+    return {int(number): run.poses[stamp] for number, stamp in zip(numbers, stamps)}
+
+
 def _stage_table(name: str, run: Run) -> Table:
-    stages = sorted(run.stages.items())
     rows = [
         (f"{task}: {stage}", [Value(time.total / time.runs, 3), Value(time.longest, 3)])
-        for (task, stage), time in stages
+        for (task, stage), time in sorted(run.stages.items())
     ]
     return Table(f"Time per stage, {name}, ms an image", ["mean", "max"], rows)

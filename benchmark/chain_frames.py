@@ -1,58 +1,71 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Renders the frames that the chain is fed with, and the files that belong to them."""
+"""Renders the drive that the chain is fed with, and measures one plain search of every frame."""
 
+import time
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Dict, Iterator
+from typing import Dict, List, Tuple
 
 import cv2
 import numpy as np
 import yaml
-from under_test import locator
+from detector_speed import plain_search
+from under_test import detector, locator
 
 import sextant
 from sextant.simulation.drive import DriveParams, SimulatedDrive
 from sextant.simulation.room import default_map
 
-PLAYED_FRAMES_A_RENDERED_ONE = 6  # so that the rendered ones fit into memory, decoded
+ROUND = 600  # frames of one eight at 30 Hz: its last one and its first follow each other
+WARM_UP = 3  # plain searches before those that count
 
 
-def drive_of(family: str) -> SimulatedDrive:
-    """1280 x 720, an eight of 300 frames; played at 30 Hz the robot drives twice as fast, unseen."""
-    return SimulatedDrive(DriveParams(width=1280, height=720, rate=15.0), default_map(family))
+@dataclass
+class PlayedDrive:
+    """Frames that were written, what is true of them, and the plain library on the same ones."""
+
+    T_base_camera: np.ndarray
+    arguments: Dict[str, str]  # of chain.launch
+    truth: List[np.ndarray] = field(default_factory=list)  # T_map_base by frame
+    locatable: List[int] = field(default_factory=list)  # frames with a pose by the same search, without ROS
+    plain_cpu: List[float] = field(default_factory=list)  # seconds by frame
+    plain_wall: List[float] = field(default_factory=list)
 
 
-def write_drive(
-    folder: Path, drive: SimulatedDrive, find: "sextant.MarkerDetector", count: int
-) -> Dict[str, str]:
-    """Writes frames, calibration, map and detector parameters of a drive.
+def play_of(folder: Path, family: str, size: Tuple[int, int], count: int) -> PlayedDrive:
+    """Writes the first frames of a drive with calibration, map and detector parameters."""
+    drive = SimulatedDrive(DriveParams(width=size[0], height=size[1]), default_map(family))
+    played = PlayedDrive(drive.T_base_camera, _write_files(folder, drive))
+    find, joint, plain = detector(family, search="tracking"), locator("joint"), plain_search(family)
+    camera = sextant.CameraModel(drive.calibration)
+    for frame in drive.frames(count):
+        cv2.imwrite(str(folder / f"frames/{frame.index:06d}.pgm"), frame.image)
+        played.truth.append(frame.T_map_base)
+        view = sextant.MarkerView(camera, drive.T_base_camera, find.detect(frame.image, camera))
+        if joint.locate(drive.map, [view]).pose:
+            played.locatable.append(frame.index)
+        for _ in range(WARM_UP if frame.index == 0 else 0):
+            plain(frame.image)
+        cpu, wall = time.process_time(), time.perf_counter()
+        plain(frame.image)
+        played.plain_cpu.append(time.process_time() - cpu)
+        played.plain_wall.append(time.perf_counter() - wall)
+    return played
 
-    Only frames that give a pose are kept: of the others no chain, however fast, could tell one.
 
-    :return: the arguments of chain.launch that name what was written
-    """
-    frames = folder / "frames"
-    frames.mkdir(parents=True)
-    images = _locatable(drive, find)
-    for index in range(count):
-        cv2.imwrite(str(frames / f"{index:06d}.png"), next(images), [cv2.IMWRITE_PNG_COMPRESSION, 1])
+def _write_files(folder: Path, drive: SimulatedDrive) -> Dict[str, str]:
+    """:return: the arguments of chain.launch that name what was written"""
+    (folder / "frames").mkdir(parents=True)
     sextant.write_marker_map(drive.map, str(folder / "map.yaml"))
     (folder / "camera.yaml").write_text(yaml.safe_dump(_camera_info(drive.calibration)))
     (folder / "detector.yaml").write_text(yaml.safe_dump({"enabled": False}))
     return {
-        "frames": str(frames),
+        "frames": str(folder / "frames"),
         "map": str(folder / "map.yaml"),
         "calibration": str(folder / "camera.yaml"),
         "detector_params": str(folder / "detector.yaml"),
     }
-
-
-def _locatable(drive: SimulatedDrive, find: "sextant.MarkerDetector") -> Iterator[np.ndarray]:
-    camera, joint = sextant.CameraModel(drive.calibration), locator("joint")
-    for frame in drive.frames(1_000_000):
-        view = sextant.MarkerView(camera, drive.T_base_camera, find.detect(frame.image))
-        if joint.locate(drive.map, [view]).pose:
-            yield frame.image
 
 
 def _camera_info(calibration: "sextant.CameraCalibration") -> dict:

@@ -30,8 +30,13 @@ class Told(NamedTuple):
 def head_on_tables(quick: bool) -> List[Table]:
     """With and without (exact) odometry; a quick run is a few frames, without bars."""
     frames = 40 if quick else 1000
-    rows = [_row(size, odometry, frames, quick) for size in SIZES for odometry in (False, True)]
-    return [Table("One marker head-on from 1 to 7 m and back; jumps in deviations", COLUMNS, rows)]
+    rows, samples = [], {}
+    for size in SIZES:
+        for odometry in (False, True):
+            told = drive(size, odometry, frames)
+            rows.append(_row(told, size, odometry, quick))
+            samples[rows[-1][0]] = _samples(told)
+    return [Table("One marker head-on from 1 to 7 m and back; jumps in deviations", COLUMNS, rows, samples)]
 
 
 def drive(size, odometry: bool, frames: int) -> List[Optional[Told]]:
@@ -91,12 +96,23 @@ def _squared(error: np.ndarray, covariance: np.ndarray) -> float:
     return float(error @ np.linalg.solve(covariance, error))
 
 
-def _row(size, odometry: bool, frames: int, quick: bool) -> Row:
-    told = drive(size, odometry, frames)
+def _samples(told: List[Optional[Told]]) -> np.ndarray:
+    """(N, 4) distance to the marker in m, error across the line of sight and its deviation in cm, jump."""
+    found = []
+    for last, now in zip([None, *told], told):
+        if now:
+            distance = MARKER[0] - (now.truth @ T_BASE_CAMERA)[0, 3]
+            across = now.pose.T_map_base[1, 3] - now.truth[1, 3]
+            jump = jumps([last, now])[:, 0].sum()
+            found.append([distance, 100.0 * across, 100.0 * np.sqrt(now.pose.covariance[1, 1]), jump])
+    return np.array(found).reshape(-1, 4)
+
+
+def _row(told: List[Optional[Told]], size, odometry: bool, quick: bool) -> Row:
     both, larger = jumps(told).T
     wrong = sum(each.wrong for each in told if each)
     return f"fx {size[0] // 2}, {'odometry' if odometry else 'no odometry'}", [
-        Value(sum(map(bool, told)) / frames, 3),
+        Value(sum(map(bool, told)) / len(told), 3),
         Value(both.max(), at_most=None if quick else JUMP),
         Value(larger.max()),
         Value(np.sum(both > JUMP), 0),

@@ -13,6 +13,7 @@ import sys
 from pathlib import Path
 from typing import Dict, List
 
+from chain import chain_tables
 from consistency import consistency_tables
 from detector_speed import speed_tables
 from head_on import head_on_tables
@@ -27,6 +28,7 @@ TOPICS = {
     "moved_marker": lambda options: moved_marker_tables(options.quick),
     "real": lambda options: trust_tables(options.data / "markers", options.quick),
     "speed": lambda options: speed_tables(options.quick),
+    "chain": lambda options: chain_tables(options.quick),
 }
 
 
@@ -44,6 +46,10 @@ def main(arguments: List[str]) -> int:
     holds = all(table.holds for tables in results.values() for table in tables)
     print("every bar holds" if holds else "a bar FAILS", file=say)
     _write(options, results, holds)
+    if options.plots:
+        from trust_plots import plot_topics  # only now: matplotlib takes a second to load
+
+        plot_topics(options.plots, results)
     return 0 if holds else 1
 
 
@@ -57,6 +63,7 @@ def _parse(arguments: List[str]) -> argparse.Namespace:
         "--data", type=Path, default=EXTERNAL, help="external test data (default: %(default)s)"
     )
     parser.add_argument("--json", metavar="FILE", help="figures for machines; -: on standard output")
+    parser.add_argument("--plots", metavar="DIR", help="a picture a topic: DIR/TOPIC.png")
     options = parser.parse_args(arguments)
     options.only = options.only.split(",")
     unknown = sorted(set(options.only) - set(TOPICS))

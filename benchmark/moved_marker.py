@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """One of eight map entries is wrong: what that does to the pose, and whether the marker is named."""
 
-from typing import List, NamedTuple
+from typing import Dict, List, NamedTuple
 
 import numpy as np
 from simulated_sightings import SimulatedCamera, wall_map
@@ -16,6 +16,7 @@ WALL = (-0.9, 0.9)
 ROOM = [(3.0, y, 1.2, np.pi) for y in WALL] + [(-3.0, y, 1.2, 0.0) for y in WALL]
 ROOM += [(x, 3.0, 1.2, -np.pi / 2) for x in WALL] + [(x, -3.0, 1.2, np.pi / 2) for x in WALL]
 LEAST = 3  # markers in sight: two that contradict each other do not tell which of them was moved
+OFFSETS = "offsets told, cm"  # samples: along the moved axis, by row
 COLUMNS = ["RMSE, cm", "over the right map's", "left out, %", "others left out, %", "named", "others named"]
 
 
@@ -26,18 +27,23 @@ class Drive(NamedTuple):
     left_out: float  # share of the sightings of the moved marker
     false: float  # share of the sightings of the others
     named: List[int]
+    errors: np.ndarray  # cm
+    offsets: Dict[int, np.ndarray]  # cm in the map's axes, where the named ones are seen
 
 
 def moved_marker_tables(quick: bool) -> List[Table]:
     """A row a marker and direction; a quick run moves one, without bars."""
     frames, ids = (20, range(1)) if quick else (300, range(len(ROOM)))
     right = drive(wall_map(ROOM), -1, frames)
-    rows = [("right map", [Value(right.rmse), *[""] * 5])]
+    rows, samples, offsets = [("right map", [Value(right.rmse), *[""] * 5])], {"right map": right.errors}, []
     for id in ids:
         for name, direction in DIRECTIONS.items():
             wrong = drive(_moved(id, direction), id, frames)
             rows.append(_row(f"marker {id} along {name}", id, wrong, right.rmse, quick))
-    return [Table(f"One of eight map entries off by {OFFSET} m", COLUMNS, rows)]
+            samples[rows[-1][0]] = wrong.errors
+            offsets.append(wrong.offsets[id] @ direction if id in wrong.offsets else np.nan)
+    samples[OFFSETS] = np.array(offsets)
+    return [Table(f"One of eight map entries off by {OFFSET} m", COLUMNS, rows, samples)]
 
 
 def drive(marker_map, moved: int, frames: int) -> Drive:
@@ -58,7 +64,8 @@ def drive(marker_map, moved: int, frames: int) -> Drive:
     share = left.count(moved) / of_moved if of_moved else float("nan")
     false = (len(left) - left.count(moved)) / others
     rmse = 100.0 * float(np.sqrt(np.nanmean(np.square(errors))))
-    return Drive(rmse, share, false, [each.id for each in localization.moved])
+    offsets = {each.id: 100.0 * each.offset for each in localization.moved}
+    return Drive(rmse, share, false, list(offsets), 100.0 * np.array(errors), offsets)
 
 
 def _moved(id: int, direction):

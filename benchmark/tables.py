@@ -50,7 +50,7 @@ class Table:
     title: str
     columns: Sequence[str]
     rows: List[Row]
-    samples: Dict[str, np.ndarray] = field(default_factory=dict)  # errors, cm
+    samples: Dict[str, np.ndarray] = field(default_factory=dict)  # which ones: what makes the table says
 
     @property
     def holds(self) -> bool:

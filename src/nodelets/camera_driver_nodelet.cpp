@@ -72,8 +72,9 @@ class CameraDriverNodelet : public nodelet::Nodelet {
     image->width = picture.cols;
     image->height = picture.rows;
     image->step = picture.cols * picture.elemSize();
-    image->data.resize(image->step * image->height);
-    picture.copyTo(cv::Mat(picture.size(), picture.type(), image->data.data()));
+    image->data.reserve(image->step * image->height);  // a size would be filled with zeros first
+    for (int row = 0; row < picture.rows; ++row)
+      image->data.insert(image->data.end(), picture.ptr(row), picture.ptr(row) + image->step);
     info_pub_.publish(infoOf(*image));
     image_pub_.publish(sensor_msgs::ImageConstPtr(image));
   }

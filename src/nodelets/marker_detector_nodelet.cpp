@@ -8,6 +8,7 @@
 
 #include <boost/make_shared.hpp>
 #include <memory>
+#include <opencv2/core/utility.hpp>
 #include <optional>
 #include <pluginlib/class_list_macros.hpp>
 
@@ -18,6 +19,7 @@
 #include "sextant/ros/image_bridge.hpp"
 #include "sextant/ros/marker_detector_config.hpp"
 #include "sextant/ros/marker_detector_params.hpp"
+#include "sextant/ros/rate_limit.hpp"
 #include "sextant/ros/reconfigure_server.hpp"
 #include "sextant/ros/stage_clock.hpp"
 #include "sextant/ros/start_in_queue.hpp"
@@ -134,13 +136,14 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
 
   template <typename Decode>
   void process(const std_msgs::Header& header, Decode decode) {
+    if (!search_rate_.passes(RateLimit::Clock::now(), params_.rate)) return;
     report_.image();
     try {
       clock_.start();
       const cv::Mat image = decode();
       requireCamera(image);
       clock_.finish("image");
-      const auto detections = detector_->detect(image, &*camera_);
+      const auto detections = detect(image);
       clock_.finish("detection");
       const auto markers = observeMarkers(*camera_, detections, params_.sizes, params_.corner_sigma);
       clock_.finish("marker poses");
@@ -155,6 +158,18 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
     } catch (const std::exception& error) {
       trouble_->report("failure", error.what());
     }
+  }
+
+  // OpenCV shares its loops among all cores, even the tiny ones of a search in small windows: to wake a
+  // thread for them costs more than it saves. Within a loop of its own it does not.
+  std::vector<Detection> detect(const cv::Mat& image) {
+    std::vector<Detection> detections;
+    const auto search = [&](const cv::Range&) { detections = detector_->detect(image, &*camera_); };
+    if (params_.detector.threads > 1)
+      search({});
+    else
+      cv::parallel_for_({0, 1}, search);
+    return detections;
   }
 
   struct Uncalibrated : std::runtime_error {
@@ -205,11 +220,7 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
   void publishPicture(const std_msgs::Header& header, const cv::Mat& image,
                       const std::vector<ObservedMarker>& markers) {
     const bool raw = picture_pub_.getNumSubscribers() > 0, jpeg = jpeg_pub_.getNumSubscribers() > 0;
-    const ros::SteadyTime now = ros::SteadyTime::now();
-    if (!(raw || jpeg) ||
-        (params_.debug_rate > 0 && (now - last_picture_).toSec() < 1.0 / params_.debug_rate))
-      return;
-    last_picture_ = now;
+    if (!(raw || jpeg) || !picture_rate_.passes(RateLimit::Clock::now(), params_.debug_rate)) return;
     const cv::Mat picture = drawMarkers(image, *camera_, markers, params_.debug_width);
     if (raw) picture_pub_.publish(toImageMsg(picture, header));
     clock_.finish("picture");
@@ -245,7 +256,7 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
   std::string camera_trouble_;
   bool enabled_ = true;
   DetectorReport report_;
-  ros::SteadyTime last_picture_;
+  RateLimit search_rate_, picture_rate_;
   std::unique_ptr<TroubleLog> trouble_;
   StageClock clock_;
   tf2_ros::TransformBroadcaster broadcaster_;

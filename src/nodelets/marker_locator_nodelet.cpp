@@ -65,7 +65,12 @@ class MarkerLocatorNodelet : public nodelet::Nodelet {
     groups_ = std::make_unique<Groups>(
         StampGroupsParams{params_.cameras.size(), params_.camera_window, params_.camera_patience});
     newest_.resize(params_.cameras.size());
-    start_timer_ = startInQueue(getNodeHandle(), [this] { advertise(), subscribe(); });
+    start_timer_ = startInQueue(getNodeHandle(), [this] { listen(), advertise(), subscribe(); });
+  }
+
+  // In the manager's threads: one of the listener's own wakes up a hundred times a second.
+  void listen() {
+    tf_listener_ = std::make_unique<tf2_ros::TransformListener>(tf_, getMTNodeHandle(), false);
   }
 
   void advertise() {

@@ -4,7 +4,6 @@
 
 #include <ros/console.h>
 
-#include <algorithm>
 #include <stdexcept>
 #include <utility>
 
@@ -48,7 +47,6 @@ ImagePlayer::Counts ImagePlayer::counts() const {
 
 void ImagePlayer::run() {
   bool playing = awaitListener();
-  due_ = Clock::now();
   while (playing) playing = step();
   const std::lock_guard<std::mutex> lock(mutex_);
   counts_.finished = true;
@@ -64,7 +62,7 @@ bool ImagePlayer::awaitListener() {
 // False when there is nothing more to do.
 bool ImagePlayer::step() {
   if (!open_) return openSource() ? sleepUntil(Clock::now()) : sleepFor(kRetry);
-  if (!sleepUntil(source_->isLive() ? Clock::now() : due_)) return false;
+  if (!sleepUntil(source_->isLive() ? Clock::now() : pace_.due(Clock::now()))) return false;
   if (!grab()) return afterLast();
   take(ros::Time::now());
   return params_.frames == 0 || counts().published < static_cast<unsigned long>(params_.frames);
@@ -114,20 +112,13 @@ void ImagePlayer::take(const ros::Time& stamp) {
   }
 }
 
-// A device that is asked for the very rate that it has must not lose every second picture to its jitter.
 bool ImagePlayer::isDue() {
   const Clock::time_point now = Clock::now();
-  if (source_->isLive() && now < due_ - period() / 4) return false;
-  if (!source_->isLive() && now > due_ + period()) count(&Counts::late);
-  due_ = std::max(due_, now - period()) + period();
-  return true;
+  if (!source_->isLive() && now > pace_.due(now) + RateLimit::period(rate())) count(&Counts::late);
+  return pace_.passes(now, rate());
 }
 
-ImagePlayer::Clock::duration ImagePlayer::period() const {
-  const double rate = params_.rate > 0 ? params_.rate : source_->recordedRate();
-  if (rate <= 0) return Clock::duration::zero();
-  return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1.0 / rate));
-}
+double ImagePlayer::rate() const { return params_.rate > 0 ? params_.rate : source_->recordedRate(); }
 
 // False when the player shall stop.
 bool ImagePlayer::sleepUntil(Clock::time_point time) {

@@ -11,6 +11,8 @@ namespace {
 
 using diagnostic_msgs::DiagnosticStatus;
 
+constexpr double kCoordinates = 8.0;  // of a marker's four corners
+
 std::string nameOf(const MarkerKey& key) { return key.family + "/" + std::to_string(key.id); }
 
 }  // namespace
@@ -27,6 +29,7 @@ void LocatorReport::result(const LocatorResult& result, bool nothing_seen) {
     ++poses_;
     used_ = result.pose->used().size();
     reprojection_error_ = result.pose->reprojection_error;
+    addResiduals(*result.pose);
     trouble_.succeeded();
     return;
   }
@@ -57,7 +60,23 @@ void LocatorReport::fill(diagnostic_updater::DiagnosticStatusWrapper& status,
   status.add("markers in the map", map ? map->markers().size() : 0);
   for (const auto& [reason, count] : reasons_) status.add("no pose: " + reason, count);
   for (const auto& [key, count] : unmapped_) status.add("not in the map: " + nameOf(key), count);
+  fillResiduals(status);
   fillMoved(status, localization);
+}
+
+void LocatorReport::addResiduals(const LocatedPose& pose) {
+  for (const LocatedMarker& marker : pose.markers) {
+    Residuals& residuals = residuals_[marker.key];
+    residuals.squares += marker.squared_distance / kCoordinates;
+    ++residuals.images;
+  }
+}
+
+void LocatorReport::fillResiduals(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  for (const auto& [key, residuals] : residuals_)
+    status.addf("residual against the map (deviations): " + nameOf(key), "%.2f",
+                std::sqrt(residuals.squares / residuals.images));
+  residuals_.clear();
 }
 
 void LocatorReport::fillMoved(diagnostic_updater::DiagnosticStatusWrapper& status,

@@ -17,6 +17,7 @@ void pairUp(Params& params, Config& config, Assign assign) {
   assign(params.detector.refine_corners, config.refine_corners);
   assign(params.sizes.size, config.marker_size);
   assign(params.corner_sigma, config.corner_sigma);
+  assign(params.rate, config.rate);
   assign(params.debug_width, config.debug_width);
   assign(params.debug_rate, config.debug_rate);
   assign(params.debug_quality, config.debug_quality);

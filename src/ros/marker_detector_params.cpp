@@ -12,6 +12,7 @@ void MarkerDetectorParams::validate() const {
   detector.validate();
   sizes.validate();
   Range::openLow(0, 10).require("corner_sigma", corner_sigma, "px");
+  Range::closed(0, 1000).require("rate", rate, "Hz");
   Range::closed(0, 10000).require("debug_width", debug_width, "px");
   Range::closed(0, 1000).require("debug_rate", debug_rate, "Hz");
   Range::closed(1, 100).require("debug_quality", debug_quality);
@@ -34,6 +35,7 @@ MarkerDetectorParams MarkerDetectorParams::fromRos(const ros::NodeHandle& privat
   reader.read("marker_size", params.sizes.size);
   reader.read("marker_sizes", params.sizes.sizes);
   reader.read("corner_sigma", params.corner_sigma);
+  reader.read("rate", params.rate);
   reader.read("enabled", params.enabled);
   reader.read("rectified", params.rectified);
   reader.read("compressed", params.compressed);

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""benchmark/markers.py as its caller sees it: exit status, table and JSON."""
+"""benchmark/markers.py and marker_trust.py as their caller sees them: exit status, table, JSON, pictures."""
 
 import json
 import subprocess
@@ -33,15 +33,6 @@ def test_quick_run_of_a_simulated_drive(tmp_path):
         assert set(rows) == {f"{mode}, seed 1" for mode in ("nearest", "average", "joint")}
         assert 0.0 < rows["joint, seed 1"]["mean"]["value"] < 20.0  # cm
     assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
-
-
-def test_quick_run_of_the_chain():
-    done = run("--quick", "--only", "chain", "--json", "-")
-    assert done.returncode == 0, done.stderr
-    tables = json.loads(done.stdout)["parts"]["chain"]
-    poses = {row["name"]: row["poses"]["value"] for row in tables[0]["rows"]}
-    assert min(poses.values()) > 0
-    assert "localization: localization" in done.stderr
 
 
 def test_json_alone_is_on_standard_output():
@@ -86,27 +77,39 @@ def test_one_failing_bar_fails_the_table():
     assert table.as_json()["rows"][1]["figure"]["holds"] is False
 
 
-def run_trust(topic):
+def run_trust(topic, folder):
+    """Its tables; the picture of the topic lies in the folder."""
     script = str(BENCHMARK / "marker_trust.py")
-    command = [sys.executable, script, "--quick", "--only", topic, "--json", "-"]
+    command = [sys.executable, script, "--quick", "--only", topic, "--json", "-", "--plots", str(folder)]
     done = subprocess.run(command, capture_output=True, text=True, timeout=300)
     assert done.returncode == 0, done.stderr
+    assert (folder / f"{topic}.png").read_bytes().startswith(b"\x89PNG")
     return json.loads(done.stdout)["topics"][topic]
 
 
 @pytest.mark.parametrize("topic, column", [("consistency", "published"), ("head_on", "published")])
-def test_quick_run_of_trust_publishes(topic, column):
-    for table in run_trust(topic):
+def test_quick_run_of_trust_publishes(topic, column, tmp_path):
+    for table in run_trust(topic, tmp_path):
         assert min(row[column]["value"] for row in table["rows"]) >= 0.5
 
 
-def test_quick_run_of_a_wrong_map_entry_leaves_it_out():
-    (table,) = run_trust("moved_marker")
+def test_quick_run_of_a_wrong_map_entry_leaves_it_out(tmp_path):
+    (table,) = run_trust("moved_marker", tmp_path)
     assert all(row["left out, %"]["value"] > 0 for row in table["rows"][1:])
 
 
-def test_quick_run_of_the_searches_finds_the_same_markers():
-    for table in run_trust("speed"):
+def test_quick_run_of_the_searches_finds_the_same_markers(tmp_path):
+    for table in run_trust("speed", tmp_path):
         plain, full, tracking = table["rows"]
         assert tracking["markers"]["value"] == full["markers"]["value"] >= plain["markers"]["value"] > 0
         assert full["wrong"]["value"] == tracking["wrong"]["value"] == 0
+
+
+def test_quick_run_of_the_chain(tmp_path):
+    tables = run_trust("chain", tmp_path)
+    sizes = [table for table in tables if table["title"].startswith("Chain")]
+    assert len(sizes) == 2
+    for row in (row for table in sizes for row in table["rows"]):
+        assert row["poses, %"]["value"] > 0 and row["of plain"]["value"] > 0
+    stages = {row["name"] for table in tables if table not in sizes for row in table["rows"]}
+    assert "localization: localization" in stages

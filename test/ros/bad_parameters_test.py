@@ -24,6 +24,7 @@ DETECTOR = [
     ("threads", "many", "parameter /{node}/threads must be a whole number"),
     ("threads", 1.5, "parameter /{node}/threads must be a whole number"),
     ("threads", 65, "parameter /{node}/threads is 65, allowed is [1, 64]"),
+    ("rate", -1, "parameter /{node}/rate is -1, allowed is [0, 1000] Hz"),
     ("decimate", 0.5, "parameter /{node}/decimate is 0.5, allowed is [1, 8]"),
     ("decimate", math.nan, "parameter /{node}/decimate is nan, allowed is [1, 8]"),
     ("corner_sigma", 0, "parameter /{node}/corner_sigma is 0, allowed is (0, 10] px"),

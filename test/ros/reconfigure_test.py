@@ -72,6 +72,18 @@ class ReconfigureTest(unittest.TestCase):
         self.assertEqual(rospy.get_param("locator/max_reprojection_error"), 7)  # as it was written, not 7.0
         self.assertFalse(rospy.has_param("detector/decimate"))
 
+    def test_no_more_images_are_searched_than_asked_for(self):
+        self.answer(self.markers)
+        self.change(self.detector, rate=10.0)
+        shown, camera = [], rospy.Rate(30)
+        for _ in range(90):
+            shown.append(self.show())
+            camera.sleep()
+        self.assertTrue(until(lambda: any(map(self.markers.has, shown[-4:]))))
+        searched = sum(map(self.markers.has, shown))
+        self.assertTrue(28 <= searched <= 32, f"{searched} of 90")
+        self.assertTrue(until(lambda: 0 < self.diagnostics.count(DETECTOR, "detection: runs") <= 11))
+
     def test_size_of_the_markers_changes(self):
         seen = [marker.pose.pose.position.z for marker in self.answer(self.markers).markers]
         told = self.change(self.detector, marker_size=0.5)

@@ -144,6 +144,12 @@ class TrustedPoseTest(unittest.TestCase):
             return text in (self.diagnostics.summary(status) or "")
 
         self.assertTrue(until(named))
+        residual = {
+            id: float(self.diagnostics.row(status, f"residual against the map (deviations): {FAMILY}/{id}"))
+            for id in stands
+        }
+        self.assertGreater(residual.pop(8), 2.5)  # beyond the gate: the root of 50 / 8
+        self.assertLess(max(residual.values()), 0.1)
         last = next(self.stamps)
         markers.publish(markers_msg(last, seen, "camera_c"))
         self.assert_located(last, T_MAP_CAMERA)

@@ -13,6 +13,7 @@
 #include <thread>
 
 #include "sextant/ros/image_source.hpp"
+#include "sextant/ros/rate_limit.hpp"
 #include "sextant/ros/trouble_log.hpp"
 
 namespace sextant {
@@ -55,7 +56,7 @@ class ImagePlayer {
   Counts counts() const;
 
  private:
-  using Clock = std::chrono::steady_clock;
+  using Clock = RateLimit::Clock;
 
   void run();
   bool step();
@@ -65,7 +66,7 @@ class ImagePlayer {
   bool afterLast();
   void take(const ros::Time& stamp);
   bool isDue();
-  Clock::duration period() const;
+  double rate() const;
   bool sleepUntil(Clock::time_point time);
   bool sleepFor(Clock::duration duration) { return sleepUntil(Clock::now() + duration); }
   unsigned long count(unsigned long Counts::*which);
@@ -75,7 +76,7 @@ class ImagePlayer {
   Outlet outlet_;
   TroubleLog& trouble_;
   bool open_ = false;
-  Clock::time_point due_;  // of the next picture
+  RateLimit pace_;
   Counts counts_;
   mutable std::mutex mutex_;  // of counts_ and stop_
   std::condition_variable wake_;

@@ -30,6 +30,12 @@ class LocatorReport {
             const MarkerMap* map, const std::vector<std::string>& cameras);
 
  private:
+  struct Residuals {
+    double squares = 0.0;  // of coordinates, in deviations
+    unsigned long images = 0;
+  };
+  void addResiduals(const LocatedPose& pose);
+  void fillResiduals(diagnostic_updater::DiagnosticStatusWrapper& status);
   void fillMoved(diagnostic_updater::DiagnosticStatusWrapper& status, const MarkerLocalization& localization);
 
   TroubleLog& trouble_;
@@ -38,6 +44,7 @@ class LocatorReport {
   double reprojection_error_ = 0.0;
   std::map<std::string, unsigned long> reasons_;
   std::map<MarkerKey, unsigned long> unmapped_;
+  std::map<MarkerKey, Residuals> residuals_;  // since the last report
   LatencyClock latency_;
 };
 

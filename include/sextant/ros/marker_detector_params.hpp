@@ -16,6 +16,7 @@ struct MarkerDetectorParams {
   std::string search = "tracking";  ///< detector.search of a node, whose images are one camera's, in order
   MarkerSizes sizes;                ///< marker_size, marker_sizes
   double corner_sigma = 0.3;  ///< noise of a corner coordinate for the poses' covariance, pixels, (0, 10]
+  double rate = 0.0;          ///< images a second that are searched at most, Hz, [0, 1000]; 0: every image
   bool enabled = true;        ///< search from the start; the service ~enable switches it
   bool rectified = false;     ///< the image is rectified: P and R count instead of K and D
   bool compressed = false;    ///< hear image/compressed instead of image

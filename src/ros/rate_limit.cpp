@@ -1,0 +1,22 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sextant/ros/rate_limit.hpp"
+
+#include <algorithm>
+
+namespace sextant {
+
+RateLimit::Clock::duration RateLimit::period(double rate) {
+  if (rate <= 0) return Clock::duration::zero();
+  return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1.0 / rate));
+}
+
+bool RateLimit::passes(Clock::time_point now, double rate) {
+  const Clock::duration between = period(rate);
+  due_ = std::min(due(now), now + between);  // the rate may have risen
+  if (now < *due_ - between / 4) return false;
+  due_ = std::max(*due_, now - between) + between;
+  return true;
+}
+
+}  // namespace sextant
