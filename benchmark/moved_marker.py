@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """One of eight map entries is wrong: what that does to the pose, and whether the marker is named."""
 
-from typing import Dict, List, NamedTuple
+from typing import Dict, List, NamedTuple, Optional
 
 import numpy as np
 from simulated_sightings import SimulatedCamera, wall_map
@@ -12,12 +12,18 @@ import sextant
 
 OFFSET = 0.2  # m
 DIRECTIONS = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
-WALL = (-0.9, 0.9)
-ROOM = [(3.0, y, 1.2, np.pi) for y in WALL] + [(-3.0, y, 1.2, 0.0) for y in WALL]
-ROOM += [(x, 3.0, 1.2, -np.pi / 2) for x in WALL] + [(x, -3.0, 1.2, np.pi / 2) for x in WALL]
-LEAST = 3  # markers in sight: two that contradict each other do not tell which of them was moved
+PAIR, FOUR = (-0.9, 0.9), (-1.8, -0.6, 0.6, 1.8)
+ROOM = [(3.0, y, 1.2, np.pi) for y in PAIR] + [(-3.0, y, 1.2, 0.0) for y in PAIR]
+ROOM += [(x, 3.0, 1.2, -np.pi / 2) for x in PAIR] + [(x, -3.0, 1.2, np.pi / 2) for x in PAIR]
+CORNER = [(3.0, y, 1.2, np.pi) for y in FOUR] + [(x, 3.0, 1.2, -np.pi / 2) for x in FOUR]
+LAYOUTS = {  # markers, how many at least are in sight, RMSE over the right map's
+    "two walls": (CORNER, 4, 2.0),
+    "four walls": (ROOM, 3, None),  # without one of three, the pose is far worse whatever one does
+}
 OFFSETS = "offsets told, cm"  # samples: along the moved axis, by row
-COLUMNS = ["RMSE, cm", "over the right map's", "left out, %", "others left out, %", "named", "others named"]
+COLUMNS = ["RMSE, cm", "over the right map's", "over one without it", "left out, %", "others left out, %"]
+COLUMNS += ["named", "others named"]
+WITHOUT = 1.25  # times the RMSE of a map that does not have the marker
 
 
 class Drive(NamedTuple):
@@ -32,29 +38,37 @@ class Drive(NamedTuple):
 
 
 def moved_marker_tables(quick: bool) -> List[Table]:
-    """A row a marker and direction; a quick run moves one, without bars."""
-    frames, ids = (20, range(1)) if quick else (300, range(len(ROOM)))
-    right = drive(wall_map(ROOM), -1, frames)
-    rows, samples, offsets = [("right map", [Value(right.rmse), *[""] * 5])], {"right map": right.errors}, []
-    for id in ids:
+    """A table a layout, a row a marker and direction; a quick run moves one, without bars."""
+    return [_table(name, quick) for name in LAYOUTS]
+
+
+def _table(layout: str, quick: bool) -> Table:
+    places, least, bar = LAYOUTS[layout]
+    room, frames = wall_map(places), 20 if quick else 300
+    right = drive(room, room, -1, frames, least)
+    rows, samples, offsets = [("right map", [Value(right.rmse), *[""] * 6])], {"right map": right.errors}, []
+    for id in range(1 if quick else len(places)):
+        lacking = drive(_without(room, id), room, id, frames, least)
         for name, direction in DIRECTIONS.items():
-            wrong = drive(_moved(id, direction), id, frames)
-            rows.append(_row(f"marker {id} along {name}", id, wrong, right.rmse, quick))
+            wrong = drive(_moved(room, id, direction), room, id, frames, least)
+            ratios = _ratios(wrong.rmse, right.rmse, lacking.rmse, bar, quick)
+            rows.append((f"marker {id} along {name}", [*ratios, *_named(id, wrong, quick)]))
             samples[rows[-1][0]] = wrong.errors
             offsets.append(wrong.offsets[id] @ direction if id in wrong.offsets else np.nan)
     samples[OFFSETS] = np.array(offsets)
-    return [Table(f"One of eight map entries off by {OFFSET} m", COLUMNS, rows, samples)]
+    title = f"One of eight map entries off by {OFFSET} m, {layout}, {least} or more in sight"
+    return Table(title, COLUMNS, rows, samples)
 
 
-def drive(marker_map, moved: int, frames: int) -> Drive:
+def drive(marker_map, room, moved: int, frames: int, least: int) -> Drive:
     """Frames of the room as it is, located with a map."""
-    camera, room = SimulatedCamera("plumb_bob 0", (640, 480), 0.3), wall_map(ROOM)
+    camera = SimulatedCamera("plumb_bob 0", (640, 480), 0.3)
     localization, errors, seen, left = sextant.MarkerLocalization(), [], [], []
     while len(errors) < frames:
         x, y, yaw = camera.random.uniform((-2.0, -2.0, -np.pi), (2.0, 2.0, np.pi))
         truth = sextant.pose_from_xyz_rpy([x, y, 0.0], [0.0, 0.0, yaw])
         markers = camera.visible(truth, room)
-        if len(markers) < LEAST:
+        if len(markers) < least:
             continue
         pose = localization.locate(marker_map, [camera.view(truth, markers)]).pose
         errors.append(np.linalg.norm(pose.T_map_base[:3, 3] - truth[:3, 3]) if pose else np.nan)
@@ -68,19 +82,38 @@ def drive(marker_map, moved: int, frames: int) -> Drive:
     return Drive(rmse, share, false, list(offsets), 100.0 * np.array(errors), offsets)
 
 
-def _moved(id: int, direction):
-    room = wall_map(ROOM)
+def _moved(room, id: int, direction):
     entry = room.markers[id]
     pose = entry.T_map_marker.copy()
     pose[:3, 3] += OFFSET * np.array(direction)
-    room.set(sextant.MappedMarker(entry.family, id, entry.size, pose))
-    return room
+    return _map([*_others(room, id), sextant.MappedMarker(entry.family, id, entry.size, pose)])
 
 
-def _row(name: str, id: int, wrong: Drive, right: float, quick: bool) -> Row:
-    return name, [
-        Value(wrong.rmse),
-        Value(wrong.rmse / right, at_most=None if quick else 2.0),
+def _without(room, id: int):
+    return _map(_others(room, id))
+
+
+def _others(room, id: int) -> list:
+    return [each for each in room.markers if each.id != id]
+
+
+def _map(entries: list):
+    result = sextant.MarkerMap()
+    for each in entries:
+        result.add(each)
+    return result
+
+
+def _ratios(rmse: float, right: float, lacking: float, bar: Optional[float], quick: bool) -> List[Value]:
+    return [
+        Value(rmse),
+        Value(rmse / right, at_most=None if quick else bar),
+        Value(rmse / lacking, at_most=None if quick else WITHOUT),
+    ]
+
+
+def _named(id: int, wrong: Drive, quick: bool) -> List[Value]:
+    return [
         Value(100.0 * wrong.left_out, 1),
         Value(100.0 * wrong.false, 1),
         Value(id in wrong.named, 0, at_least=None if quick else 1),

@@ -13,8 +13,9 @@ RateLimit::Clock::duration RateLimit::period(double rate) {
 
 bool RateLimit::passes(Clock::time_point now, double rate) {
   const Clock::duration between = period(rate);
-  due_ = std::min(due(now), now + between);  // the rate may have risen
-  if (now < *due_ - between / 4) return false;
+  const Clock::duration early = between / 4;
+  due_ = std::min(due(now), now + between + early);  // the rate may have risen
+  if (now < *due_ - early) return false;
   due_ = std::max(*due_, now - between) + between;
   return true;
 }
