@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A marker seen head-on, where a square has two poses: jumps, and the branch that is told."""
 
-from typing import List, NamedTuple, Optional
+from typing import List, NamedTuple, Optional, Tuple
 
 import numpy as np
 from simulated_sightings import SIZE, T_BASE_CAMERA, SimulatedCamera, corners_in_map, in_camera, wall_map
@@ -16,7 +16,10 @@ T_MAP_ODOM = sextant.pose_from_xyz_rpy([0.4, -0.2, 0.0], [0.0, 0.0, 0.3])
 WOBBLE = 0.05  # rad
 APART = 25.0  # squared Mahalanobis distance between the two solutions from which the branch counts
 JUMP = 5.0  # deviations
-COLUMNS = ["published", "largest jump, both deviations", "larger deviation only", "beyond 5", "wrong branch"]
+DECIDED = sextant.LocatorParams().decided
+ODOMETRY_NOISE = (0.03, 0.01, 0.02)  # of the way along and across it, rad per root of a metre
+COLUMNS = ["published", "decided", "largest jump, both deviations", "larger deviation only", "beyond 5"]
+COLUMNS += ["two branches apart", "wrong branch"]
 
 
 class Told(NamedTuple):
@@ -24,11 +27,11 @@ class Told(NamedTuple):
 
     truth: np.ndarray
     pose: object  # sextant.LocatedPose
-    wrong: bool
+    wrong: Optional[bool]  # None where there is no other branch far from the truth
 
 
 def head_on_tables(quick: bool) -> List[Table]:
-    """With and without (exact) odometry; a quick run is a few frames, without bars."""
+    """With and without odometry; a quick run is a few frames, without bars."""
     frames = 40 if quick else 1000
     rows, samples = [], {}
     for size in SIZES:
@@ -45,13 +48,24 @@ def drive(size, odometry: bool, frames: int) -> List[Optional[Told]]:
     params = sextant.LocalizationParams()
     params.locator.corner_sigma, params.estimate_noise = SIGMA, False
     localization, told = sextant.MarkerLocalization(params), []
-    for truth in (place(k, frames) for k in range(frames)):
+    for truth, T_odom_base in zip(*_odometry(frames)):
         view = camera.view(truth, marker_map.markers)
-        pose = localization.locate(
-            marker_map, [view], np.linalg.inv(T_MAP_ODOM) @ truth if odometry else None
-        ).pose
+        pose = localization.locate(marker_map, [view], T_odom_base if odometry else None).pose
         told.append(Told(truth, pose, _wrong(camera, truth, pose)) if pose else None)
     return told
+
+
+def _odometry(frames: int) -> Tuple[List[np.ndarray], List[np.ndarray]]:
+    """T_map_base and T_odom_base of every frame: steps with slip."""
+    random, truths = np.random.default_rng(7), [place(k, frames) for k in range(frames)]
+    odometry = [np.linalg.inv(T_MAP_ODOM) @ truths[0]]
+    for last, now in zip(truths, truths[1:]):
+        step = np.linalg.inv(last) @ now
+        way = np.linalg.norm(step[:3, 3])
+        along, across, turn = random.normal(size=3) * ODOMETRY_NOISE * np.array([way, way, np.sqrt(way)])
+        slip = sextant.pose_from_xyz_rpy([along, across, 0.0], [0.0, 0.0, turn])
+        odometry.append(odometry[-1] @ step @ slip)
+    return truths, odometry
 
 
 def place(frame: int, frames: int) -> np.ndarray:
@@ -61,18 +75,18 @@ def place(frame: int, frames: int) -> np.ndarray:
     return sextant.pose_from_xyz_rpy([MARKER[0] - way - T_BASE_CAMERA[0, 3], 0.0, 0.0], [0.0, 0.0, yaw])
 
 
-def _wrong(camera: SimulatedCamera, truth: np.ndarray, pose) -> bool:
-    """Whether the pose is nearer to the other planar solution than to the truth, the two far apart."""
+def _wrong(camera: SimulatedCamera, truth: np.ndarray, pose) -> Optional[bool]:
+    """Whether the pose is nearer to the other planar solution than to the truth, where the two are apart."""
     solved = sextant.solve_marker_pose(camera.model, exact_corners(camera, truth), SIZE)
     if not solved or not solved.alternative:  # exactly head-on there is but one
-        return False
+        return None
     T_map_marker = wall_map([MARKER]).markers[0].T_map_marker
     T_marker_camera = np.linalg.inv(solved.alternative.T_camera_marker)
     mirrored = T_map_marker @ T_marker_camera @ np.linalg.inv(T_BASE_CAMERA)
     between = _squared(sextant.pose_error(truth, mirrored), pose.covariance)
     to_truth = _squared(sextant.pose_error(truth, pose.T_map_base), pose.covariance)
     to_mirrored = _squared(sextant.pose_error(mirrored, pose.T_map_base), pose.covariance)
-    return between > APART and to_mirrored < to_truth
+    return to_mirrored < to_truth if between > APART else None
 
 
 def exact_corners(camera: SimulatedCamera, truth: np.ndarray) -> np.ndarray:
@@ -110,11 +124,14 @@ def _samples(told: List[Optional[Told]]) -> np.ndarray:
 
 def _row(told: List[Optional[Told]], size, odometry: bool, quick: bool) -> Row:
     both, larger = jumps(told).T
-    wrong = sum(each.wrong for each in told if each)
+    published = [each for each in told if each]
+    judged = [each.wrong for each in published if each.wrong is not None]
     return f"fx {size[0] // 2}, {'odometry' if odometry else 'no odometry'}", [
-        Value(sum(map(bool, told)) / len(told), 3),
+        Value(len(published) / len(told), 3),
+        Value(np.mean([each.pose.probability >= DECIDED for each in published]), 3),
         Value(both.max(), at_most=None if quick else JUMP),
         Value(larger.max()),
         Value(np.sum(both > JUMP), 0),
-        Value(wrong, 0, at_most=0 if odometry and not quick else None),
+        Value(len(judged), 0),
+        Value(sum(judged), 0, at_most=0 if odometry and not quick else None),
     ]
