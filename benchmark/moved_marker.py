@@ -6,7 +6,7 @@ from typing import Dict, List, NamedTuple, Optional
 
 import numpy as np
 from simulated_sightings import SimulatedCamera, wall_map
-from tables import Row, Table, Value
+from tables import Table, Value
 
 import sextant
 

@@ -17,9 +17,25 @@ std::vector<std::pair<std::string, int>> pairs(const std::vector<MarkerKey>& key
   return all;
 }
 
+void bindResult(py::module_& module) {
+  py::class_<LocatedPose>(module, "LocatedPose")
+      .def_readonly("T_map_base", &LocatedPose::T_map_base)
+      .def_readonly("covariance", &LocatedPose::covariance, "6 x 6, order of PoseWithCovariance")
+      .def_readonly("reprojection_error", &LocatedPose::reprojection_error, "RMS, pixels")
+      .def_property_readonly("used", [](const LocatedPose& pose) { return pairs(pose.used()); })
+      .def_property_readonly("left_out", [](const LocatedPose& pose) { return pairs(pose.leftOut()); })
+      .def_readonly("probability", &LocatedPose::probability);
+  py::class_<LocatorResult>(module, "LocatorResult", "Either a pose or the reason why there is none.")
+      .def_readonly("pose", &LocatorResult::pose)
+      .def_readonly("reason", &LocatorResult::reason)
+      .def_property_readonly("unmapped", [](const LocatorResult& result) { return pairs(result.unmapped); })
+      .def_property_readonly("repeated", [](const LocatorResult& result) { return pairs(result.repeated); });
+}
+
 }  // namespace
 
 void bindMarkerLocator(py::module_& module) {
+  bindResult(module);
   py::class_<MarkerView>(module, "MarkerView", "What one camera saw at one instant.")
       .def(py::init<CameraModel, Pose, std::vector<Detection>>(), "camera"_a, "T_base_camera"_a,
            "detections"_a)
@@ -40,18 +56,6 @@ void bindMarkerLocator(py::module_& module) {
       .def("validate", &LocatorParams::validate);
   py::class_<PosePrior>(module, "PosePrior", "What is known of a pose before the image.")
       .def(py::init<Pose, Matrix6d>(), "T_map_base"_a, "covariance"_a);
-  py::class_<LocatedPose>(module, "LocatedPose")
-      .def_readonly("T_map_base", &LocatedPose::T_map_base)
-      .def_readonly("covariance", &LocatedPose::covariance, "6 x 6, order of PoseWithCovariance")
-      .def_readonly("reprojection_error", &LocatedPose::reprojection_error, "RMS, pixels")
-      .def_property_readonly("used", [](const LocatedPose& pose) { return pairs(pose.used()); })
-      .def_property_readonly("left_out", [](const LocatedPose& pose) { return pairs(pose.leftOut()); })
-      .def_readonly("probability", &LocatedPose::probability);
-  py::class_<LocatorResult>(module, "LocatorResult", "Either a pose or the reason why there is none.")
-      .def_readonly("pose", &LocatorResult::pose)
-      .def_readonly("reason", &LocatorResult::reason)
-      .def_property_readonly("unmapped", [](const LocatorResult& result) { return pairs(result.unmapped); })
-      .def_property_readonly("repeated", [](const LocatorResult& result) { return pairs(result.repeated); });
   py::class_<MarkerLocator>(module, "MarkerLocator", "Locates a robot from mapped markers.")
       .def(py::init<const LocatorParams&>(), "params"_a = LocatorParams())
       .def(

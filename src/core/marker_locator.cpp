@@ -7,6 +7,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "marker_innovation.hpp"
 #include "sextant/core/marker_pose.hpp"
 #include "sextant/core/pose_posterior.hpp"
 #include "sextant/core/range.hpp"
@@ -14,8 +15,6 @@
 
 namespace sextant {
 namespace {
-
-constexpr double kLeastCondition = 1e-14;  // of the information that the other markers leave
 
 // A mapped marker in a view, with the base poses that its two planar solutions give.
 struct Seen {
@@ -94,42 +93,6 @@ std::optional<FloorPrior> floorPrior(const LocatorParams& params) {
   return FloorPrior{params.floor_height_sigma, params.floor_tilt_sigma};
 }
 
-// The pose without one of the markers.
-struct WithoutMarker {
-  Pose T_map_base;
-  Matrix6d covariance;
-  double squared;  // Mahalanobis distance of the marker from it
-};
-
-// By the block's residual r (whitened), Jacobian J and information A = J' J, with H that of the pose: the
-// others' pose has the covariance (H - A)^-1, lies at (H - A)^-1 J' r, and r' (1 - J H^-1 J')^-1 r is
-// r' r + r' J (H - A)^-1 J' r. A marker that was not used is seen from the pose itself.
-std::optional<WithoutMarker> without(const MarkerSighting& sighting, const PoseHypothesis& best, bool used) {
-  const ReprojectionModel block = reprojectionModel({sighting}, best.T_map_base, {});
-  const Matrix6d H = best.covariance.ldlt().solve(Matrix6d::Identity());
-  const Eigen::LDLT<Matrix6d> rest(H + (used ? -1 : 1) * block.H);
-  if (!rest.isPositive() || rest.rcond() < kLeastCondition) return std::nullopt;
-  const Vector6d step = rest.solve(block.g);
-  if (!used) return WithoutMarker{best.T_map_base, best.covariance, block.cost - block.g.dot(step)};
-  return WithoutMarker{perturbed(best.T_map_base, step), rest.solve(Matrix6d::Identity()),
-                       block.cost + block.g.dot(step)};
-}
-
-// Where a marker is seen from a pose: p = p_base + R p_marker.
-MarkerInnovation innovation(const Seen& seen, const MarkerSighting& sighting, const WithoutMarker& others) {
-  const Pose& T_camera_marker = seen.poses.best.T_camera_marker;
-  const Pose T_map_camera = others.T_map_base * seen.view->T_base_camera;
-  const Eigen::Vector3d p_map = T_map_camera * T_camera_marker.translation();
-  Eigen::Matrix<double, 3, 6> by_pose;
-  by_pose << Eigen::Matrix3d::Identity(), -skew(p_map - others.T_map_base.translation());
-  Eigen::Matrix3d covariance = by_pose * others.covariance * by_pose.transpose();
-  const double sigma = *std::max_element(sighting.sigmas.begin(), sighting.sigmas.end());
-  const auto own = markerPoseCovariance(seen.view->camera, T_camera_marker, seen.mapped->size, sigma);
-  if (own)
-    covariance += T_map_camera.linear() * own->topLeftCorner<3, 3>() * T_map_camera.linear().transpose();
-  return {others.squared, p_map, covariance};
-}
-
 LocatedMarker located(const Seen& seen, const MarkerSighting& sighting, const PoseHypothesis& best,
                       bool used) {
   LocatedMarker marker{seen.mapped->key,
@@ -138,9 +101,8 @@ LocatedMarker located(const Seen& seen, const MarkerSighting& sighting, const Po
                        squaredMahalanobis(sighting, best.T_map_base),
                        seen.view->noise_scale,
                        {}};
-  if (used && best.used.size() < 2) return marker;
-  const auto others = without(sighting, best, used);
-  if (others) marker.innovation = innovation(seen, sighting, *others);
+  if (!used || best.used.size() > 1)
+    marker.innovation = markerInnovation(sighting, seen.poses.best.T_camera_marker, best, used);
   return marker;
 }
 

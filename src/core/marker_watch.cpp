@@ -52,20 +52,20 @@ double MarkerWatch::typical(const MarkerKey& but) const {
   return means[means.size() / 2];
 }
 
+// Whether a marker that is still trusted stands elsewhere.
+bool MarkerWatch::isMoved(const MarkerKey& key, const Seen& seen) const {
+  if (seen.images < kEnough || seen.mean() < std::max(kMoved, kTimes * typical(key))) return false;
+  return seen.offset().norm() > kOffset || seen.mean() > kTurned;
+}
+
 void MarkerWatch::judge() {
-  const std::pair<const MarkerKey, Seen>* worst = nullptr;
-  for (const auto& entry : seen_) {
-    const Seen& seen = entry.second;
-    if (seen.images < kEnough) continue;
-    if (distrusted_.count(entry.first) > 0) {
-      if (seen.mean() < kBack) distrusted_.erase(entry.first);
-    } else if (!worst || seen.mean() > worst->second.mean()) {
-      worst = &entry;
-    }
+  std::map<double, MarkerKey> moved;  // by mean
+  for (const auto& [key, seen] : seen_) {
+    if (distrusted_.count(key) == 0 && isMoved(key, seen)) moved[seen.mean()] = key;
+    if (seen.images >= kEnough && seen.mean() < kBack) distrusted_.erase(key);
   }
-  if (!worst || worst->second.mean() < std::max(kMoved, kTimes * typical(worst->first))) return;
-  if (worst->second.offset().norm() < kOffset && worst->second.mean() < kTurned) return;
-  distrusted_.insert(worst->first);
+  if (moved.empty()) return;
+  distrusted_.insert(moved.rbegin()->second);
   for (auto& entry : seen_) entry.second.images = entry.second.squares = 0;  // it may have spoken falsely
 }
 

@@ -65,20 +65,14 @@ class MarkerLocatorNodelet : public nodelet::Nodelet {
     groups_ = std::make_unique<Groups>(
         StampGroupsParams{params_.cameras.size(), params_.camera_window, params_.camera_patience});
     newest_.resize(params_.cameras.size());
-    start_timer_ = startInQueue(getNodeHandle(), [this] { listen(), advertise(), subscribe(); });
-  }
-
-  // In the manager's threads: one of the listener's own wakes up a hundred times a second.
-  void listen() {
-    tf_listener_ = std::make_unique<tf2_ros::TransformListener>(tf_, getMTNodeHandle(), false);
+    start_timer_ = startInQueue(getNodeHandle(), [this] { advertise(), subscribe(); });
   }
 
   void advertise() {
+    // In the manager's threads: one of the listener's own wakes up a hundred times a second.
+    tf_listener_ = std::make_unique<tf2_ros::TransformListener>(tf_, getMTNodeHandle(), false);
     ros::NodeHandle& node = getNodeHandle();
-    const std::map<std::string, std::string> children = {{"map_to_odom", params_.odom_frame},
-                                                         {"map_to_base", params_.base_frame}};
-    const auto child = children.find(params_.tf_output);
-    transform_ = std::make_unique<MapTransform>(tf_, child == children.end() ? "" : child->second);
+    transform_ = std::make_unique<MapTransform>(tf_, params_.childFrame());
     pose_pub_ = node.advertise<geometry_msgs::PoseWithCovarianceStamped>("pose", 1);
     visualization_pub_ = node.advertise<visualization_msgs::MarkerArray>("visualization", 1);
     diagnostics_ = std::make_unique<diagnostic_updater::Updater>(node, getPrivateNodeHandle(), getName());

@@ -33,6 +33,26 @@ void requireTopics(const std::vector<std::string>& cameras) {
   }
 }
 
+void readLocalization(ParamReader& reader, MarkerLocatorParams& params) {
+  reader.read("mode", params.localization.locator.mode);
+  reader.read("corner_sigma", params.localization.locator.corner_sigma);
+  reader.read("max_reprojection_error", params.localization.locator.max_reprojection_error);
+  reader.read("robust_width", params.localization.locator.robust_width);
+  reader.read("gate", params.localization.locator.gate);
+  reader.read("floor_height_sigma", params.localization.locator.floor_height_sigma);
+  reader.read("floor_tilt_sigma", params.localization.locator.floor_tilt_sigma);
+  reader.read("decided", params.localization.locator.decided);
+  reader.read("ambiguous", params.localization.locator.ambiguous);
+  reader.read("constant_covariance", params.localization.locator.constant_covariance);
+  reader.read("estimate_noise", params.localization.estimate_noise);
+  reader.read("leave_out_moved", params.localization.leave_out_moved);
+  reader.read("odometry_position_drift", params.localization.odometry.position_drift);
+  reader.read("odometry_heading_drift", params.localization.odometry.heading_drift);
+  reader.read("odometry_turn_drift", params.localization.odometry.turn_drift);
+  reader.read("odometry_gate", params.localization.odometry.gate);
+  reader.read("odometry_recovery", params.localization.odometry.recovery);
+}
+
 }  // namespace
 
 void MarkerLocatorParams::validate() const {
@@ -54,28 +74,17 @@ void MarkerLocatorParams::validate() const {
   requireTopics(cameras);
 }
 
+std::string MarkerLocatorParams::childFrame() const {
+  if (tf_output == "none") return "";
+  return tf_output == "map_to_odom" ? odom_frame : base_frame;
+}
+
 MarkerLocatorParams MarkerLocatorParams::fromRos(const ros::NodeHandle& private_node) {
   MarkerLocatorParams params;
   ParamReader reader(private_node);
   std::map<std::string, double> sizes;
-  reader.read("mode", params.localization.locator.mode);
-  reader.read("corner_sigma", params.localization.locator.corner_sigma);
-  reader.read("max_reprojection_error", params.localization.locator.max_reprojection_error);
-  reader.read("robust_width", params.localization.locator.robust_width);
-  reader.read("gate", params.localization.locator.gate);
-  reader.read("floor_height_sigma", params.localization.locator.floor_height_sigma);
-  reader.read("floor_tilt_sigma", params.localization.locator.floor_tilt_sigma);
-  reader.read("decided", params.localization.locator.decided);
-  reader.read("ambiguous", params.localization.locator.ambiguous);
-  reader.read("constant_covariance", params.localization.locator.constant_covariance);
-  reader.read("estimate_noise", params.localization.estimate_noise);
-  reader.read("leave_out_moved", params.localization.leave_out_moved);
+  readLocalization(reader, params);
   reader.read("use_odometry", params.use_odometry);
-  reader.read("odometry_position_drift", params.localization.odometry.position_drift);
-  reader.read("odometry_heading_drift", params.localization.odometry.heading_drift);
-  reader.read("odometry_turn_drift", params.localization.odometry.turn_drift);
-  reader.read("odometry_gate", params.localization.odometry.gate);
-  reader.read("odometry_recovery", params.localization.odometry.recovery);
   reader.read("cameras", params.cameras);
   reader.read("camera_window", params.camera_window);
   reader.read("camera_patience", params.camera_patience);

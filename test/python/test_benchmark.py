@@ -94,8 +94,8 @@ def test_quick_run_of_trust_publishes(topic, column, tmp_path):
 
 
 def test_quick_run_of_a_wrong_map_entry_leaves_it_out(tmp_path):
-    (table,) = run_trust("moved_marker", tmp_path)
-    assert all(row["left out, %"]["value"] > 0 for row in table["rows"][1:])
+    for table in run_trust("moved_marker", tmp_path):
+        assert all(row["left out, %"]["value"] > 0 for row in table["rows"][1:])
 
 
 def test_quick_run_of_the_searches_finds_the_same_markers(tmp_path):

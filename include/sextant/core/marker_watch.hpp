@@ -45,6 +45,7 @@ class MarkerWatch {
   };
 
   void judge();
+  bool isMoved(const MarkerKey& key, const Seen& seen) const;
   double typical(const MarkerKey& but) const;
 
   std::map<MarkerKey, Seen> seen_;

@@ -30,6 +30,8 @@ struct MarkerLocatorParams {
   void validate() const;
   /// Whether odometry is asked of tf.
   bool needsOdometry() const { return use_odometry || tf_output == "map_to_odom"; }
+  /// The frame that tf_output places in the map; empty: none
+  std::string childFrame() const;
   /// Reads all from a node's private namespace, refuses unknown names and validates.
   static MarkerLocatorParams fromRos(const ros::NodeHandle& private_node);
 };
