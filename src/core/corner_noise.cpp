@@ -90,6 +90,7 @@ void CornerNoise::learn(Camera& camera) {
                excess = deviation * deviation - upper(by_chance, away.size());
   const double freedoms = freedomsOf(excess);
   camera.distribution_freedoms = freedoms;
+  camera.tail = tail(freedoms);
   camera.variance = std::clamp(std::exp(middle + medianLogarithm(freedoms)), kLeast * kLeast, kMost * kMost);
 }
 
@@ -99,7 +100,7 @@ double CornerNoise::typical(size_t camera) const {
 
 double CornerNoise::scale(size_t camera) const {
   if (camera >= cameras_.size()) return 1.0;
-  return limited(cameras_[camera].variance * tail(cameras_[camera].distribution_freedoms));
+  return limited(cameras_[camera].variance * cameras_[camera].tail);
 }
 
 double CornerNoise::scale(size_t camera, const ImageNoise& image) const {

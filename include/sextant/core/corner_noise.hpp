@@ -44,6 +44,7 @@ class CornerNoise {
     size_t next = 0;
     double variance = 1.0;               // the scale of their distribution
     double distribution_freedoms = 1e6;  // many: images do not differ
+    double tail = 1.0;                   // variance of the Gaussian that stands for a draw, over the scale
   };
 
   static void learn(Camera& camera);
