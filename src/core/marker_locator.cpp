@@ -53,7 +53,7 @@ bool repeated(const MarkerView& view, const MarkerKey& key) {
 // The trusted ones first.
 std::vector<Seen> mappedMarkers(const MarkerMap& map, const std::vector<MarkerView>& views,
                                 const std::set<MarkerKey>& distrusted, LocatorResult& result) {
-  std::vector<Seen> all;
+  std::vector<Seen> all, doubtful;
   for (const MarkerView& view : views) {
     for (const Detection& detection : view.detections) {
       const MappedMarker* mapped = map.find(detection.key);
@@ -62,11 +62,12 @@ std::vector<Seen> mappedMarkers(const MarkerMap& map, const std::vector<MarkerVi
       } else if (repeated(view, detection.key)) {
         result.repeated.push_back(detection.key);
       } else if (const auto poses = solveMarkerPose(view.camera, detection.corners, mapped->size)) {
-        all.push_back({&view, &detection, mapped, *poses, distrusted.count(detection.key) == 0});
+        const bool trusted = distrusted.count(detection.key) == 0;
+        (trusted ? all : doubtful).push_back({&view, &detection, mapped, *poses, trusted});
       }
     }
   }
-  std::stable_partition(all.begin(), all.end(), [](const Seen& seen) { return seen.trusted; });
+  all.insert(all.end(), doubtful.begin(), doubtful.end());
   return all;
 }
 
