@@ -31,6 +31,11 @@ void checkTable(const std::string& name, const apriltag_family_t& family, int co
                                 name + "; set it to " + std::to_string(corrected - 1));
 }
 
+// There a marker's white may be too narrow for libapriltag's tiles of four (decimated) pixels.
+bool touchesBorder(const cv::Rect& window, const cv::Size& image) {
+  return window.x == 0 || window.y == 0 || window.br().x == image.width || window.br().y == image.height;
+}
+
 using Detector = std::unique_ptr<apriltag_detector_t, void (*)(apriltag_detector_t*)>;
 
 Detector makeDetector(int threads) {
@@ -55,9 +60,10 @@ class AprilTagSearch : public MarkerSearch {
     detect(*whole_, image, params_.decimate, {0, 0}, found);
   }
 
-  void within(const cv::Mat& image, const cv::Rect& window, double side, Effort,
+  void within(const cv::Mat& image, const cv::Rect& window, double side, Effort effort,
               FoundMarkers& found) override {
-    const double decimate = std::max(params_.decimate, side > kLarge ? 2.0 : 1.0);
+    const bool coarse = side > kLarge && effort == Effort::quick && !touchesBorder(window, image.size());
+    const double decimate = std::max(params_.decimate, coarse ? 2.0 : 1.0);
     detect(*part_, image(window), decimate, window.tl(), found);
   }
 

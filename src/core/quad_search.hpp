@@ -14,6 +14,9 @@ struct QuadCandidate {
   double side;   ///< its shortest side, pixels
 };
 
+/// Without an odd last row or column: any other factor than two takes ten times as long.
+void halve(const cv::Mat& image, cv::Mat& half);
+
 enum class Effort { quick, thorough };
 
 /// Finds quadrilaterals (dark on light or light on dark) in an image of half the width and height, as
@@ -34,7 +37,7 @@ class QuadSearch {
   void collect(const cv::Point& origin, double min_side);
   void dropDoubles();
 
-  cv::Mat half_, dark_;
+  cv::Mat half_, mean_, dark_;
   std::vector<std::vector<cv::Point>> contours_;
   std::vector<cv::Point> polygon_;
   std::vector<QuadCandidate> found_, kept_;
