@@ -31,11 +31,6 @@ void checkTable(const std::string& name, const apriltag_family_t& family, int co
                                 name + "; set it to " + std::to_string(corrected - 1));
 }
 
-// There a marker's white may be too narrow for libapriltag's tiles of four (decimated) pixels.
-bool touchesBorder(const cv::Rect& window, const cv::Size& image) {
-  return window.x == 0 || window.y == 0 || window.br().x == image.width || window.br().y == image.height;
-}
-
 using Detector = std::unique_ptr<apriltag_detector_t, void (*)(apriltag_detector_t*)>;
 
 Detector makeDetector(int threads) {
@@ -62,6 +57,7 @@ class AprilTagSearch : public MarkerSearch {
 
   void within(const cv::Mat& image, const cv::Rect& window, double side, Effort effort,
               FoundMarkers& found) override {
+    // Beside the border the white may be too narrow for libapriltag's tiles of four decimated pixels.
     const bool coarse = side > kLarge && effort == Effort::quick && !touchesBorder(window, image.size());
     const double decimate = std::max(params_.decimate, coarse ? 2.0 : 1.0);
     detect(*part_, image(window), decimate, window.tl(), found);

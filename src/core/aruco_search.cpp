@@ -17,7 +17,7 @@ constexpr int kMinWindow = 16;      // pixels; no marker can be read in a smalle
 constexpr double kMinModule = 1.4;  // pixels; no module can be read in fewer
 constexpr double kEnough = 5;       // pixels a module; what has twice as many is read in a smaller image
 constexpr double kSmoothing = 0.6;  // pixels; less noise makes fewer contours
-constexpr int kBlock = 9, kSmallBlock = 5, kLargeBlock = 13;  // pixels whose mean is the threshold
+constexpr int kBlock = 9, kSmallBlock = 3, kLargeBlock = 13;  // pixels whose mean is the threshold
 constexpr double kSmallerThanExpected = 0.5;
 
 cv::Ptr<cv::aruco::DetectorParameters> arucoParameters(const DetectorParams& params) {
@@ -47,7 +47,9 @@ class ArucoSearch : public MarkerSearch {
   void within(const cv::Mat& image, const cv::Rect& window, double side, Effort effort,
               FoundMarkers& found) override {
     if (window.width < kMinWindow || window.height < kMinWindow) return;
-    const int scale = prepare(image(window), side, effort);
+    // Beside the border the white may be too narrow to be seen in a smaller image.
+    const bool fine = effort == Effort::thorough && touchesBorder(window, image.size());
+    const int scale = prepare(image(window), fine ? 0 : side);
     parameters_->adaptiveThreshWinSizeMin = effort == Effort::quick ? kBlock : kSmallBlock;
     parameters_->adaptiveThreshWinSizeMax = effort == Effort::quick ? kBlock : kLargeBlock;
     const double min_side = std::max(kSmallerThanExpected * side, minSide(image.size()));
@@ -65,11 +67,11 @@ class ArucoSearch : public MarkerSearch {
 
  private:
   /// By how much the window was made smaller.
-  int prepare(const cv::Mat& window, double side, Effort effort) {
+  int prepare(const cv::Mat& window, double side) {
     const double enough = kEnough * (dictionary_->markerSize + 2);
     if (side < 2 * enough) {
-      if (effort == Effort::quick) cv::GaussianBlur(window, buffer_, {3, 3}, kSmoothing);
-      prepared_ = effort == Effort::quick ? buffer_ : window;
+      cv::GaussianBlur(window, buffer_, {3, 3}, kSmoothing);
+      prepared_ = buffer_;
       return 1;
     }
     int scale = 2;

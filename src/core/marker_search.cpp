@@ -52,6 +52,10 @@ cv::Rect widened(const cv::Rect& box, double margin, const cv::Size& image) {
   return wide & cv::Rect({0, 0}, image);
 }
 
+bool touchesBorder(const cv::Rect& window, const cv::Size& image) {
+  return window.x == 0 || window.y == 0 || window.br().x == image.width || window.br().y == image.height;
+}
+
 void readQuads(const std::vector<QuadCandidate>& quads, const cv::Mat& image, MarkerSearch& search,
                Effort effort, FoundMarkers& found) {
   for (const QuadCandidate& quad : quads) {

@@ -49,5 +49,7 @@ double perimeter(const Corners& corners);
 double shortestSide(const Corners& corners);
 /// The part of the box, wider by margin pixels on all sides, that lies in the image.
 cv::Rect widened(const cv::Rect& box, double margin, const cv::Size& image);
+/// Whether the window ends where the image does.
+bool touchesBorder(const cv::Rect& window, const cv::Size& image);
 
 }  // namespace sextant

@@ -13,19 +13,17 @@ namespace {
 const std::vector<int> kQuickBlocks = {5}, kBlocks = {3, 13};
 constexpr double kDarker = 7, kMuchDarker = 10;  // grey levels below the mean around it: dark
 constexpr double kStraight = 0.04;   // share of a contour's length that it may stand off its polygon
+constexpr double kBlunt = 2;         // pixels, likewise: so much the corners of small ones are cut off
 constexpr double kWinding = 1.2;     // a contour's length over its box's outline: more is no quad
-constexpr double kNarrow = 1.0 / 8;  // shortest side over longest: what is seen more obliquely is not read
+constexpr double kNarrow = 1.0 / 8;  // shorter side over longer: what is seen more obliquely is not read
 constexpr double kSame = 0.15;       // share of its size by which both contours of one edge differ
 
-double shortest(const std::vector<cv::Point>& quad, double* longest) {
-  double least = 1e9, most = 0;
-  for (size_t i = 0; i < quad.size(); ++i) {
-    const double side = cv::norm(quad[i] - quad[(i + 1) % quad.size()]);
-    least = std::min(least, side);
-    most = std::max(most, side);
-  }
-  *longest = most;
-  return least;
+// Each side with the one across, since a blunt corner makes one of a small quad's too short.
+double shorter(const std::vector<cv::Point>& quad, double* longer) {
+  const double a = cv::norm(quad[0] - quad[1]) + cv::norm(quad[2] - quad[3]);
+  const double b = cv::norm(quad[1] - quad[2]) + cv::norm(quad[3] - quad[0]);
+  *longer = 0.5 * std::max(a, b);
+  return 0.5 * std::min(a, b);
 }
 
 // Of a pixel's centre in the half image, and with the edge that lies half a pixel beyond.
@@ -81,11 +79,12 @@ void QuadSearch::collect(const cv::Point& origin, double min_side) {
   const double min_points = 2.5 * min_side;  // a contour's diagonal steps count once
   for (const auto& contour : contours_) {
     if (static_cast<double>(contour.size()) < min_points || windsTooMuch(contour)) continue;
-    cv::approxPolyDP(contour, polygon_, kStraight * static_cast<double>(contour.size()), true);
+    const double off = std::max(kBlunt, kStraight * static_cast<double>(contour.size()));
+    cv::approxPolyDP(contour, polygon_, off, true);
     if (polygon_.size() != 4 || !cv::isContourConvex(polygon_)) continue;
-    double longest;
-    const double side = shortest(polygon_, &longest);
-    if (side >= 0.8 * min_side && side > kNarrow * longest)
+    double longer;
+    const double side = shorter(polygon_, &longer);
+    if (side >= 0.8 * min_side && side > kNarrow * longer)
       found_.push_back({inFullImage(cv::boundingRect(polygon_)) + origin, 2 * side});
   }
 }

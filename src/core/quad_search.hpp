@@ -11,7 +11,7 @@ namespace sextant {
 /// A place in an image that is worth a detector's time.
 struct QuadCandidate {
   cv::Rect box;  ///< of the quad, pixels
-  double side;   ///< its shortest side, pixels
+  double side;   ///< its shorter side, pixels
 };
 
 /// Without an odd last row or column: any other factor than two takes ten times as long.
