@@ -47,9 +47,9 @@ class ArucoSearch : public MarkerSearch {
   void within(const cv::Mat& image, const cv::Rect& window, double side, Effort effort,
               FoundMarkers& found) override {
     if (window.width < kMinWindow || window.height < kMinWindow) return;
-    // Beside the border the white may be too narrow to be seen in a smaller image.
+    // Beside the border the white may be too narrow to be seen in a much smaller image.
     const bool fine = effort == Effort::thorough && touchesBorder(window, image.size());
-    const int scale = prepare(image(window), fine ? 0 : side);
+    const int scale = prepare(image(window), fine ? side / 2 : side);
     parameters_->adaptiveThreshWinSizeMin = effort == Effort::quick ? kBlock : kSmallBlock;
     parameters_->adaptiveThreshWinSizeMax = effort == Effort::quick ? kBlock : kLargeBlock;
     const double min_side = std::max(kSmallerThanExpected * side, minSide(image.size()));
@@ -70,7 +70,7 @@ class ArucoSearch : public MarkerSearch {
   int prepare(const cv::Mat& window, double side) {
     const double enough = kEnough * (dictionary_->markerSize + 2);
     if (side < 2 * enough) {
-      cv::GaussianBlur(window, buffer_, {3, 3}, kSmoothing);
+      cv::GaussianBlur(window, buffer_, {3, 3}, kSmoothing, 0, cv::BORDER_DEFAULT | cv::BORDER_ISOLATED);
       prepared_ = buffer_;
       return 1;
     }
