@@ -14,7 +14,7 @@ const std::vector<int> kQuickBlocks = {5}, kBlocks = {3, 13};
 constexpr double kDarker = 7, kMuchDarker = 10;  // grey levels below the mean around it: dark
 constexpr double kStraight = 0.04;   // share of a contour's length that it may stand off its polygon
 constexpr double kBlunt = 2;         // pixels, likewise: so much the corners of small ones are cut off
-constexpr double kWinding = 1.2;     // a contour's length over its box's outline: more is no quad
+constexpr double kWinding = 1.5;     // a contour's length over its box's outline: more is no quad
 constexpr double kNarrow = 1.0 / 8;  // shorter side over longer: what is seen more obliquely is not read
 constexpr double kSame = 0.15;       // share of its size by which both contours of one edge differ
 
