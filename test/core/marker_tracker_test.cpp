@@ -62,6 +62,18 @@ TEST_P(Tracking, SeesWhatAFullSearchSees) {
   }
 }
 
+// Its white is cut off by the border, as of one that comes into view.
+TEST_P(Tracking, SeesALargeOneBesideTheBorder) {
+  const double side = 130;
+  for (int gap = 5; gap <= 14; ++gap) {
+    const Eigen::Vector2d middle(kImage.width - gap - 0.53 * side, 135);
+    tracking_->detect(view(middle - Eigen::Vector2d(8, 0), side, gap));
+    const auto found = tracking_->detect(view(middle, side, 100 + gap));
+    ASSERT_EQ(found.size(), 1u) << gap;
+    EXPECT_LT(farthest(found[0].corners, place(middle, side)), 0.2) << gap;
+  }
+}
+
 TEST_P(Tracking, FindsOneThatComesAnywhereWithinThreeImages) {
   for (const Eigen::Vector2d& middle : {Eigen::Vector2d(50, 50), {240, 135}, {430, 220}}) {
     tracking_->detect(empty());

@@ -58,6 +58,16 @@ TEST(QuadSearch, LooksOnlyWhereItIsTold) {
   EXPECT_FALSE(holds(found, left));
 }
 
+// In the half image its shorter side has six pixels, of which a blunt corner takes one or two.
+TEST(QuadSearch, FindsNarrowOnesWhereverTheyLieAmongPixels) {
+  for (int step = 0; step < 8; ++step) {
+    const cv::RotatedRect place({300 + 0.25f * step, 200 + 0.5f * step}, {12, 40}, 0.5f * step);
+    QuadSearch search;
+    for (const Effort effort : {Effort::quick, Effort::thorough})
+      EXPECT_TRUE(holds(search.find(squares({place}, 2), {1, 1, 637, 475}, 8, effort), place)) << step;
+  }
+}
+
 TEST(QuadSearch, TellsNothingBelowTheAskedSize) {
   const cv::RotatedRect place({300, 200}, {30, 30}, 0);
   const cv::Mat image = squares({place}, 0);
