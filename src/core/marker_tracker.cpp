@@ -54,8 +54,8 @@ bool MarkerTracker::lookFor(const MarkerTracks::Expected& marker, double margin,
 
 void MarkerTracker::sweep(const cv::Mat& image, const cv::Rect& part, FoundMarkers& found) {
   if (part.size() == image.size()) since_sweep_ = 0;
-  readQuads(quads_.find(image, part, search_->minSide(image.size()), Effort::quick), image, *search_,
-            Effort::quick, found);
+  quads_.find(image, part, search_->minSide(image.size()), Effort::quick);
+  search_->inside(image, quads_, Effort::quick, found);
 }
 
 }  // namespace sextant

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "contour_corners.hpp"
+
 namespace sextant {
 namespace {
 
@@ -50,18 +52,18 @@ bool sameEdge(const cv::Rect& larger, const cv::Rect& other) {
          std::abs(larger.br().x - other.br().x) < near && std::abs(larger.br().y - other.br().y) < near;
 }
 
-}  // namespace
-
+// Without an odd last row or column: any other factor than two takes ten times as long.
 void halve(const cv::Mat& image, cv::Mat& half) {
   const cv::Rect even(0, 0, image.cols / 2 * 2, image.rows / 2 * 2);
   cv::resize(image(even), half, even.size() / 2, 0, 0, cv::INTER_AREA);
 }
 
+}  // namespace
+
 const std::vector<QuadCandidate>& QuadSearch::find(const cv::Mat& image, const cv::Rect& part,
                                                    double min_side, Effort effort) {
   found_.clear();
-  kept_.clear();
-  if (part.width < 8 || part.height < 8) return kept_;
+  if (part.width < 8 || part.height < 8) return found_;
   halve(image(part), half_);
   for (const int block : effort == Effort::quick ? kQuickBlocks : kBlocks) {
     meanAround(half_, block, mean_);
@@ -70,32 +72,41 @@ const std::vector<QuadCandidate>& QuadSearch::find(const cv::Mat& image, const c
                   cv::THRESH_BINARY);
     collect(part.tl(), min_side / 2);
   }
-  dropDoubles();
-  return kept_;
+  std::sort(found_.begin(), found_.end(),
+            [](const QuadCandidate& a, const QuadCandidate& b) { return a.box.area() > b.box.area(); });
+  return found_;
 }
 
 void QuadSearch::collect(const cv::Point& origin, double min_side) {
   cv::findContours(dark_, contours_, cv::RETR_LIST, cv::CHAIN_APPROX_NONE);
   const double min_points = 2.5 * min_side;  // a contour's diagonal steps count once
   for (const auto& contour : contours_) {
-    if (static_cast<double>(contour.size()) < min_points || windsTooMuch(contour)) continue;
-    const double off = std::max(kBlunt, kStraight * static_cast<double>(contour.size()));
-    cv::approxPolyDP(contour, polygon_, off, true);
-    if (polygon_.size() != 4 || !cv::isContourConvex(polygon_)) continue;
+    if (static_cast<double>(contour.size()) < min_points || !isQuad(contour)) continue;
     double longer;
     const double side = shorter(polygon_, &longer);
-    if (side >= 0.8 * min_side && side > kNarrow * longer)
-      found_.push_back({inFullImage(cv::boundingRect(polygon_)) + origin, 2 * side});
+    if (side < 0.8 * min_side || side <= kNarrow * longer) continue;
+    QuadCandidate quad{inFullImage(cv::boundingRect(polygon_)) + origin, 2 * side,
+                       contourCorners(contour, polygon_)};
+    for (cv::Point2f& corner : quad.corners)
+      corner = 2 * corner + cv::Point2f(0.5F, 0.5F) + cv::Point2f(origin);
+    found_.push_back(quad);
   }
 }
 
-void QuadSearch::dropDoubles() {
-  std::sort(found_.begin(), found_.end(),
-            [](const QuadCandidate& a, const QuadCandidate& b) { return a.box.area() > b.box.area(); });
+bool QuadSearch::isQuad(const std::vector<cv::Point>& contour) {
+  if (windsTooMuch(contour)) return false;
+  const double off = std::max(kBlunt, kStraight * static_cast<double>(contour.size()));
+  cv::approxPolyDP(contour, polygon_, off, true);
+  return polygon_.size() == 4 && cv::isContourConvex(polygon_);
+}
+
+const std::vector<QuadCandidate>& QuadSearch::distinct() {
+  distinct_.clear();
   for (const QuadCandidate& quad : found_)
-    if (std::none_of(kept_.begin(), kept_.end(),
+    if (std::none_of(distinct_.begin(), distinct_.end(),
                      [&](const QuadCandidate& other) { return sameEdge(other.box, quad.box); }))
-      kept_.push_back(quad);
+      distinct_.push_back(quad);
+  return distinct_;
 }
 
 }  // namespace sextant
