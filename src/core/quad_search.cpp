@@ -17,6 +17,7 @@ constexpr double kDarker = 7, kMuchDarker = 10;  // grey levels below the mean a
 constexpr double kStraight = 0.04;   // share of a contour's length that it may stand off its polygon
 constexpr double kBlunt = 2;         // pixels, likewise: so much the corners of small ones are cut off
 constexpr double kWinding = 1.5;     // a contour's length over its box's outline: more is no quad
+constexpr double kEnclosed = 0.015;  // area over squared length: less is a line
 constexpr double kNarrow = 1.0 / 8;  // shorter side over longer: what is seen more obliquely is not read
 constexpr double kSame = 0.15;       // share of its size by which both contours of one edge differ
 
@@ -44,6 +45,12 @@ void meanAround(const cv::Mat& image, int block, cv::Mat& mean) {
 bool windsTooMuch(const std::vector<cv::Point>& contour) {
   const cv::Rect box = cv::boundingRect(contour);
   return static_cast<double>(contour.size()) > kWinding * 2 * (box.width + box.height);
+}
+
+// A quad of sides a, b has the area a b sin, and its contour at most 2 (a + b) pixels.
+bool enclosesTooLittle(const std::vector<cv::Point>& contour) {
+  const double length = static_cast<double>(contour.size());
+  return cv::contourArea(contour) < kEnclosed * length * length;
 }
 
 bool sameEdge(const cv::Rect& larger, const cv::Rect& other) {
@@ -94,7 +101,7 @@ void QuadSearch::collect(const cv::Point& origin, double min_side) {
 }
 
 bool QuadSearch::isQuad(const std::vector<cv::Point>& contour) {
-  if (windsTooMuch(contour)) return false;
+  if (windsTooMuch(contour) || enclosesTooLittle(contour)) return false;
   const double off = std::max(kBlunt, kStraight * static_cast<double>(contour.size()));
   cv::approxPolyDP(contour, polygon_, off, true);
   return polygon_.size() == 4 && cv::isContourConvex(polygon_);
