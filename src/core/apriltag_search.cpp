@@ -55,9 +55,11 @@ class AprilTagSearch : public MarkerSearch {
     detect(*whole_, image, params_.decimate, {0, 0}, found);
   }
 
-  void within(const cv::Mat& image, const cv::Rect& window, double side, Effort,
+  void within(const cv::Mat& image, const cv::Rect& window, double side, Effort effort,
               FoundMarkers& found) override {
-    const double decimate = std::max(params_.decimate, side > kLarge ? 2.0 : 1.0);
+    // Beside the border the white may be too narrow for libapriltag's tiles of four decimated pixels.
+    const bool coarse = side > kLarge && effort == Effort::quick && !touchesBorder(window, image.size());
+    const double decimate = std::max(params_.decimate, coarse ? 2.0 : 1.0);
     detect(*part_, image(window), decimate, window.tl(), found);
   }
 

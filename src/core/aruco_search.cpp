@@ -7,17 +7,19 @@
 #include <opencv2/imgproc.hpp>
 
 #include "aruco_dictionary.hpp"
+#include "code_reader.hpp"
 #include "sextant/core/marker_family.hpp"
 
 namespace sextant {
 namespace {
 
-constexpr double kRawSigma = 0.75;  // pixels of what is read, of a coordinate of a contour's corner
+constexpr double kRawSigma = 0.75;  // pixels, of a coordinate of a contour's corner
 constexpr int kMinWindow = 16;      // pixels; no marker can be read in a smaller image
 constexpr double kMinModule = 1.4;  // pixels; no module can be read in fewer
-constexpr double kEnough = 5;       // pixels a module; what has twice as many is read in a smaller image
+constexpr double kEnough = 10;      // pixels a module; with them, half the image tells as much as the whole
 constexpr double kSmoothing = 0.6;  // pixels; less noise makes fewer contours
-constexpr int kBlock = 9, kSmallBlock = 5, kLargeBlock = 13;  // pixels whose mean is the threshold
+constexpr int kBlock = 9, kSmallBlock = 3, kLargeBlock = 13;  // pixels whose mean is the threshold
+constexpr double kDarkBorder = 0.7;  // share of the border of what is worth a closer look
 constexpr double kSmallerThanExpected = 0.5;
 
 cv::Ptr<cv::aruco::DetectorParameters> arucoParameters(const DetectorParams& params) {
@@ -37,23 +39,29 @@ class ArucoSearch : public MarkerSearch {
         family_(canonicalFamily(name)),
         turn_(family_ == name ? 0 : 2),
         dictionary_(makeArucoDictionary(name)),
-        parameters_(arucoParameters(params)) {}
+        parameters_(arucoParameters(params)),
+        reader_(dictionary_, parameters_) {}
 
   void everywhere(const cv::Mat& image, FoundMarkers& found) override {
-    readQuads(quads_.find(image, {{0, 0}, image.size()}, minSide(image.size()), Effort::thorough), image,
-              *this, Effort::thorough, found);
+    quads_.find(image, {{0, 0}, image.size()}, minSide(image.size()), Effort::thorough);
+    inside(image, quads_, Effort::thorough, found);
+  }
+
+  void inside(const cv::Mat& image, QuadSearch& quads, Effort effort, FoundMarkers& found) override {
+    for (const QuadCandidate& quad : quads.all()) {
+      if (found.cover(quad)) continue;
+      const Code code = reader_.read(image, quad.corners);
+      if (code.id >= 0)
+        found.add(detection(code, quad));
+      else if (code.dark_border >= kDarkBorder && quad.side < kEnough * (dictionary_->markerSize + 2))
+        closeUp(image, windowOf(quad, image.size()), quad.side, effort, found);
+    }
   }
 
   void within(const cv::Mat& image, const cv::Rect& window, double side, Effort effort,
               FoundMarkers& found) override {
-    if (window.width < kMinWindow || window.height < kMinWindow) return;
-    const int scale = prepare(image(window), side, effort);
-    parameters_->adaptiveThreshWinSizeMin = effort == Effort::quick ? kBlock : kSmallBlock;
-    parameters_->adaptiveThreshWinSizeMax = effort == Effort::quick ? kBlock : kLargeBlock;
-    const double min_side = std::max(kSmallerThanExpected * side, minSide(image.size()));
-    parameters_->minMarkerPerimeterRate = 4 * min_side / scale / std::max(prepared_.cols, prepared_.rows);
-    cv::aruco::detectMarkers(prepared_, dictionary_, read_, ids_, parameters_);
-    for (size_t i = 0; i < ids_.size(); ++i) found.add(detection(ids_[i], read_[i], window.tl(), scale));
+    quads_.find(image, window, std::max(kSmallerThanExpected * side, minSide(image.size())), effort);
+    inside(image, quads_, effort, found);
   }
 
   double minSide(const cv::Size& image) const override {
@@ -64,33 +72,32 @@ class ArucoSearch : public MarkerSearch {
   BorderSquare border(const MarkerKey&) const override { return {dictionary_->markerSize + 2, false}; }
 
  private:
-  /// By how much the window was made smaller. Halving is several times as fast as any other factor.
-  int prepare(const cv::Mat& window, double side, Effort effort) {
-    const double enough = kEnough * (dictionary_->markerSize + 2);
-    if (side < 2 * enough) {
-      if (effort == Effort::quick) cv::GaussianBlur(window, buffer_, {3, 3}, kSmoothing);
-      prepared_ = effort == Effort::quick ? buffer_ : window;
-      return 1;
-    }
-    int scale = 2;
-    cv::resize(window, buffer_, {window.cols / 2, window.rows / 2}, 0, 0, cv::INTER_AREA);
-    for (; side >= 2 * enough * scale; scale *= 2) {
-      cv::resize(buffer_, smaller_, {buffer_.cols / 2, buffer_.rows / 2}, 0, 0, cv::INTER_AREA);
-      std::swap(buffer_, smaller_);
-    }
-    prepared_ = buffer_;
-    return scale;
+  /// With contours of its own from the whole image.
+  void closeUp(const cv::Mat& image, const cv::Rect& window, double side, Effort effort,
+               FoundMarkers& found) {
+    if (window.width < kMinWindow || window.height < kMinWindow) return;
+    cv::GaussianBlur(image(window), smooth_, {3, 3}, kSmoothing, 0, cv::BORDER_DEFAULT | cv::BORDER_ISOLATED);
+    parameters_->adaptiveThreshWinSizeMin = effort == Effort::quick ? kBlock : kSmallBlock;
+    parameters_->adaptiveThreshWinSizeMax = effort == Effort::quick ? kBlock : kLargeBlock;
+    const double min_side = std::max(kSmallerThanExpected * side, minSide(image.size()));
+    parameters_->minMarkerPerimeterRate = 4 * min_side / std::max(window.width, window.height);
+    cv::aruco::detectMarkers(smooth_, dictionary_, read_, ids_, parameters_);
+    for (size_t i = 0; i < ids_.size(); ++i) found.add(detection(ids_[i], read_[i], window.tl()));
   }
 
-  Detection detection(int id, const std::vector<cv::Point2f>& quad, const cv::Point& origin,
-                      int scale) const {
+  Detection detection(const Code& code, const QuadCandidate& quad) const {
+    std::vector<cv::Point2f> corners(quad.corners.begin(), quad.corners.end());
+    std::rotate(corners.begin(), corners.begin() + (4 - code.rotation) % 4, corners.end());
+    return detection(code.id, corners, {0, 0});
+  }
+
+  Detection detection(int id, const std::vector<cv::Point2f>& quad, const cv::Point& origin) const {
     Detection found;
     found.key = {family_, id};
-    found.corner_sigmas.fill(kRawSigma * scale);
+    found.corner_sigmas.fill(kRawSigma);
     for (int i = 0; i < 4; ++i) {
       const cv::Point2f& corner = quad[(i + turn_) % 4];
-      found.corners[i] = {origin.x + (corner.x + 0.5) * scale - 0.5,
-                          origin.y + (corner.y + 0.5) * scale - 0.5};
+      found.corners[i] = {origin.x + corner.x, origin.y + corner.y};
     }
     return found;
   }
@@ -100,9 +107,9 @@ class ArucoSearch : public MarkerSearch {
   int turn_;  // corners by which the dictionary's upright is turned against the canonical print's
   cv::Ptr<cv::aruco::Dictionary> dictionary_;
   cv::Ptr<cv::aruco::DetectorParameters> parameters_;
+  CodeReader reader_;
   QuadSearch quads_;
-  cv::Mat buffer_, smaller_;
-  cv::Mat prepared_;  // what is read: one of them, or the window itself
+  cv::Mat smooth_;
   std::vector<std::vector<cv::Point2f>> read_;
   std::vector<int> ids_;
 };

@@ -52,13 +52,17 @@ cv::Rect widened(const cv::Rect& box, double margin, const cv::Size& image) {
   return wide & cv::Rect({0, 0}, image);
 }
 
-void readQuads(const std::vector<QuadCandidate>& quads, const cv::Mat& image, MarkerSearch& search,
-               Effort effort, FoundMarkers& found) {
-  for (const QuadCandidate& quad : quads) {
-    if (found.cover(0.5 * cv::Point2d(quad.box.tl() + quad.box.br()))) continue;
-    const double margin = kLeastMargin + kQuiet * std::max(quad.box.width, quad.box.height);
-    search.within(image, widened(quad.box, margin, image.size()), quad.side, effort, found);
-  }
+bool touchesBorder(const cv::Rect& window, const cv::Size& image) {
+  return window.x == 0 || window.y == 0 || window.br().x == image.width || window.br().y == image.height;
+}
+
+cv::Rect windowOf(const QuadCandidate& quad, const cv::Size& image) {
+  return widened(quad.box, kLeastMargin + kQuiet * std::max(quad.box.width, quad.box.height), image);
+}
+
+void MarkerSearch::inside(const cv::Mat& image, QuadSearch& quads, Effort effort, FoundMarkers& found) {
+  for (const QuadCandidate& quad : quads.distinct())
+    if (!found.cover(quad)) within(image, windowOf(quad, image.size()), quad.side, effort, found);
 }
 
 void FoundMarkers::add(const Detection& detection) {
@@ -71,10 +75,11 @@ void FoundMarkers::add(const Detection& detection) {
     *twin = detection;
 }
 
-bool FoundMarkers::cover(const cv::Point2d& pixel) const {
-  return std::any_of(markers.begin(), markers.end(), [&](const Detection& found) {
-    return inside(found.corners, {pixel.x, pixel.y});
-  });
+bool FoundMarkers::cover(const QuadCandidate& quad) const {
+  const Eigen::Vector2d middle =
+      0.5 * Eigen::Vector2d(2 * quad.box.x + quad.box.width, 2 * quad.box.y + quad.box.height);
+  return std::any_of(markers.begin(), markers.end(),
+                     [&](const Detection& found) { return inside(found.corners, middle); });
 }
 
 bool FoundMarkers::include(const MarkerKey& key, const Corners& near) const {

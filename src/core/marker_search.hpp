@@ -16,8 +16,8 @@ namespace sextant {
 class FoundMarkers {
  public:
   void add(const Detection& detection);
-  /// Whether a marker covers this pixel.
-  bool cover(const cv::Point2d& pixel) const;
+  /// Whether a marker covers this quad's middle.
+  bool cover(const QuadCandidate& quad) const;
   /// Whether this one is among them.
   bool include(const MarkerKey& key, const Corners& near) const;
 
@@ -35,19 +35,21 @@ class MarkerSearch {
   /// @param side about the shortest side of the marker that is expected there, pixels
   virtual void within(const cv::Mat& image, const cv::Rect& window, double side, Effort effort,
                       FoundMarkers& found) = 0;
+  /// Reads every quad that is no part of a marker found already.
+  virtual void inside(const cv::Mat& image, QuadSearch& quads, Effort effort, FoundMarkers& found);
   /// Shortest side of a marker that can be read in images of this size, pixels.
   virtual double minSide(const cv::Size& image) const = 0;
   virtual BorderSquare border(const MarkerKey& key) const = 0;
 };
-
-/// Reads every quad that is no part of a marker found already.
-void readQuads(const std::vector<QuadCandidate>& quads, const cv::Mat& image, MarkerSearch& search,
-               Effort effort, FoundMarkers& found);
 
 Eigen::Vector2d centre(const Corners& corners);
 double perimeter(const Corners& corners);
 double shortestSide(const Corners& corners);
 /// The part of the box, wider by margin pixels on all sides, that lies in the image.
 cv::Rect widened(const cv::Rect& box, double margin, const cv::Size& image);
+/// The quad with what is white about a marker.
+cv::Rect windowOf(const QuadCandidate& quad, const cv::Size& image);
+/// Whether the window ends where the image does.
+bool touchesBorder(const cv::Rect& window, const cv::Size& image);
 
 }  // namespace sextant

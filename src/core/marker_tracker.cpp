@@ -37,8 +37,7 @@ void MarkerTracker::follow(const cv::Mat& image, FoundMarkers& found) {
   for (const auto& marker : expected)
     if (!lookFor(marker, marker.margin, Effort::quick, image, found))
       lookFor(marker, 3 * marker.margin, Effort::thorough, image, found);
-  const bool view_changed = !expected.empty() && found.markers.empty();
-  if (++since_sweep_ >= kSweep || view_changed)
+  if (++since_sweep_ >= kSweep || found.markers.empty())
     sweep(image, {{0, 0}, image.size()}, found);
   else
     for (const cv::Rect& strip : tracks_.entrances(image.size())) sweep(image, strip, found);
@@ -54,8 +53,8 @@ bool MarkerTracker::lookFor(const MarkerTracks::Expected& marker, double margin,
 
 void MarkerTracker::sweep(const cv::Mat& image, const cv::Rect& part, FoundMarkers& found) {
   if (part.size() == image.size()) since_sweep_ = 0;
-  readQuads(quads_.find(image, part, search_->minSide(image.size()), Effort::quick), image, *search_,
-            Effort::quick, found);
+  quads_.find(image, part, search_->minSide(image.size()), Effort::quick);
+  search_->inside(image, quads_, Effort::quick, found);
 }
 
 }  // namespace sextant

@@ -15,7 +15,7 @@ constexpr double kUnsteady = 0.3;     // of a velocity, which may change
 constexpr double kStart = 0.03;       // of the image's width: a marker seen once only may move by it
 constexpr double kEntrance = 1.3;     // depth of an entrance over the largest marker's side
 constexpr int kBorder = 8;            // pixels, likewise: a marker must be in the image with its white
-constexpr double kStill = 0.5;        // pixels an image
+constexpr double kStill = 2.0;        // pixels an image
 constexpr double kLeastMargin = 6.0;  // pixels
 
 Corners shifted(Corners corners, const Eigen::Vector2d& by) {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <opencv2/core/mat.hpp>
 #include <opencv2/core/types.hpp>
 #include <vector>
@@ -10,8 +11,9 @@ namespace sextant {
 
 /// A place in an image that is worth a detector's time.
 struct QuadCandidate {
-  cv::Rect box;  ///< of the quad, pixels
-  double side;   ///< its shortest side, pixels
+  cv::Rect box;                        ///< of the quad, pixels
+  double side;                         ///< its shorter side, pixels
+  std::array<cv::Point2f, 4> corners;  ///< clockwise, pixels; where the lines of its sides meet
 };
 
 enum class Effort { quick, thorough };
@@ -26,18 +28,22 @@ class QuadSearch {
   /// @param part of it that is searched
   /// @param min_side pixels; shortest side of the smallest quad
   /// @param effort quick: one threshold, with which small quads are found as well, but fewer of low contrast
-  /// @return the largest first, one for quads on both sides of one edge; valid until the next call
+  /// @return the largest first; valid until the next call
   const std::vector<QuadCandidate>& find(const cv::Mat& image, const cv::Rect& part, double min_side,
                                          Effort effort);
+  /// Those found.
+  const std::vector<QuadCandidate>& all() const { return found_; }
+  /// One of those found for both sides of one edge: the larger.
+  const std::vector<QuadCandidate>& distinct();
 
  private:
   void collect(const cv::Point& origin, double min_side);
-  void dropDoubles();
+  bool isQuad(const std::vector<cv::Point>& contour);
 
-  cv::Mat half_, dark_;
+  cv::Mat half_, mean_, dark_;
   std::vector<std::vector<cv::Point>> contours_;
   std::vector<cv::Point> polygon_;
-  std::vector<QuadCandidate> found_, kept_;
+  std::vector<QuadCandidate> found_, distinct_;
 };
 
 }  // namespace sextant

@@ -124,6 +124,21 @@ TEST(MarkerDetector, FindsNothingWhereNothingIs) {
   }
 }
 
+// Of the white on its right, one pixel is in the image: too little for OpenCV to find the marker by itself.
+TEST(MarkerDetector, ReadsAMarkerWhoseEdgeIsNearlyTheImages) {
+  const Print marker = print("DICT_4X4_50", 5);
+  const int right = static_cast<int>(marker.corners[1].x() + 0.5) + 1;
+  for (const int low : {0, 1}) {  // both places of the edge among the half image's pixels
+    const cv::Mat cut = marker.image.colRange(low, right);
+    const auto found = makeMarkerDetector(paramsFor("DICT_4X4_50"))->detect(cut);
+    ASSERT_EQ(found.size(), 1u) << low;
+    EXPECT_EQ(found[0].key.id, 5);
+    for (int i = 0; i < 4; ++i)
+      EXPECT_LT((found[0].corners[i] - marker.corners[i] + Eigen::Vector2d(low, 0)).norm(),
+                3 * std::max(0.1, found[0].corner_sigmas[i]));
+  }
+}
+
 TEST(MarkerDetector, ReadsAViewWithPaddedRows) {
   const Print marker = print("tag36h11", 5);
   cv::Mat wide(marker.image.rows, marker.image.cols + 13, CV_8UC1, cv::Scalar(255));

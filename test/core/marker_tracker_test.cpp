@@ -50,6 +50,14 @@ class Tracking : public testing::TestWithParam<std::string> {
   }
 };
 
+TEST_P(Tracking, SeesAtOnceWhatComesIntoAnEmptyView) {
+  for (int i = 1; i < 5; ++i) {  // whichever of three images is swept anyway
+    for (int k = 0; k < i; ++k) EXPECT_TRUE(tracking_->detect(empty()).empty());
+    EXPECT_EQ(tracking_->detect(view({240, 135}, 60, i)).size(), 1u) << i;
+    for (int k = 0; k < 6; ++k) tracking_->detect(empty());
+  }
+}
+
 TEST_P(Tracking, SeesWhatAFullSearchSees) {
   for (int i = 0; i < 12; ++i) {
     const Eigen::Vector2d middle(60 + 25 * i + 2 * (i % 3), 135 + 40 * std::sin(0.5 * i));
@@ -59,6 +67,18 @@ TEST_P(Tracking, SeesWhatAFullSearchSees) {
     ASSERT_EQ(all.size(), 1u) << i;
     EXPECT_LT(farthest(tracked[0].corners, all[0].corners), 0.1) << i;
     EXPECT_LT(farthest(tracked[0].corners, place(middle, 40 + 3 * i)), 0.2) << i;
+  }
+}
+
+// Its white is cut off by the border, as of one that comes into view.
+TEST_P(Tracking, SeesALargeOneBesideTheBorder) {
+  const double side = 130;
+  for (int gap = 5; gap <= 14; ++gap) {
+    const Eigen::Vector2d middle(kImage.width - gap - 0.53 * side, 135);
+    tracking_->detect(view(middle - Eigen::Vector2d(8, 0), side, gap));
+    const auto found = tracking_->detect(view(middle, side, 100 + gap));
+    ASSERT_EQ(found.size(), 1u) << gap;
+    EXPECT_LT(farthest(found[0].corners, place(middle, side)), 0.2) << gap;
   }
 }
 
