@@ -32,15 +32,15 @@ std::vector<Detection> MarkerTracker::find(const cv::Mat& image) {
   return std::move(found.markers);
 }
 
+// A sweep comes first, since it finds most of what is expected.
 void MarkerTracker::follow(const cv::Mat& image, FoundMarkers& found) {
-  const auto expected = tracks_.expect(image.size());
-  for (const auto& marker : expected)
+  const bool sweeps = ++since_sweep_ >= kSweep;
+  if (sweeps) sweep(image, {{0, 0}, image.size()}, found);
+  for (const auto& marker : tracks_.expect(image.size()))
     if (!lookFor(marker, marker.margin, Effort::quick, image, found))
       lookFor(marker, 3 * marker.margin, Effort::thorough, image, found);
-  if (++since_sweep_ >= kSweep || found.markers.empty())
-    sweep(image, {{0, 0}, image.size()}, found);
-  else
-    for (const cv::Rect& strip : tracks_.entrances(image.size())) sweep(image, strip, found);
+  if (sweeps) return;
+  for (const cv::Rect& strip : tracks_.entrances(image.size())) sweep(image, strip, found);
 }
 
 bool MarkerTracker::lookFor(const MarkerTracks::Expected& marker, double margin, Effort effort,

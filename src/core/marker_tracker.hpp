@@ -14,8 +14,8 @@
 namespace sextant {
 
 /// Lets one backend look where markers are worth looking for: everywhere in the first image and in those of
-/// another size; then where markers should be, in the strips in which new ones come in, and wherever a
-/// quad is in one image of three and in those where nothing is. A new marker is found within three images.
+/// another size; then where markers should be, in the strips in which new ones come in, and in one image of
+/// three wherever a quad is. A new marker is found within three images.
 class MarkerTracker {
  public:
   /// @param tracking else every image is searched everywhere
