@@ -32,14 +32,17 @@ std::vector<Detection> MarkerTracker::find(const cv::Mat& image) {
   return std::move(found.markers);
 }
 
-// A sweep comes first, since it finds most of what is expected.
+// A sweep comes first, since it finds most of what is expected; where that is all lost, one is due.
 void MarkerTracker::follow(const cv::Mat& image, FoundMarkers& found) {
-  const bool sweeps = ++since_sweep_ >= kSweep;
-  if (sweeps) sweep(image, {{0, 0}, image.size()}, found);
-  for (const auto& marker : tracks_.expect(image.size()))
+  const cv::Rect whole({0, 0}, image.size());
+  const auto expected = tracks_.expect(image.size());
+  const bool due = ++since_sweep_ >= kSweep;
+  if (due) sweep(image, whole, found);
+  for (const auto& marker : expected)
     if (!lookFor(marker, marker.margin, Effort::quick, image, found))
       lookFor(marker, 3 * marker.margin, Effort::thorough, image, found);
-  if (sweeps) return;
+  if (due) return;
+  if (found.markers.empty() && !expected.empty()) return sweep(image, whole, found);
   for (const cv::Rect& strip : tracks_.entrances(image.size())) sweep(image, strip, found);
 }
 
