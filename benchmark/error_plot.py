@@ -3,24 +3,24 @@
 """Picture of how often an error is exceeded, by mode."""
 
 from functools import partial
-from typing import List
+from pathlib import Path
+from typing import Dict, List
 
 import numpy as np
 from matplotlib.axes import Axes
 from pictures import Panel, save_picture
 from tables import Table
 
+BY_MODE = ("tagslam", "simulated")  # topics
 
-def plot_errors(path: str, tables: List[Table]) -> None:
-    """One diagram a table: share of the poses whose error stays below x.
 
-    :param path: picture file; the ending chooses the format
-    :raises ValueError: there is nothing to plot, or the ending is no picture
-    """
-    if not tables:
-        raise ValueError("--plot: none of the parts that were run has errors by mode")
-    panels = [Panel("\n".join(table.title.split("; ")), partial(_draw, table)) for table in tables]
-    save_picture(path, panels, columns=len(panels))
+def plot_errors(folder: str, results: Dict[str, List[Table]]) -> None:
+    """Writes folder/TOPIC.png of those that have errors by mode, one diagram a table; makes the folder."""
+    Path(folder).mkdir(parents=True, exist_ok=True)
+    for topic in set(results) & set(BY_MODE):
+        tables = [table for table in results[topic] if table.samples]
+        panels = [Panel("\n".join(table.title.split("; ")), partial(_draw, table)) for table in tables]
+        save_picture(str(Path(folder) / f"{topic}.png"), panels, columns=len(panels))
 
 
 def _draw(table: Table, axes: Axes) -> None:

@@ -29,7 +29,6 @@ def save_picture(path: str, panels: List[Panel], columns: int) -> None:
     """Side by side in so many columns; a panel without a legend of its own gets one.
 
     :param path: picture file; the ending chooses the format
-    :raises ValueError: the ending is no picture
     """
     columns = min(columns, len(panels))
     rows = -(-len(panels) // columns)

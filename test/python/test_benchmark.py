@@ -21,18 +21,16 @@ def run(*arguments):
 
 
 def test_quick_run_of_a_simulated_drive(tmp_path):
-    done = run(
-        "--quick", "--only", "simulated", "--json", tmp_path / "figures.json", "--plot", tmp_path / "a.png"
-    )
+    done = run("--quick", "--only", "simulated", "--json", tmp_path / "figures.json", "--plots", tmp_path)
     assert done.returncode == 0, done.stderr
     assert "joint, seed 1" in done.stdout and "every bar holds" in done.stdout
     figures = json.loads((tmp_path / "figures.json").read_text())
-    assert (figures["holds"], figures["quick"], list(figures["parts"])) == (True, True, ["simulated"])
-    for table in figures["parts"]["simulated"]:
+    assert (figures["holds"], figures["quick"], list(figures["topics"])) == (True, True, ["simulated"])
+    for table in figures["topics"]["simulated"]:
         rows = {row["name"]: row for row in table["rows"]}
         assert set(rows) == {f"{mode}, seed 1" for mode in ("nearest", "average", "joint")}
         assert 0.0 < rows["joint, seed 1"]["mean"]["value"] < 20.0  # cm
-    assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
+    assert (tmp_path / "simulated.png").read_bytes().startswith(b"\x89PNG")
 
 
 def test_json_alone_is_on_standard_output():
@@ -47,10 +45,10 @@ def test_absent_data_is_said_and_is_no_success(tmp_path):
     assert str(tmp_path) in done.stderr and "Traceback" not in done.stderr
 
 
-def test_an_unknown_part_is_refused():
+def test_an_unknown_topic_is_refused():
     done = run("--only", "photos,nonsense")
     assert done.returncode == 2
-    assert "no part nonsense" in done.stderr
+    assert "no topic nonsense" in done.stderr
 
 
 @pytest.mark.parametrize(
