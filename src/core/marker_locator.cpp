@@ -33,9 +33,16 @@ Pose basePose(const Seen& seen, const MarkerPose& solution) {
 std::array<double, 4> cornerSigmas(const Seen& seen, const LocatorParams& params) {
   std::array<double, 4> sigmas;
   for (int i = 0; i < 4; ++i)
-    sigmas[i] = seen.view->noise_scale *
-                std::hypot(params.corner_sigma, std::max(0.0, seen.detection->corner_sigmas[i]));
+    sigmas[i] = std::hypot(seen.view->noise_scale * params.corner_sigma,
+                           std::max(0.0, seen.detection->corner_sigmas[i]));
   return sigmas;
+}
+
+double commonShare(const Seen& seen, const std::array<double, 4>& sigmas, const LocatorParams& params) {
+  double share = 0;
+  for (const double sigma : sigmas)
+    share += std::pow(seen.view->noise_scale * params.corner_sigma / sigma, 2) / 4;
+  return share;
 }
 
 MarkerSighting sighting(const Seen& seen, const LocatorParams& params) {
@@ -43,6 +50,12 @@ MarkerSighting sighting(const Seen& seen, const LocatorParams& params) {
           seen.mapped->T_map_marker, seen.mapped->size,
           seen.detection->corners,   cornerSigmas(seen, params),
           seen.mapped->covariance};
+}
+
+std::vector<MarkerSighting> sightingsOf(const std::vector<Seen>& all, const LocatorParams& params) {
+  std::vector<MarkerSighting> sightings;
+  for (const Seen& seen : all) sightings.push_back(sighting(seen, params));
+  return sightings;
 }
 
 bool repeated(const MarkerView& view, const MarkerKey& key) {
@@ -94,25 +107,27 @@ std::optional<FloorPrior> floorPrior(const LocatorParams& params) {
   return FloorPrior{params.floor_height_sigma, params.floor_tilt_sigma};
 }
 
-LocatedMarker located(const Seen& seen, const MarkerSighting& sighting, const PoseHypothesis& best,
-                      bool used) {
+LocatedMarker located(const Seen& seen, const MarkerSighting& sighting, const LocatorParams& params,
+                      const PoseHypothesis& best, bool used) {
   LocatedMarker marker{seen.mapped->key,
                        seen.view->camera_index,
                        used,
                        squaredMahalanobis(sighting, best.T_map_base),
                        seen.view->noise_scale,
+                       commonShare(seen, sighting.sigmas, params),
                        {}};
   if (!used || best.used.size() > 1)
     marker.innovation = markerInnovation(sighting, seen.poses.best.T_camera_marker, best, used);
   return marker;
 }
 
-LocatedPose located(const std::vector<Seen>& all, const std::vector<MarkerSighting>& sightings,
-                    const PoseHypothesis& best, const PosePosterior& posterior) {
+LocatedPose located(const std::vector<Seen>& all, const LocatorParams& params, const PoseHypothesis& best,
+                    const PosePosterior& posterior) {
+  const auto sightings = sightingsOf(all, params);
   LocatedPose pose{best.T_map_base, posterior.covariance, best.rms, posterior.probability, {}};
   for (size_t i = 0; i < all.size(); ++i) {
     const bool used = std::find(best.used.begin(), best.used.end(), i) != best.used.end();
-    pose.markers.push_back(located(all[i], sightings[i], best, used));
+    pose.markers.push_back(located(all[i], sightings[i], params, best, used));
   }
   return pose;
 }
@@ -129,10 +144,23 @@ LocatorResult result(const LocatedPose& pose) {
   return result;
 }
 
-std::vector<MarkerSighting> sightingsOf(const std::vector<Seen>& all, const LocatorParams& params) {
-  std::vector<MarkerSighting> sightings;
-  for (const Seen& seen : all) sightings.push_back(sighting(seen, params));
-  return sightings;
+// Corners of which it is known where they are: a hidden one's deviation is half a module, of at most twelve a
+// side.
+int cornersInSight(const Seen& seen) {
+  const Corners& corners = seen.detection->corners;
+  double perimeter = 0;
+  for (int i = 0; i < 4; ++i) perimeter += (corners[(i + 1) % 4] - corners[i]).norm();
+  const double hidden = std::max(1.0, perimeter / 4 / 24);
+  const auto& sigmas = seen.detection->corner_sigmas;
+  return static_cast<int>(
+      std::count_if(sigmas.begin(), sigmas.end(), [&](double sigma) { return sigma < hidden; }));
+}
+
+// Whether there are as many equations as the pose has unknowns.
+bool tellPose(const std::vector<Seen>& all, const std::optional<FloorPrior>& floor) {
+  int equations = floor ? 3 : 0;
+  for (const Seen& seen : all) equations += 2 * cornersInSight(seen);
+  return equations >= 6;
 }
 
 LocatorResult joint(const std::vector<Seen>& all, const LocatorParams& params,
@@ -140,6 +168,7 @@ LocatorResult joint(const std::vector<Seen>& all, const LocatorParams& params,
   const auto trusted = trustedOnes(all);
   const auto sightings = sightingsOf(trusted, params);
   const auto floor = floorPrior(params);
+  if (!tellPose(trusted, floor)) return none("fewer than three corners of the markers are in sight");
   const auto hypotheses =
       poseHypotheses(sightings, starts(trusted), {params.robust_width, params.gate, floor}, prior);
   if (hypotheses.empty())
@@ -150,7 +179,7 @@ LocatorResult joint(const std::vector<Seen>& all, const LocatorParams& params,
   if (posterior.probability < params.decided && params.ambiguous == "skip")
     return none("ambiguous: more than one pose explains the markers");
   // Those that are not trusted come last: the indices are the same.
-  return result(located(all, sightingsOf(all, params), hypotheses[posterior.best], posterior));
+  return result(located(all, params, hypotheses[posterior.best], posterior));
 }
 
 LocatorResult nearest(const std::vector<Seen>& seen, const LocatorParams& params,

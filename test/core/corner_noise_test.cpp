@@ -43,6 +43,25 @@ TEST(CornerNoise, FindsTheNoiseOfEachCamera) {
   EXPECT_NEAR(0.3 * noise.typical(1), 0.4, 0.03);
 }
 
+// One marker's corners have a noise of their own beside that of the camera, and tell it.
+TEST(CornerNoise, FindsWhatAllCornersHaveInCommon) {
+  const CameraModel camera(testCalibrations()[0], CameraModel::Image::raw);
+  const MarkerLocator locator{LocatorParams{}};
+  std::mt19937 random(5);
+  std::normal_distribution<double> own(0, 0.5);
+  CornerNoise noise;
+  for (int i = 0; i < 400; ++i) {
+    MarkerView view = look(room(), camera, kTruth, 0.1, i);
+    view.detections[1].corner_sigmas.fill(0.5);
+    for (auto& corner : view.detections[1].corners) corner += Eigen::Vector2d(own(random), own(random));
+    view.noise_scale = noise.scale(0);
+    const auto result = locator.locate(room(), {view});
+    ASSERT_TRUE(result.pose) << result.reason;
+    noise.add(*result.pose);
+  }
+  EXPECT_NEAR(0.3 * noise.typical(0), 0.1, 0.01);
+}
+
 // Where images do not differ, what one of them says of itself counts little.
 TEST(CornerNoise, OneImageOfManyAlikeIsLikeTheOthers) {
   const CornerNoise noise = after(150, 0.3, 0.3);
@@ -94,7 +113,7 @@ TEST(CornerNoise, SomeSpoiltImagesDoNotCount) {
   for (int i = 0; i < 200; ++i) {
     const double squares = chi_squared(random) * (i % 3 == 0 ? 8 : 1);
     LocatedPose pose{Pose::Identity(), Matrix6d::Identity(), 0.0, 1.0, {}};
-    for (int k = 0; k < 3; ++k) pose.markers.push_back({{"tag36h11", k}, 0, true, squares / 3, 1.0, {}});
+    for (int k = 0; k < 3; ++k) pose.markers.push_back({{"tag36h11", k}, 0, true, squares / 3, 1.0, 1.0, {}});
     noise.add(pose);
   }
   EXPECT_LT(noise.typical(0), 1.3);

@@ -97,6 +97,23 @@ TEST(MarkerLocator, TwoMarkersThatContradictEachOtherAreNotCertain) {
   EXPECT_NE(skipped.reason.find("ambiguous"), std::string::npos);
 }
 
+// Two corners are four equations for six unknowns; that the robot stands on the floor is three more.
+TEST(MarkerLocator, AMarkerOfWhichTwoCornersAreHiddenTellsNoPoseAlone) {
+  const CameraModel camera(testCalibrations()[0], CameraModel::Image::raw);
+  MarkerView view = look(room(), camera, kTruth, 0.1, 7);
+  view.detections[0].corner_sigmas = {0.1, 6, 6, 0.1};
+  LocatorParams params = mode("joint");
+  EXPECT_TRUE(MarkerLocator(params).locate(room(), {view}).pose);
+  view.detections.resize(1);
+  const auto alone = MarkerLocator(params).locate(room(), {view});
+  EXPECT_FALSE(alone.pose);
+  EXPECT_NE(alone.reason.find("corners"), std::string::npos) << alone.reason;
+  params.floor_height_sigma = 0.01;
+  const auto on_floor = MarkerLocator(params).locate(room(), {view});
+  ASSERT_TRUE(on_floor.pose) << on_floor.reason;
+  EXPECT_LT(poseError(kTruth, on_floor.pose->T_map_base).head<3>().norm(), 0.1);
+}
+
 TEST(MarkerLocator, FloorHoldsTheRobotDown) {
   const CameraModel camera(testCalibrations()[0], CameraModel::Image::raw);
   const Pose truth = poseFromXyzRpy({0.7, 0.3, 0}, {0, 0, 0.35});

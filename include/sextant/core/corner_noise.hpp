@@ -9,7 +9,8 @@
 
 namespace sextant {
 
-/// What an image's residuals say of its noise, as of LocatorParams::corner_sigma.
+/// What an image's residuals say of its noise, as of LocatorParams::corner_sigma. Corners that tell a noise
+/// of their own say less of what all have in common: each marker counts by that one's share.
 struct ImageNoise {
   double squares = 0.0;   ///< sum of squared Mahalanobis distances at noise_scale 1
   double freedoms = 0.0;  ///< 8 a marker, less the pose's share

@@ -61,6 +61,7 @@ struct LocatedMarker {
   bool used;                ///< false: left out, since it stands elsewhere than the others say
   double squared_distance;  ///< Mahalanobis, of its eight coordinates
   double noise_scale;       ///< of its view
+  double noise_share;       ///< part of the corners' variance that is corner_sigma's, by noise_scale
   std::optional<MarkerInnovation> innovation;  ///< joint: nothing where it is alone
 };
 
