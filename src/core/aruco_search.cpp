@@ -13,14 +13,16 @@
 namespace sextant {
 namespace {
 
-constexpr double kRawSigma = 0.75;  // pixels, of a coordinate of a contour's corner
-constexpr int kMinWindow = 16;      // pixels; no marker can be read in a smaller image
-constexpr double kMinModule = 1.4;  // pixels; no module can be read in fewer
-constexpr double kEnough = 10;      // pixels a module; with them, half the image tells as much as the whole
-constexpr double kSmoothing = 0.6;  // pixels; less noise makes fewer contours
+constexpr double kRawSigma = 0.75;    // pixels, of a coordinate of a contour's corner
+constexpr int kMinWindow = 16;        // pixels; no marker can be read in a smaller image
+constexpr double kMinModule = 1.4;    // pixels; no module can be read in fewer
+constexpr double kEnough = 10;        // pixels a module; with them, half the image tells as much as the whole
+constexpr double kEnoughQuickly = 6;  // and with them, nearly
+constexpr double kSmoothing = 0.6;    // pixels; less noise makes fewer contours
 constexpr int kBlock = 9, kSmallBlock = 3, kLargeBlock = 13;  // pixels whose mean is the threshold
 constexpr double kDarkBorder = 0.7;  // share of the border of what is worth a closer look
 constexpr double kSmallerThanExpected = 0.5;
+constexpr float kBorder = 2;  // pixels to the image's border; a corner beyond is where that cuts a marker off
 
 cv::Ptr<cv::aruco::DetectorParameters> arucoParameters(const DetectorParams& params) {
   auto aruco = cv::aruco::DetectorParameters::create();
@@ -30,6 +32,14 @@ cv::Ptr<cv::aruco::DetectorParameters> arucoParameters(const DetectorParams& par
   aruco->minDistanceToBorder = 1;
   aruco->cornerRefinementMethod = cv::aruco::CORNER_REFINE_NONE;
   return aruco;
+}
+
+template <typename Quad>
+bool isCutOff(const Quad& corners, const cv::Point2f& origin, const cv::Size& image) {
+  const cv::Rect2f whole(kBorder, kBorder, static_cast<float>(image.width - 1) - 2 * kBorder,
+                         static_cast<float>(image.height - 1) - 2 * kBorder);
+  return std::any_of(corners.begin(), corners.end(),
+                     [&](const cv::Point2f& corner) { return !whole.contains(corner + origin); });
 }
 
 class ArucoSearch : public MarkerSearch {
@@ -49,11 +59,11 @@ class ArucoSearch : public MarkerSearch {
 
   void inside(const cv::Mat& image, QuadSearch& quads, Effort effort, FoundMarkers& found) override {
     for (const QuadCandidate& quad : quads.all()) {
-      if (found.cover(quad)) continue;
+      if (isCutOff(quad.corners, {0, 0}, image.size()) || found.cover(quad)) continue;
       const Code code = reader_.read(image, quad.corners);
       if (code.id >= 0)
         found.add(detection(code, quad));
-      else if (code.dark_border >= kDarkBorder && quad.side < kEnough * (dictionary_->markerSize + 2))
+      else if (code.dark_border >= kDarkBorder && quad.side < enough(effort) * (dictionary_->markerSize + 2))
         closeUp(image, windowOf(quad, image.size()), quad.side, effort, found);
     }
   }
@@ -64,6 +74,14 @@ class ArucoSearch : public MarkerSearch {
     inside(image, quads_, effort, found);
   }
 
+  bool isAt(const cv::Mat& image, const MarkerKey& key, const Corners& corners) override {
+    std::array<cv::Point2f, 4> quad;
+    for (int i = 0; i < 4; ++i)
+      quad[(i + turn_) % 4] = {static_cast<float>(corners[i].x()), static_cast<float>(corners[i].y())};
+    const Code code = reader_.read(image, quad);
+    return code.id == key.id && code.rotation == 0;
+  }
+
   double minSide(const cv::Size& image) const override {
     return std::max(0.25 * min_perimeter_ * std::max(image.width, image.height),
                     kMinModule * (dictionary_->markerSize + 2));
@@ -72,6 +90,8 @@ class ArucoSearch : public MarkerSearch {
   BorderSquare border(const MarkerKey&) const override { return {dictionary_->markerSize + 2, false}; }
 
  private:
+  static double enough(Effort effort) { return effort == Effort::quick ? kEnoughQuickly : kEnough; }
+
   /// With contours of its own from the whole image.
   void closeUp(const cv::Mat& image, const cv::Rect& window, double side, Effort effort,
                FoundMarkers& found) {
@@ -82,7 +102,9 @@ class ArucoSearch : public MarkerSearch {
     const double min_side = std::max(kSmallerThanExpected * side, minSide(image.size()));
     parameters_->minMarkerPerimeterRate = 4 * min_side / std::max(window.width, window.height);
     cv::aruco::detectMarkers(smooth_, dictionary_, read_, ids_, parameters_);
-    for (size_t i = 0; i < ids_.size(); ++i) found.add(detection(ids_[i], read_[i], window.tl()));
+    for (size_t i = 0; i < ids_.size(); ++i)
+      if (!isCutOff(read_[i], window.tl(), image.size()))
+        found.add(detection(ids_[i], read_[i], window.tl()));
   }
 
   Detection detection(const Code& code, const QuadCandidate& quad) const {

@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "edge_fit.hpp"
+#include "hidden_edge.hpp"
 #include "module_grid.hpp"
 
 namespace sextant {
@@ -18,6 +19,8 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kStart = 5;            // deviations of the start within which edges are looked for
 constexpr double kLeastReach = 1.5;     // pixels
+constexpr double kStartReach = 6;       // pixels, at least, as far as a module goes: a contour may lie inside
+constexpr double kFarthest = 3;         // such reaches that a corner may lie from its start
 constexpr double kMinLength = 8;        // pixels of an edge
 constexpr double kCurvedEdge = 60;      // pixels from which an edge is long enough to show a lens's curvature
 constexpr double kSettled = 0.1;        // pixels; the next step would be a tenth of this one
@@ -70,8 +73,8 @@ class SquareFit {
       for (Edge& edge : edges_) fit(edge, samples);
       if (meet() < kSettled && samples == 100) break;
     }
-    compareWithBits();
-    return result();
+    const RefinedCorners refined = completed();
+    return compareWithBits(refined.corners) ? refined : completed();
   }
 
  private:
@@ -84,11 +87,14 @@ class SquareFit {
     return curve;
   }
 
+  double startReach(const Edge& edge) const {
+    return std::clamp(0.9 * edge.module, kLeastReach, std::max(kStartReach, kStart * square_.start_sigma));
+  }
+
   void search(Edge& edge) {
     if (!edge.found) return;
     int terms;
-    const double reach = std::clamp(0.9 * edge.module, 1.5, std::max(3.5, kStart * square_.start_sigma));
-    const auto found = searchEdge(image_, curve(edge, &terms), {reach, 12, 2});
+    const auto found = searchEdge(image_, curve(edge, &terms), {startReach(edge), 12, 2});
     edge.found = found.has_value();
     if (found) edge.fit = EdgeFit(*found);
   }
@@ -115,7 +121,9 @@ class SquareFit {
   std::optional<Eigen::Vector2d> corner(int i) const {
     const Edge &before = edges_[(i + 3) % 4], &after = edges_[i];
     if (!before.found || !after.found) return std::nullopt;
-    return intersect(before.fit->curve, after.fit->curve);
+    const auto met = intersect(before.fit->curve, after.fit->curve);
+    const double reach = std::max(startReach(before), startReach(after));
+    return met && (*met - start_[i]).norm() < kFarthest * reach ? met : std::nullopt;
   }
 
   // Takes every edge to its corners, and returns how far the farthest of these has moved.
@@ -132,12 +140,11 @@ class SquareFit {
   }
 
   // Print and exposure can widen all black or all white alike: an edge is off that is off against the others.
-  void compareWithBits() {
-    Corners corners;
-    for (int i = 0; i < 4; ++i) corners[i] = corner(i).value_or(start_[i]);
+  bool compareWithBits(const Corners& corners) {
     std::array<std::optional<double>, 4> offsets;
     for (int i = 0; i < 4; ++i) offsets[i] = bitOffset(corners, i);
     for (int i = 0; i < 4; ++i) edges_[i].doubt = farFromOthers(offsets, i);
+    return std::all_of(edges_.begin(), edges_.end(), [](const Edge& edge) { return edge.doubt == 0; });
   }
 
   double farFromOthers(const std::array<std::optional<double>, 4>& offsets, int i) const {
@@ -180,13 +187,16 @@ class SquareFit {
     return pull * pull;
   }
 
+  double edgeVariance(const Edge& edge, double s, double scatter) const {
+    return scatter * edge.fit->leverage(s) + neighbourVariance(edge);
+  }
+
   double cornerVariance(int i, double scatter) const {
     const Edge &before = edges_[(i + 3) % 4], &after = edges_[i];
     Eigen::Matrix2d N;
     N << before.fit->curve.normal.transpose(), after.fit->curve.normal.transpose();
     const Eigen::Matrix2d inverse = N.inverse();
-    const double v = scatter * before.fit->leverage(1) + neighbourVariance(before);
-    const double w = scatter * after.fit->leverage(-1) + neighbourVariance(after);
+    const double v = edgeVariance(before, 1, scatter), w = edgeVariance(after, -1, scatter);
     return 0.5 * (v * inverse.col(0).squaredNorm() + w * inverse.col(1).squaredNorm());
   }
 
@@ -202,6 +212,39 @@ class SquareFit {
       } else {
         refined.sigmas[i] = std::hypot(square_.start_sigma, std::max(doubt(before), doubt(after)));
       }
+    }
+    return refined;
+  }
+
+  // The only edge that is hidden, of those that are not short.
+  std::optional<int> hidden() const {
+    std::optional<int> only;
+    for (int i = 0; i < 4; ++i) {
+      if (edges_[i].found && edges_[i].doubt == 0) continue;
+      if (only || edges_[i].module < kClearModule) return std::nullopt;
+      only = i;
+    }
+    return only;
+  }
+
+  // With what three edges tell of the fourth, where that is more than the start.
+  RefinedCorners completed() const {
+    RefinedCorners refined = result();
+    const auto i = hidden();
+    if (!camera_ || !i) return refined;
+    const Edge &before = edges_[(*i + 3) % 4], &after = edges_[(*i + 1) % 4];
+    const double sample = scatter();
+    const auto sigma = [&](const Edge& edge, double s) {
+      return std::sqrt(kFloor * kFloor + edgeVariance(edge, s, sample));
+    };
+    const auto found = findHidden(
+        *camera_, refined.corners,
+        {*i, before.fit->curve, after.fit->curve, sigma(before, 1), sigma(after, -1), refined.sigmas});
+    for (int k = 0; found && k < 2; ++k) {
+      const int corner = (*i + k) % 4;
+      if (found->sigmas[k] > refined.sigmas[corner]) continue;
+      refined.corners[corner] = found->corners[k];
+      refined.sigmas[corner] = found->sigmas[k];
     }
     return refined;
   }

@@ -40,12 +40,15 @@ class Samples {
     size_ = static_cast<int>(std::remove_if(begin(), end(), drop) - begin());
   }
 
+  // Of every third or so where there are many: limits for outliers need no more.
   template <typename Value>
   double median(Value value) const {
     std::array<double, kMaxSamples> values;
-    std::transform(begin(), end(), values.begin(), value);
-    std::nth_element(values.begin(), values.begin() + size_ / 2, values.begin() + size_);
-    return values[size_ / 2];
+    const int step = std::max(1, size_ / 30);
+    int count = 0;
+    for (int i = 0; i < size_; i += step) values[count++] = value(samples_[i]);
+    std::nth_element(values.begin(), values.begin() + count / 2, values.begin() + count);
+    return values[count / 2];
   }
 
  private:
@@ -86,13 +89,15 @@ void locate(const ImageLines& lines, Samples& samples, EdgeFit& fit) {
 
 // Least squares of c[0] + c[1] s (+ c[2] s^2).
 Eigen::Vector3d solve(const Samples& samples, int terms, Eigen::Matrix3d& inverse) {
-  Eigen::Matrix3d A = Eigen::Matrix3d::Zero();
+  double s1 = 0, s2 = 0, s3 = 0, s4 = 0;
   Eigen::Vector3d b = Eigen::Vector3d::Zero();
   for (const Sample& sample : samples) {
-    const Eigen::Vector3d row(1, sample.s, sample.s * sample.s);
-    A += row * row.transpose();
-    b += sample.offset * row;
+    const double s = sample.s, square = s * s;
+    s1 += s, s2 += square, s3 += s * square, s4 += square * square;
+    b[0] += sample.offset, b[1] += sample.offset * s, b[2] += sample.offset * square;
   }
+  Eigen::Matrix3d A;
+  A << samples.size(), s1, s2, s1, s2, s3, s2, s3, s4;
   inverse.setZero();
   if (terms == 3)
     inverse = A.inverse();

@@ -19,31 +19,19 @@ bool isArucoName(const std::string& name) { return name.rfind("DICT_", 0) == 0; 
 
 class TrackingDetector : public MarkerDetector {
  public:
-  TrackingDetector(std::vector<MarkerTracker> trackers, bool refine)
-      : trackers_(std::move(trackers)), refine_(refine) {}
+  explicit TrackingDetector(std::vector<MarkerTracker> trackers) : trackers_(std::move(trackers)) {}
 
   std::vector<Detection> detect(const cv::Mat& image, const CameraModel* camera) override {
     if (image.type() != CV_8UC1 || image.empty())
       throw std::invalid_argument("MarkerDetector: the image must be 8-bit grey and not empty");
     std::vector<Detection> all;
     for (MarkerTracker& tracker : trackers_)
-      for (Detection& found : tracker.find(image)) {
-        if (refine_) refine(image, tracker.search().border(found.key), camera, found);
-        all.push_back(std::move(found));
-      }
+      for (Detection& found : tracker.find(image, camera)) all.push_back(std::move(found));
     return all;
   }
 
  private:
-  static void refine(const cv::Mat& image, BorderSquare border, const CameraModel* camera, Detection& found) {
-    border.start_sigma = found.corner_sigmas[0];
-    const RefinedCorners refined = refineCorners(image, found.corners, border, camera);
-    found.corners = refined.corners;
-    found.corner_sigmas = refined.sigmas;
-  }
-
   std::vector<MarkerTracker> trackers_;
-  bool refine_;
 };
 
 }  // namespace
@@ -75,12 +63,12 @@ std::unique_ptr<MarkerDetector> makeMarkerDetector(const DetectorParams& params)
   std::vector<std::string> tags;
   for (const auto& family : params.families) {
     if (isArucoName(family))
-      trackers.emplace_back(makeArucoSearch(params, family), tracking);
+      trackers.emplace_back(makeArucoSearch(params, family), tracking, params.refine_corners);
     else
       tags.push_back(family);
   }
-  if (!tags.empty()) trackers.emplace_back(makeAprilTagSearch(params, tags), tracking);
-  return std::make_unique<TrackingDetector>(std::move(trackers), params.refine_corners);
+  if (!tags.empty()) trackers.emplace_back(makeAprilTagSearch(params, tags), tracking, params.refine_corners);
+  return std::make_unique<TrackingDetector>(std::move(trackers));
 }
 
 }  // namespace sextant

@@ -71,7 +71,8 @@ void FoundMarkers::add(const Detection& detection) {
   });
   if (twin == markers.end())
     markers.push_back(detection);
-  else if (perimeter(detection.corners) > perimeter(twin->corners))
+  else if (twin - markers.begin() >= static_cast<long>(refined) &&
+           perimeter(detection.corners) > perimeter(twin->corners))
     *twin = detection;
 }
 

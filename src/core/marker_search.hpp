@@ -22,6 +22,7 @@ class FoundMarkers {
   bool include(const MarkerKey& key, const Corners& near) const;
 
   std::vector<Detection> markers;
+  size_t refined = 0;  ///< of them, the first ones: their corners are as good as they get
 };
 
 /// One backend: where it is told to look, it reads markers. Corners and their deviations are the backend's
@@ -37,6 +38,9 @@ class MarkerSearch {
                       FoundMarkers& found) = 0;
   /// Reads every quad that is no part of a marker found already.
   virtual void inside(const cv::Mat& image, QuadSearch& quads, Effort effort, FoundMarkers& found);
+  /// Whether this marker is read with its corners just there; false where the backend cannot tell that
+  /// without looking for it.
+  virtual bool isAt(const cv::Mat& image, const MarkerKey& key, const Corners& corners) = 0;
   /// Shortest side of a marker that can be read in images of this size, pixels.
   virtual double minSide(const cv::Size& image) const = 0;
   virtual BorderSquare border(const MarkerKey& key) const = 0;

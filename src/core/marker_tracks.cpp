@@ -9,13 +9,15 @@
 namespace sextant {
 namespace {
 
-constexpr int kPatience = 3;          // images for which a missed marker is expected on
+constexpr int kPatience = 2;          // images for which a missed marker is expected on
 constexpr double kQuiet = 0.15;       // of a side: the white about a marker, and how it may change
 constexpr double kUnsteady = 0.3;     // of a velocity, which may change
 constexpr double kStart = 0.03;       // of the image's width: a marker seen once only may move by it
-constexpr double kEntrance = 1.3;     // depth of an entrance over the largest marker's side
+constexpr double kEntrance = 1.15;    // depth of an entrance over the largest marker's side
 constexpr int kBorder = 8;            // pixels, likewise: a marker must be in the image with its white
+constexpr double kGrowth = 0.3;       // of its size, by which what comes in grows and moves aside meanwhile
 constexpr double kStill = 2.0;        // pixels an image
+constexpr double kFast = 12.0;        // likewise; between two sweeps, a narrow marker can come in unseen
 constexpr double kLeastMargin = 6.0;  // pixels
 
 Corners shifted(Corners corners, const Eigen::Vector2d& by) {
@@ -29,7 +31,8 @@ std::vector<MarkerTracks::Expected> MarkerTracks::expect(const cv::Size& image) 
   std::vector<Expected> expected;
   for (const Track& track : tracks_) {
     const int images = track.missed + 1;
-    Expected next{track.last.key, shifted(track.last.corners, images * velocity_), 0};
+    Expected next{track.last.key, shifted(track.last.corners, images * velocity_), 0,
+                  track.moved && track.missed == 0};
     if (track.moved)
       for (int i = 0; i < 4; ++i) next.corners[i] = track.last.corners[i] + images * track.velocity[i];
     const Eigen::Vector2d middle = centre(next.corners);
@@ -42,15 +45,38 @@ std::vector<MarkerTracks::Expected> MarkerTracks::expect(const cv::Size& image) 
   return expected;
 }
 
-std::vector<cv::Rect> MarkerTracks::entrances(const cv::Size& image) const {
-  const auto depth = [&](double speed, int limit) {
-    return std::min(static_cast<int>(kEntrance * extent_ + std::abs(speed)) + kBorder, limit);
-  };
+// Of a strip, pixels.
+int MarkerTracks::depth(double speed) const {
+  return static_cast<int>(kEntrance * extent_ + std::abs(speed)) + kBorder;
+}
+
+// Anything where it is fast, else what was cut off at this side.
+cv::Rect MarkerTracks::comingIn(double speed, const cv::Rect& side, const cv::Size& image,
+                                const std::vector<cv::Rect>& cut_off) const {
+  if (std::abs(speed) <= kStill) return {};
+  if (std::abs(speed) > kFast) return {{0, 0}, image};
+  cv::Rect all;
+  for (const cv::Rect& box : cut_off)
+    if ((box & side).area() > 0 && std::max(box.width, box.height) < 2 * depth(speed))
+      all |= widened(box, kBorder + kGrowth * std::max(box.width, box.height), image);
+  return all;
+}
+
+std::vector<cv::Rect> MarkerTracks::entrances(const cv::Size& image,
+                                              const std::vector<cv::Rect>& cut_off) const {
+  const auto begin = [](double speed, int limit, int depth) { return speed > 0 ? 0 : limit - depth; };
+  const cv::Rect whole({0, 0}, image);
+  const double vx = velocity_.x(), vy = velocity_.y();
+  const cv::Rect upright =
+      comingIn(vx, {begin(vx, image.width, kBorder), 0, kBorder, image.height}, image, cut_off);
+  const cv::Rect level =
+      comingIn(vy, {0, begin(vy, image.height, kBorder), image.width, kBorder}, image, cut_off);
   std::vector<cv::Rect> strips;
-  if (const int deep = depth(velocity_.x(), image.width); std::abs(velocity_.x()) > kStill)
-    strips.emplace_back(velocity_.x() > 0 ? 0 : image.width - deep, 0, deep, image.height);
-  if (const int deep = depth(velocity_.y(), image.height); std::abs(velocity_.y()) > kStill)
-    strips.emplace_back(0, velocity_.y() > 0 ? 0 : image.height - deep, image.width, deep);
+  if (!upright.empty())
+    strips.push_back(whole &
+                     cv::Rect(begin(vx, image.width, depth(vx)), upright.y, depth(vx), upright.height));
+  if (!level.empty())
+    strips.push_back(whole & cv::Rect(level.x, begin(vy, image.height, depth(vy)), level.width, depth(vy)));
   return strips;
 }
 

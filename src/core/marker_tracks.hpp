@@ -18,13 +18,16 @@ class MarkerTracks {
     MarkerKey key;
     Corners corners;  ///< pixels
     double margin;    ///< pixels about them in which the marker is looked for
+    bool steady;      ///< seen in the last image, and before
   };
 
   /// Those whose centre should be in the image.
   std::vector<Expected> expect(const cv::Size& image) const;
-  /// The strips along the image's sides that it moves away from, deep enough for the largest marker seen: new
-  /// ones come in there. Empty as long as nothing moves.
-  std::vector<cv::Rect> entrances(const cv::Size& image) const;
+  /// The parts of the image's sides that it moves away from in which a new marker can come in, deep enough
+  /// for the largest one seen. Empty as long as nothing moves.
+  /// @param cut_off boxes of what the image's border cut off up to three images ago: what comes in is one of
+  /// it
+  std::vector<cv::Rect> entrances(const cv::Size& image, const std::vector<cv::Rect>& cut_off) const;
   /// Learns from the next image. A marker that is missed is expected for some images more.
   void update(const FoundMarkers& found);
   void clear() { *this = {}; }
@@ -37,6 +40,9 @@ class MarkerTracks {
     int missed;        // images in a row
   };
   Track follow(const Detection& detection) const;
+  int depth(double speed) const;
+  cv::Rect comingIn(double speed, const cv::Rect& side, const cv::Size& image,
+                    const std::vector<cv::Rect>& cut_off) const;
   void learnMotion();
 
   std::vector<Track> tracks_;

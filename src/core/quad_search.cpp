@@ -34,16 +34,18 @@ cv::Rect inFullImage(const cv::Rect& box) {
   return {2 * box.x - 1, 2 * box.y - 1, 2 * box.width + 2, 2 * box.height + 2};
 }
 
+// Equal weights, which sum up to 1 in the eighths of a byte in which OpenCV counts them; unlike cv::blur in
+// vector code, and unlike cv::GaussianBlur without a kernel to compute, which takes longer than a small part.
 void meanAround(const cv::Mat& image, int block, cv::Mat& mean) {
-  if (block <= 5)  // equal weights, too, in vector code that cv::blur lacks
-    cv::GaussianBlur(image, mean, {block, block}, 100, 100, cv::BORDER_REPLICATE);
-  else
-    cv::blur(image, mean, {block, block}, {-1, -1}, cv::BORDER_REPLICATE);
+  static const cv::Mat three = (cv::Mat_<float>(1, 3) << 85, 86, 85) / 256;
+  static const cv::Mat five = (cv::Mat_<float>(1, 5) << 51, 51, 52, 51, 51) / 256;
+  if (block > 5) return cv::blur(image, mean, {block, block}, {-1, -1}, cv::BORDER_REPLICATE);
+  const cv::Mat& kernel = block == 3 ? three : five;
+  cv::sepFilter2D(image, mean, CV_8U, kernel, kernel, {-1, -1}, 0, cv::BORDER_REPLICATE);
 }
 
 // A convex contour has no more pixels than its box's outline; texture winds more.
-bool windsTooMuch(const std::vector<cv::Point>& contour) {
-  const cv::Rect box = cv::boundingRect(contour);
+bool windsTooMuch(const std::vector<cv::Point>& contour, const cv::Rect& box) {
   return static_cast<double>(contour.size()) > kWinding * 2 * (box.width + box.height);
 }
 
@@ -59,6 +61,14 @@ bool sameEdge(const cv::Rect& larger, const cv::Rect& other) {
          std::abs(larger.br().x - other.br().x) < near && std::abs(larger.br().y - other.br().y) < near;
 }
 
+// With the border replicated, nothing is darker than its surroundings where the threshold's block leaves the
+// image.
+bool touchesBorder(const cv::Rect& box, const cv::Size& image) {
+  constexpr int kNear = 4;
+  return box.x < kNear || box.y < kNear || box.br().x > image.width - kNear ||
+         box.br().y > image.height - kNear;
+}
+
 // Without an odd last row or column: any other factor than two takes ten times as long.
 void halve(const cv::Mat& image, cv::Mat& half) {
   const cv::Rect even(0, 0, image.cols / 2 * 2, image.rows / 2 * 2);
@@ -70,6 +80,7 @@ void halve(const cv::Mat& image, cv::Mat& half) {
 const std::vector<QuadCandidate>& QuadSearch::find(const cv::Mat& image, const cv::Rect& part,
                                                    double min_side, Effort effort) {
   found_.clear();
+  cut_off_.clear();
   if (part.width < 8 || part.height < 8) return found_;
   halve(image(part), half_);
   for (const int block : effort == Effort::quick ? kQuickBlocks : kBlocks) {
@@ -88,7 +99,11 @@ void QuadSearch::collect(const cv::Point& origin, double min_side) {
   cv::findContours(dark_, contours_, cv::RETR_LIST, cv::CHAIN_APPROX_NONE);
   const double min_points = 2.5 * min_side;  // a contour's diagonal steps count once
   for (const auto& contour : contours_) {
-    if (static_cast<double>(contour.size()) < min_points || !isQuad(contour)) continue;
+    if (static_cast<double>(contour.size()) < min_points) continue;
+    const cv::Rect box = cv::boundingRect(contour);
+    if (touchesBorder(box, dark_.size()) && std::max(box.width, box.height) >= min_side)
+      cut_off_.push_back(inFullImage(box) + origin);
+    if (!isQuad(contour, box)) continue;
     double longer;
     const double side = shorter(polygon_, &longer);
     if (side < 0.8 * min_side || side <= kNarrow * longer) continue;
@@ -100,8 +115,8 @@ void QuadSearch::collect(const cv::Point& origin, double min_side) {
   }
 }
 
-bool QuadSearch::isQuad(const std::vector<cv::Point>& contour) {
-  if (windsTooMuch(contour) || enclosesTooLittle(contour)) return false;
+bool QuadSearch::isQuad(const std::vector<cv::Point>& contour, const cv::Rect& box) {
+  if (windsTooMuch(contour, box) || enclosesTooLittle(contour)) return false;
   const double off = std::max(kBlunt, kStraight * static_cast<double>(contour.size()));
   cv::approxPolyDP(contour, polygon_, off, true);
   return polygon_.size() == 4 && cv::isContourConvex(polygon_);

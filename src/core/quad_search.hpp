@@ -35,15 +35,18 @@ class QuadSearch {
   const std::vector<QuadCandidate>& all() const { return found_; }
   /// One of those found for both sides of one edge: the larger.
   const std::vector<QuadCandidate>& distinct();
+  /// Outlines that the border of the searched part cuts off: their boxes, pixels.
+  const std::vector<cv::Rect>& cutOff() const { return cut_off_; }
 
  private:
   void collect(const cv::Point& origin, double min_side);
-  bool isQuad(const std::vector<cv::Point>& contour);
+  bool isQuad(const std::vector<cv::Point>& contour, const cv::Rect& box);
 
   cv::Mat half_, mean_, dark_;
   std::vector<std::vector<cv::Point>> contours_;
   std::vector<cv::Point> polygon_;
   std::vector<QuadCandidate> found_, distinct_;
+  std::vector<cv::Rect> cut_off_;
 };
 
 }  // namespace sextant

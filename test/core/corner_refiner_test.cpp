@@ -172,6 +172,27 @@ TEST(CornerRefiner, FollowsTheLens) {
   }
 }
 
+// The image ends before the marker does: with the lens known, its other edges tell where it goes on.
+TEST(CornerRefiner, FindsAnEdgeThatIsCutOffByTheOthersAndTheLens) {
+  for (const CameraCalibration& calibration : testCalibrations()) {
+    const CameraModel camera(calibration, CameraModel::Image::raw);
+    const SeenThroughLens seen = throughLens(camera);
+    const double right = std::min(seen.corners[1].x(), seen.corners[2].x()) - 3;
+    const cv::Mat image = seen.image.colRange(0, static_cast<int>(right)).clone();
+    Corners start = shifted(seen.corners, 0.5);
+    for (const int i : {1, 2}) start[i].x() = right - 4;
+    const auto with = refineCorners(image, start, kSquare, &camera);
+    const auto without = refineCorners(image, start, kSquare);
+    for (const int i : {1, 2}) {
+      const double error = (with.corners[i] - seen.corners[i]).norm();
+      EXPECT_LT(error, 1.0) << calibration.distortion_model;
+      EXPECT_LT(error, 4 * with.sigmas[i]) << calibration.distortion_model;
+      EXPECT_LT(with.sigmas[i], 1.0) << calibration.distortion_model;
+      EXPECT_GT(without.sigmas[i], 2.0) << calibration.distortion_model;
+    }
+  }
+}
+
 TEST(CornerRefiner, SaysSomethingSensibleOfBlurredAndTinyMarkers) {
   const Corners tiny = {Eigen::Vector2d(70.2, 50.1), {83.1, 50.9}, {82.4, 63.7}, {69.7, 62.8}};
   for (const double blur : {0.5, 1.0, 1.5}) {

@@ -116,6 +116,7 @@ class Watched : public MarkerSearch {
     EXPECT_EQ(window & cv::Rect({0, 0}, image.size()), window);
     ++windows;
   }
+  bool isAt(const cv::Mat&, const MarkerKey&, const Corners&) override { return false; }
   double minSide(const cv::Size&) const override { return 12; }
   BorderSquare border(const MarkerKey&) const override { return {}; }
   int searches = 0, windows = 0;
@@ -124,8 +125,8 @@ class Watched : public MarkerSearch {
 TEST(MarkerTracker, DoesNotSearchAnEmptyViewAgainAndAgain) {
   auto search = std::make_unique<Watched>();
   const Watched& watched = *search;
-  MarkerTracker tracker(std::move(search), true);
-  for (int i = 0; i < 10; ++i) tracker.find(cv::Mat(kImage, CV_8UC1, cv::Scalar(128)));
+  MarkerTracker tracker(std::move(search), true, true);
+  for (int i = 0; i < 10; ++i) tracker.find(cv::Mat(kImage, CV_8UC1, cv::Scalar(128)), nullptr);
   EXPECT_EQ(watched.searches, 1);
   EXPECT_EQ(watched.windows, 0);
 }
@@ -133,8 +134,8 @@ TEST(MarkerTracker, DoesNotSearchAnEmptyViewAgainAndAgain) {
 TEST(MarkerTracker, SearchesEveryImageWhereItIsNotToTrack) {
   auto search = std::make_unique<Watched>();
   const Watched& watched = *search;
-  MarkerTracker tracker(std::move(search), false);
-  for (int i = 0; i < 4; ++i) tracker.find(cv::Mat(kImage, CV_8UC1, cv::Scalar(128)));
+  MarkerTracker tracker(std::move(search), false, true);
+  for (int i = 0; i < 4; ++i) tracker.find(cv::Mat(kImage, CV_8UC1, cv::Scalar(128)), nullptr);
   EXPECT_EQ(watched.searches, 4);
 }
 

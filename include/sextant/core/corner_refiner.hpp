@@ -39,7 +39,9 @@ struct RefinedCorners {
 ///
 /// What is hidden: a corner is only refined from two edges of which at least half is seen, and which lie a
 /// module away from the bits inside, as an occluder's edge does not (seen from 0.35 px and 0.12 modules
-/// on, where the code has steps near it). Else the start's is told, with its own sigma and the edge's doubt.
+/// on, where the code has steps near it). Where one edge is hidden and the camera is known, its corners are
+/// told by the other three: a square's pose follows from two corners and the edges through the others (see
+/// hidden_edge.hpp). Else the start's is told, with its own sigma and the edge's doubt.
 /// @param image 8-bit grey
 /// @param corners start, clockwise in the image, good to about 1.5 px or two of its deviations
 RefinedCorners refineCorners(const cv::Mat& image, const Corners& corners, const BorderSquare& square,
