@@ -64,6 +64,7 @@ class AprilTagSearch : public MarkerSearch {
   }
 
   bool isAt(const cv::Mat&, const MarkerKey&, const Corners&) override { return false; }
+  bool readsInPlace() const override { return false; }
 
   double minSide(const cv::Size&) const override {
     double modules = 0;

@@ -82,6 +82,8 @@ class ArucoSearch : public MarkerSearch {
     return code.id == key.id && code.rotation == 0;
   }
 
+  bool readsInPlace() const override { return true; }
+
   double minSide(const cv::Size& image) const override {
     return std::max(0.25 * min_perimeter_ * std::max(image.width, image.height),
                     kMinModule * (dictionary_->markerSize + 2));

@@ -54,8 +54,8 @@ std::vector<ImageNoise> imageNoise(const LocatedPose& pose) {
     if (!marker.used) continue;
     if (marker.camera_index >= cameras.size()) cameras.resize(marker.camera_index + 1);
     ImageNoise& image = cameras[marker.camera_index];
-    image.squares += marker.noise_share * marker.squared_distance * marker.noise_scale * marker.noise_scale;
-    image.freedoms += marker.noise_share * (8 - 6 / n);
+    image.squares += marker.squared_distance * marker.noise_scale * marker.noise_scale;
+    image.freedoms += 8 - 6 / n;
   }
   return cameras;
 }

@@ -33,6 +33,7 @@ constexpr double kBlurred = 0.5;        // sharpness below which a wider reach t
 constexpr double kMaxBitOffset = 0.35;  // pixels between one side and the others
 constexpr double kMaxBitShift = 0.12;   // modules; what a wide lens does to the grid's is less
 constexpr double kClearModule = 2;      // pixels from which bits are seen apart
+constexpr double kCommon = 0.15;        // pixels by which lens and print move what is seen of a square
 constexpr double kHiddenDoubt = 0.5;    // modules that the start's edge may be off where no edge was found
 
 double moduleAcross(const Corners& corners, int side, int modules) {
@@ -210,13 +211,15 @@ class SquareFit {
         refined.corners[i] = *met;
         refined.sigmas[i] = std::sqrt(kFloor * kFloor + cornerVariance(i, sample));
       } else {
-        refined.sigmas[i] = std::hypot(square_.start_sigma, std::max(doubt(before), doubt(after)));
+        const double doubtful = std::max(doubt(before), doubt(after));
+        const double off = kHiddenDoubt * std::max(before.module, after.module);
+        refined.sigmas[i] = std::hypot(square_.start_sigma, doubtful > 0 ? doubtful : off);
       }
     }
     return refined;
   }
 
-  // The only edge that is hidden, of those that are not short.
+  // The only edge that is hidden, unless it is that of tiny modules.
   std::optional<int> hidden() const {
     std::optional<int> only;
     for (int i = 0; i < 4; ++i) {
@@ -235,14 +238,16 @@ class SquareFit {
     const Edge &before = edges_[(*i + 3) % 4], &after = edges_[(*i + 1) % 4];
     const double sample = scatter();
     const auto sigma = [&](const Edge& edge, double s) {
-      return std::sqrt(kFloor * kFloor + edgeVariance(edge, s, sample));
+      return std::sqrt(kCommon * kCommon + edgeVariance(edge, s, sample));
     };
+    CornerSigmas corner_sigmas = refined.sigmas;
+    for (double& each : corner_sigmas) each = std::hypot(kCommon, each);
     const auto found = findHidden(
         *camera_, refined.corners,
-        {*i, before.fit->curve, after.fit->curve, sigma(before, 1), sigma(after, -1), refined.sigmas});
+        {*i, before.fit->curve, after.fit->curve, sigma(before, 1), sigma(after, -1), corner_sigmas});
     for (int k = 0; found && k < 2; ++k) {
       const int corner = (*i + k) % 4;
-      if (found->sigmas[k] > refined.sigmas[corner]) continue;
+      if (!(found->sigmas[k] < refined.sigmas[corner])) continue;
       refined.corners[corner] = found->corners[k];
       refined.sigmas[corner] = found->sigmas[k];
     }

@@ -5,7 +5,9 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include "marker_innovation.hpp"
 #include "sextant/core/marker_pose.hpp"
@@ -36,13 +38,6 @@ std::array<double, 4> cornerSigmas(const Seen& seen, const LocatorParams& params
     sigmas[i] = std::hypot(seen.view->noise_scale * params.corner_sigma,
                            std::max(0.0, seen.detection->corner_sigmas[i]));
   return sigmas;
-}
-
-double commonShare(const Seen& seen, const std::array<double, 4>& sigmas, const LocatorParams& params) {
-  double share = 0;
-  for (const double sigma : sigmas)
-    share += std::pow(seen.view->noise_scale * params.corner_sigma / sigma, 2) / 4;
-  return share;
 }
 
 MarkerSighting sighting(const Seen& seen, const LocatorParams& params) {
@@ -107,14 +102,13 @@ std::optional<FloorPrior> floorPrior(const LocatorParams& params) {
   return FloorPrior{params.floor_height_sigma, params.floor_tilt_sigma};
 }
 
-LocatedMarker located(const Seen& seen, const MarkerSighting& sighting, const LocatorParams& params,
-                      const PoseHypothesis& best, bool used) {
+LocatedMarker located(const Seen& seen, const MarkerSighting& sighting, const PoseHypothesis& best,
+                      bool used) {
   LocatedMarker marker{seen.mapped->key,
                        seen.view->camera_index,
                        used,
                        squaredMahalanobis(sighting, best.T_map_base),
                        seen.view->noise_scale,
-                       commonShare(seen, sighting.sigmas, params),
                        {}};
   if (!used || best.used.size() > 1)
     marker.innovation = markerInnovation(sighting, seen.poses.best.T_camera_marker, best, used);
@@ -127,7 +121,7 @@ LocatedPose located(const std::vector<Seen>& all, const LocatorParams& params, c
   LocatedPose pose{best.T_map_base, posterior.covariance, best.rms, posterior.probability, {}};
   for (size_t i = 0; i < all.size(); ++i) {
     const bool used = std::find(best.used.begin(), best.used.end(), i) != best.used.end();
-    pose.markers.push_back(located(all[i], sightings[i], params, best, used));
+    pose.markers.push_back(located(all[i], sightings[i], best, used));
   }
   return pose;
 }
@@ -146,20 +140,19 @@ LocatorResult result(const LocatedPose& pose) {
 
 // Corners of which it is known where they are: a hidden one's deviation is half a module, of at most twelve a
 // side.
-int cornersInSight(const Seen& seen) {
-  const Corners& corners = seen.detection->corners;
-  double perimeter = 0;
-  for (int i = 0; i < 4; ++i) perimeter += (corners[(i + 1) % 4] - corners[i]).norm();
-  const double hidden = std::max(1.0, perimeter / 4 / 24);
-  const auto& sigmas = seen.detection->corner_sigmas;
-  return static_cast<int>(
-      std::count_if(sigmas.begin(), sigmas.end(), [&](double sigma) { return sigma < hidden; }));
+int cornersInSight(const Detection& detection) {
+  double side = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < 4; ++i)
+    side = std::min(side, (detection.corners[(i + 1) % 4] - detection.corners[i]).norm());
+  const double hidden = std::max(1.0, side / 24);
+  return static_cast<int>(std::count_if(detection.corner_sigmas.begin(), detection.corner_sigmas.end(),
+                                        [&](double sigma) { return sigma < hidden; }));
 }
 
 // Whether there are as many equations as the pose has unknowns.
 bool tellPose(const std::vector<Seen>& all, const std::optional<FloorPrior>& floor) {
   int equations = floor ? 3 : 0;
-  for (const Seen& seen : all) equations += 2 * cornersInSight(seen);
+  for (const Seen& seen : all) equations += 2 * cornersInSight(*seen.detection);
   return equations >= 6;
 }
 
@@ -185,9 +178,13 @@ LocatorResult joint(const std::vector<Seen>& all, const LocatorParams& params,
 LocatorResult nearest(const std::vector<Seen>& seen, const LocatorParams& params,
                       const std::optional<PosePrior>& prior) {
   const auto all = trustedOnes(seen);
-  const auto depth = [](const Seen& seen) { return seen.poses.best.T_camera_marker.translation().z(); };
+  const auto floor = floorPrior(params);
+  // Those that tell no pose come last.
+  const auto order = [&](const Seen& one) {
+    return std::make_pair(!tellPose({one}, floor), one.poses.best.T_camera_marker.translation().z());
+  };
   return joint({*std::min_element(all.begin(), all.end(),
-                                  [&](const Seen& a, const Seen& b) { return depth(a) < depth(b); })},
+                                  [&](const Seen& a, const Seen& b) { return order(a) < order(b); })},
                params, prior);
 }
 

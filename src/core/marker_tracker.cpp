@@ -35,6 +35,7 @@ std::vector<Detection> MarkerTracker::find(const cv::Mat& image, const CameraMod
   if (!tracking_ || image.size() != size_) {
     size_ = image.size();
     tracks_.clear();
+    cut_off_.clear();
     search_->everywhere(image, found);
   } else {
     follow(image, camera, found);
@@ -52,7 +53,7 @@ std::vector<Detection> MarkerTracker::find(const cv::Mat& image, const CameraMod
 void MarkerTracker::follow(const cv::Mat& image, const CameraModel* camera, FoundMarkers& found) {
   const cv::Rect whole({0, 0}, image.size());
   const auto expected = tracks_.expect(image.size());
-  if (refine_)
+  if (refine_ && search_->readsInPlace())
     for (const auto& marker : expected) confirm(marker, image, camera, found);
   const bool due = ++since_sweep_ >= kSweep;
   if (due) sweep(image, whole, found);
@@ -80,6 +81,7 @@ void MarkerTracker::confirm(const MarkerTracks::Expected& expected, const cv::Ma
   refine(image, camera, marker);
   for (const double sigma : marker.corner_sigmas)
     if (sigma >= kPredicted) return;
+  if (found.include(marker.key, marker.corners)) return;  // two of one id came together
   if (!search_->isAt(image, marker.key, marker.corners)) return;
   found.markers.push_back(marker);
   ++found.refined;

@@ -34,7 +34,7 @@ cv::Rect inFullImage(const cv::Rect& box) {
   return {2 * box.x - 1, 2 * box.y - 1, 2 * box.width + 2, 2 * box.height + 2};
 }
 
-// Equal weights, which sum up to 1 in the eighths of a byte in which OpenCV counts them; unlike cv::blur in
+// Equal weights, which sum up to 1 in the 256ths in which OpenCV counts them; unlike cv::blur in
 // vector code, and unlike cv::GaussianBlur without a kernel to compute, which takes longer than a small part.
 void meanAround(const cv::Mat& image, int block, cv::Mat& mean) {
   static const cv::Mat three = (cv::Mat_<float>(1, 3) << 85, 86, 85) / 256;
@@ -63,7 +63,7 @@ bool sameEdge(const cv::Rect& larger, const cv::Rect& other) {
 
 // With the border replicated, nothing is darker than its surroundings where the threshold's block leaves the
 // image.
-bool touchesBorder(const cv::Rect& box, const cv::Size& image) {
+bool isCutOff(const cv::Rect& box, const cv::Size& image) {
   constexpr int kNear = 4;
   return box.x < kNear || box.y < kNear || box.br().x > image.width - kNear ||
          box.br().y > image.height - kNear;
@@ -101,7 +101,7 @@ void QuadSearch::collect(const cv::Point& origin, double min_side) {
   for (const auto& contour : contours_) {
     if (static_cast<double>(contour.size()) < min_points) continue;
     const cv::Rect box = cv::boundingRect(contour);
-    if (touchesBorder(box, dark_.size()) && std::max(box.width, box.height) >= min_side)
+    if (isCutOff(box, dark_.size()) && std::max(box.width, box.height) >= min_side)
       cut_off_.push_back(inFullImage(box) + origin);
     if (!isQuad(contour, box)) continue;
     double longer;

@@ -113,7 +113,7 @@ TEST(CornerNoise, SomeSpoiltImagesDoNotCount) {
   for (int i = 0; i < 200; ++i) {
     const double squares = chi_squared(random) * (i % 3 == 0 ? 8 : 1);
     LocatedPose pose{Pose::Identity(), Matrix6d::Identity(), 0.0, 1.0, {}};
-    for (int k = 0; k < 3; ++k) pose.markers.push_back({{"tag36h11", k}, 0, true, squares / 3, 1.0, 1.0, {}});
+    for (int k = 0; k < 3; ++k) pose.markers.push_back({{"tag36h11", k}, 0, true, squares / 3, 1.0, {}});
     noise.add(pose);
   }
   EXPECT_LT(noise.typical(0), 1.3);

@@ -67,9 +67,11 @@ TEST(FindHidden, TellsHowFarItIsOff) {
     int count = 0;
     for (int i = 0; i < 400; ++i) {
       HiddenEdge hidden = hiddenEdge(camera, truth, 1, kSigma);
-      // Both corners lie on the edges whose other ends are told; these carry the noise across the edge.
-      hidden.before.c[0] += 0.5 * noise(random), hidden.before.c[1] += 0.5 * noise(random);
-      hidden.after.c[0] += 0.5 * noise(random), hidden.after.c[1] -= 0.5 * noise(random);
+      for (EdgeCurve* curve : {&hidden.before, &hidden.after}) {
+        const double begin = noise(random), end = noise(random);
+        curve->c[0] += 0.5 * (begin + end);
+        curve->c[1] += 0.5 * (end - begin);
+      }
       Corners corners = truth;
       for (const int k : {0, 3}) corners[k] += Eigen::Vector2d(noise(random), noise(random));
       const auto found = findHidden(camera, corners, hidden);
@@ -86,12 +88,13 @@ TEST(FindHidden, TellsHowFarItIsOff) {
   }
 }
 
+// Both hidden corners on one of the edges.
 TEST(FindHidden, SaysNothingOfWhatIsNoSquare) {
   const CameraModel camera(testCalibrations()[0], CameraModel::Image::raw);
   const Corners truth = seen(camera, 0.4);
-  Corners line = truth;
-  line[3] = line[0];
-  EXPECT_FALSE(findHidden(camera, line, hiddenEdge(camera, truth, 1, 0.02)));
+  HiddenEdge hidden = hiddenEdge(camera, truth, 1, 0.02);
+  hidden.before = hidden.after;
+  EXPECT_FALSE(findHidden(camera, truth, hidden));
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 
 #include "sextant/core/marker_detector.hpp"
 #include "test_print.hpp"
@@ -111,15 +112,22 @@ INSTANTIATE_TEST_SUITE_P(Backends, Tracking, testing::Values("tag36h11", "DICT_A
 // Remembers where it was told to look.
 class Watched : public MarkerSearch {
  public:
-  void everywhere(const cv::Mat&, FoundMarkers&) override { ++searches; }
-  void within(const cv::Mat& image, const cv::Rect& window, double, Effort, FoundMarkers&) override {
+  void everywhere(const cv::Mat&, FoundMarkers& found) override {
+    ++searches;
+    if (there) found.add(*there);
+  }
+  void within(const cv::Mat& image, const cv::Rect& window, double, Effort, FoundMarkers& found) override {
     EXPECT_EQ(window & cv::Rect({0, 0}, image.size()), window);
     ++windows;
+    if (there) found.add(*there);
   }
-  bool isAt(const cv::Mat&, const MarkerKey&, const Corners&) override { return false; }
+  bool isAt(const cv::Mat&, const MarkerKey&, const Corners&) override { return in_place; }
+  bool readsInPlace() const override { return in_place; }
   double minSide(const cv::Size&) const override { return 12; }
   BorderSquare border(const MarkerKey&) const override { return {}; }
   int searches = 0, windows = 0;
+  bool in_place = false;
+  std::optional<Detection> there;
 };
 
 TEST(MarkerTracker, DoesNotSearchAnEmptyViewAgainAndAgain) {
@@ -129,6 +137,38 @@ TEST(MarkerTracker, DoesNotSearchAnEmptyViewAgainAndAgain) {
   for (int i = 0; i < 10; ++i) tracker.find(cv::Mat(kImage, CV_8UC1, cv::Scalar(128)), nullptr);
   EXPECT_EQ(watched.searches, 1);
   EXPECT_EQ(watched.windows, 0);
+}
+
+// Once it is known how it moves, its edges and its code are enough, but for the sweeps.
+TEST(MarkerTracker, LooksForNoMarkerThatItReadsInPlace) {
+  for (const bool in_place : {false, true}) {
+    auto search = std::make_unique<Watched>();
+    Watched& watched = *search;
+    watched.in_place = in_place;
+    MarkerTracker tracker(std::move(search), true, true);
+    for (int i = 0; i < 9; ++i) {
+      const Eigen::Vector2d middle(120 + 10 * i, 130 + 3 * i);
+      watched.there = Detection{{"tag36h11", 9}, place(middle, 60), {0.5, 0.5, 0.5, 0.5}};
+      const auto found = tracker.find(view(middle, 60, i), nullptr);
+      ASSERT_EQ(found.size(), 1u) << i;
+      for (int k = 0; k < 4; ++k)
+        EXPECT_LT((found[0].corners[k] - watched.there->corners[k]).norm(), 0.15) << i;
+      if (i == 1) watched.windows = 0;
+    }
+    if (in_place)
+      EXPECT_EQ(watched.windows, 0);
+    else
+      EXPECT_GE(watched.windows, 7);
+  }
+}
+
+TEST(MarkerTracker, TellsNoMarkerThatGoesOnOutsideTheImage) {
+  for (const double x : {100.0, 26.0, 22.0}) {
+    auto search = std::make_unique<Watched>();
+    search->there = Detection{{"tag36h11", 9}, place({x, 130}, 50), {0.5, 0.5, 0.5, 0.5}};
+    MarkerTracker tracker(std::move(search), true, false);
+    EXPECT_EQ(tracker.find(empty(), nullptr).size(), x == 100.0 ? 1u : 0u) << x;
+  }
 }
 
 TEST(MarkerTracker, SearchesEveryImageWhereItIsNotToTrack) {

@@ -9,10 +9,10 @@
 
 namespace sextant {
 
-/// What an image's residuals say of its noise, as of LocatorParams::corner_sigma. Corners that tell a noise
-/// of their own say less of what all have in common: each marker counts by that one's share.
+/// What an image's residuals say of its noise, as of LocatorParams::corner_sigma. Where corners tell much
+/// noise of their own they say little of what all have in common, and leave the scale about where it was.
 struct ImageNoise {
-  double squares = 0.0;   ///< sum of squared Mahalanobis distances at noise_scale 1
+  double squares = 0.0;   ///< sum of squared Mahalanobis distances times their squared noise_scale
   double freedoms = 0.0;  ///< 8 a marker, less the pose's share
 };
 

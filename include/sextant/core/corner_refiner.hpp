@@ -41,9 +41,12 @@ struct RefinedCorners {
 /// module away from the bits inside, as an occluder's edge does not (seen from 0.35 px and 0.12 modules
 /// on, where the code has steps near it). Where one edge is hidden and the camera is known, its corners are
 /// told by the other three: a square's pose follows from two corners and the edges through the others (see
-/// hidden_edge.hpp). Else the start's is told, with its own sigma and the edge's doubt.
+/// hidden_edge.hpp); first 0.15 px are added to what is seen, since what lens and print move it by is drawn
+/// out, too. Else the start's is told, with its own sigma and the edge's doubt.
 /// @param image 8-bit grey
-/// @param corners start, clockwise in the image, good to about 1.5 px or two of its deviations
+/// @param corners start, clockwise in the image, good to 6 px or five of its deviations, or to nine tenths of
+/// a module where
+///   that is less
 RefinedCorners refineCorners(const cv::Mat& image, const Corners& corners, const BorderSquare& square,
                              const CameraModel* camera = nullptr);
 

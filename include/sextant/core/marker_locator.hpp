@@ -27,7 +27,7 @@ struct MarkerView {
 
 struct LocatorParams {
   std::string mode = "joint";  ///< nearest | average | joint
-  double corner_sigma = 0.3;   ///< noise of a corner coordinate, pixels, (0, 10]
+  double corner_sigma = 0.3;   ///< noise that all corner coordinates have in common, pixels, (0, 10]
   double max_reprojection_error =
       2.0;  ///< RMS over all used corners above which there is no pose, pixels, (0, 1000]
   double robust_width =
@@ -61,7 +61,6 @@ struct LocatedMarker {
   bool used;                ///< false: left out, since it stands elsewhere than the others say
   double squared_distance;  ///< Mahalanobis, of its eight coordinates
   double noise_scale;       ///< of its view
-  double noise_share;       ///< part of the corners' variance that is corner_sigma's, by noise_scale
   std::optional<MarkerInnovation> innovation;  ///< joint: nothing where it is alone
 };
 
