@@ -6,6 +6,8 @@
 
 #include <stdexcept>
 
+#include "config_limits.hpp"
+
 namespace sextant {
 namespace {
 
@@ -14,26 +16,7 @@ TEST(MarkerDetectorConfig, DefaultsAreThoseOfTheStruct) {
 }
 
 TEST(MarkerDetectorConfig, EveryValueReachesItsParameter) {
-  const MarkerDetectorConfig least = MarkerDetectorConfig::__getMin__(),
-                             most = MarkerDetectorConfig::__getMax__();
-  for (const auto& description : MarkerDetectorConfig::__getParamDescriptions__()) {
-    if (description->type == "str") continue;  // no least and most
-    for (const MarkerDetectorConfig& limit : {least, most}) {
-      dynamic_reconfigure::Config one;
-      description->toMessage(one, limit);
-      MarkerDetectorConfig wanted = toConfig(MarkerDetectorParams());
-      ASSERT_TRUE(description->fromMessage(one, wanted));
-      boost::any told, asked;
-      description->getValue(toConfig(withConfig(MarkerDetectorParams(), wanted)), told);
-      description->getValue(wanted, asked);
-      const auto number = [](const boost::any& value) {
-        if (const auto* real = boost::any_cast<double>(&value)) return *real;
-        if (const auto* whole = boost::any_cast<int>(&value)) return static_cast<double>(*whole);
-        return static_cast<double>(boost::any_cast<bool>(value));
-      };
-      EXPECT_EQ(number(told), number(asked)) << description->name;
-    }
-  }
+  expectEveryValueReachesItsParameter<MarkerDetectorConfig, MarkerDetectorParams>();
 }
 
 TEST(MarkerDetectorConfig, TheOtherParametersStay) {

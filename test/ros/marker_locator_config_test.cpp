@@ -6,6 +6,8 @@
 
 #include <stdexcept>
 
+#include "config_limits.hpp"
+
 namespace sextant {
 namespace {
 
@@ -14,26 +16,7 @@ TEST(MarkerLocatorConfig, DefaultsAreThoseOfTheStruct) {
 }
 
 TEST(MarkerLocatorConfig, EveryValueReachesItsParameter) {
-  const MarkerLocatorConfig least = MarkerLocatorConfig::__getMin__(),
-                            most = MarkerLocatorConfig::__getMax__();
-  for (const auto& description : MarkerLocatorConfig::__getParamDescriptions__()) {
-    if (description->type == "str") continue;  // no least and most
-    for (const MarkerLocatorConfig& limit : {least, most}) {
-      dynamic_reconfigure::Config one;
-      description->toMessage(one, limit);
-      MarkerLocatorConfig wanted = toConfig(MarkerLocatorParams());
-      ASSERT_TRUE(description->fromMessage(one, wanted));
-      boost::any told, asked;
-      description->getValue(toConfig(withConfig(MarkerLocatorParams(), wanted)), told);
-      description->getValue(wanted, asked);
-      const auto number = [](const boost::any& value) {
-        if (const auto* real = boost::any_cast<double>(&value)) return *real;
-        if (const auto* whole = boost::any_cast<int>(&value)) return static_cast<double>(*whole);
-        return static_cast<double>(boost::any_cast<bool>(value));
-      };
-      EXPECT_EQ(number(told), number(asked)) << description->name;
-    }
-  }
+  expectEveryValueReachesItsParameter<MarkerLocatorConfig, MarkerLocatorParams>();
 }
 
 TEST(MarkerLocatorConfig, TheOtherParametersStay) {
