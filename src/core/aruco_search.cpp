@@ -22,7 +22,6 @@ constexpr double kSmoothing = 0.6;    // pixels; less noise makes fewer contours
 constexpr int kBlock = 9, kSmallBlock = 3, kLargeBlock = 13;  // pixels whose mean is the threshold
 constexpr double kDarkBorder = 0.7;  // share of the border of what is worth a closer look
 constexpr double kSmallerThanExpected = 0.5;
-constexpr float kBorder = 2;  // pixels to the image's border; a corner beyond is where that cuts a marker off
 
 cv::Ptr<cv::aruco::DetectorParameters> arucoParameters(const DetectorParams& params) {
   auto aruco = cv::aruco::DetectorParameters::create();
@@ -32,14 +31,6 @@ cv::Ptr<cv::aruco::DetectorParameters> arucoParameters(const DetectorParams& par
   aruco->minDistanceToBorder = 1;
   aruco->cornerRefinementMethod = cv::aruco::CORNER_REFINE_NONE;
   return aruco;
-}
-
-template <typename Quad>
-bool isCutOff(const Quad& corners, const cv::Point2f& origin, const cv::Size& image) {
-  const cv::Rect2f whole(kBorder, kBorder, static_cast<float>(image.width - 1) - 2 * kBorder,
-                         static_cast<float>(image.height - 1) - 2 * kBorder);
-  return std::any_of(corners.begin(), corners.end(),
-                     [&](const cv::Point2f& corner) { return !whole.contains(corner + origin); });
 }
 
 class ArucoSearch : public MarkerSearch {
@@ -59,7 +50,7 @@ class ArucoSearch : public MarkerSearch {
 
   void inside(const cv::Mat& image, QuadSearch& quads, Effort effort, FoundMarkers& found) override {
     for (const QuadCandidate& quad : quads.all()) {
-      if (isCutOff(quad.corners, {0, 0}, image.size()) || found.cover(quad)) continue;
+      if (found.cover(quad)) continue;
       const Code code = reader_.read(image, quad.corners);
       if (code.id >= 0)
         found.add(detection(code, quad));
@@ -104,9 +95,7 @@ class ArucoSearch : public MarkerSearch {
     const double min_side = std::max(kSmallerThanExpected * side, minSide(image.size()));
     parameters_->minMarkerPerimeterRate = 4 * min_side / std::max(window.width, window.height);
     cv::aruco::detectMarkers(smooth_, dictionary_, read_, ids_, parameters_);
-    for (size_t i = 0; i < ids_.size(); ++i)
-      if (!isCutOff(read_[i], window.tl(), image.size()))
-        found.add(detection(ids_[i], read_[i], window.tl()));
+    for (size_t i = 0; i < ids_.size(); ++i) found.add(detection(ids_[i], read_[i], window.tl()));
   }
 
   Detection detection(const Code& code, const QuadCandidate& quad) const {
