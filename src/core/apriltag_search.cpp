@@ -63,9 +63,6 @@ class AprilTagSearch : public MarkerSearch {
     detect(*part_, image(window), decimate, window.tl(), found);
   }
 
-  bool isAt(const cv::Mat&, const MarkerKey&, const Corners&) override { return false; }
-  bool readsInPlace() const override { return false; }
-
   double minSide(const cv::Size&) const override {
     double modules = 0;
     for (const auto& family : families_) modules = std::max(modules, 1.0 * family->width_at_border);

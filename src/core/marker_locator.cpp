@@ -5,11 +5,11 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 #include <utility>
 
 #include "marker_innovation.hpp"
+#include "marker_search.hpp"
 #include "sextant/core/marker_pose.hpp"
 #include "sextant/core/pose_posterior.hpp"
 #include "sextant/core/range.hpp"
@@ -45,12 +45,6 @@ MarkerSighting sighting(const Seen& seen, const LocatorParams& params) {
           seen.mapped->T_map_marker, seen.mapped->size,
           seen.detection->corners,   cornerSigmas(seen, params),
           seen.mapped->covariance};
-}
-
-std::vector<MarkerSighting> sightingsOf(const std::vector<Seen>& all, const LocatorParams& params) {
-  std::vector<MarkerSighting> sightings;
-  for (const Seen& seen : all) sightings.push_back(sighting(seen, params));
-  return sightings;
 }
 
 bool repeated(const MarkerView& view, const MarkerKey& key) {
@@ -115,9 +109,8 @@ LocatedMarker located(const Seen& seen, const MarkerSighting& sighting, const Po
   return marker;
 }
 
-LocatedPose located(const std::vector<Seen>& all, const LocatorParams& params, const PoseHypothesis& best,
-                    const PosePosterior& posterior) {
-  const auto sightings = sightingsOf(all, params);
+LocatedPose located(const std::vector<Seen>& all, const std::vector<MarkerSighting>& sightings,
+                    const PoseHypothesis& best, const PosePosterior& posterior) {
   LocatedPose pose{best.T_map_base, posterior.covariance, best.rms, posterior.probability, {}};
   for (size_t i = 0; i < all.size(); ++i) {
     const bool used = std::find(best.used.begin(), best.used.end(), i) != best.used.end();
@@ -138,13 +131,16 @@ LocatorResult result(const LocatedPose& pose) {
   return result;
 }
 
+std::vector<MarkerSighting> sightingsOf(const std::vector<Seen>& all, const LocatorParams& params) {
+  std::vector<MarkerSighting> sightings;
+  for (const Seen& seen : all) sightings.push_back(sighting(seen, params));
+  return sightings;
+}
+
 // Corners of which it is known where they are: a hidden one's deviation is half a module, of at most twelve a
 // side.
 int cornersInSight(const Detection& detection) {
-  double side = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < 4; ++i)
-    side = std::min(side, (detection.corners[(i + 1) % 4] - detection.corners[i]).norm());
-  const double hidden = std::max(1.0, side / 24);
+  const double hidden = std::max(1.0, shortestSide(detection.corners) / 24);
   return static_cast<int>(std::count_if(detection.corner_sigmas.begin(), detection.corner_sigmas.end(),
                                         [&](double sigma) { return sigma < hidden; }));
 }
@@ -172,7 +168,7 @@ LocatorResult joint(const std::vector<Seen>& all, const LocatorParams& params,
   if (posterior.probability < params.decided && params.ambiguous == "skip")
     return none("ambiguous: more than one pose explains the markers");
   // Those that are not trusted come last: the indices are the same.
-  return result(located(all, params, hypotheses[posterior.best], posterior));
+  return result(located(all, sightingsOf(all, params), hypotheses[posterior.best], posterior));
 }
 
 LocatorResult nearest(const std::vector<Seen>& seen, const LocatorParams& params,

@@ -39,9 +39,9 @@ class MarkerSearch {
   /// Reads every quad that is no part of a marker found already.
   virtual void inside(const cv::Mat& image, QuadSearch& quads, Effort effort, FoundMarkers& found);
   /// Whether this marker is read with its corners just there.
-  virtual bool isAt(const cv::Mat& image, const MarkerKey& key, const Corners& corners) = 0;
-  /// Whether isAt() can tell; else it is false, and markers must be looked for.
-  virtual bool readsInPlace() const = 0;
+  virtual bool isAt(const cv::Mat&, const MarkerKey&, const Corners&) { return false; }
+  /// Whether isAt() can tell; else markers must be looked for.
+  virtual bool readsInPlace() const { return false; }
   /// Shortest side of a marker that can be read in images of this size, pixels.
   virtual double minSide(const cv::Size& image) const = 0;
   virtual BorderSquare border(const MarkerKey& key) const = 0;

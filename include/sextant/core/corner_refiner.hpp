@@ -44,9 +44,8 @@ struct RefinedCorners {
 /// hidden_edge.hpp); first 0.15 px are added to what is seen, since what lens and print move it by is drawn
 /// out, too. Else the start's is told, with its own sigma and the edge's doubt.
 /// @param image 8-bit grey
-/// @param corners start, clockwise in the image, good to 6 px or five of its deviations, or to nine tenths of
-/// a module where
-///   that is less
+/// @param corners start, clockwise in the image, good to 6 px or five of its deviations, but at most to
+/// nine tenths of a module
 RefinedCorners refineCorners(const cv::Mat& image, const Corners& corners, const BorderSquare& square,
                              const CameraModel* camera = nullptr);
 
