@@ -136,18 +136,21 @@ class CommandTest(unittest.TestCase):
         return self.truth[begin:]
 
     def test_robot_obeys_and_stops_when_nobody_commands(self):
-        obeying = [m for m in self.drive(0.2, 0.6, 60) if m.twist.twist.angular.z != 0.0]
-        self.assertTrue(all((m.twist.twist.linear.x, m.twist.twist.angular.z) == (0.2, 0.6) for m in obeying))
-        first, last = obeying[0], obeying[-1]
-        moved = np.linalg.inv(pose_from_message(first.pose.pose)) @ pose_from_message(last.pose.pose)
-        seconds = (last.header.stamp - first.header.stamp).to_sec()
-        radius, turn = 0.2 / 0.6, 0.6 * seconds  # a circle
-        np.testing.assert_allclose(
-            moved[:2, 3], [radius * np.sin(turn), radius * (1.0 - np.cos(turn))], atol=1e-6
-        )
+        frames = self.drive(0.2, 0.6, 60)  # on a busy machine it may rest in between: no command came in time
+        told = [m.twist.twist.angular.z != 0.0 for m in frames]
+        self.assertGreater(sum(told), 20)
+        for before, frame, obeys in zip(frames, frames[1:], told[1:]):
+            moved = np.linalg.inv(pose_from_message(before.pose.pose)) @ pose_from_message(frame.pose.pose)
+            seconds = (frame.header.stamp - before.header.stamp).to_sec()
+            radius, turn = 0.2 / 0.6, 0.6 * seconds * obeys  # a circle
+            np.testing.assert_allclose(
+                moved[:2, 3], [radius * np.sin(turn), radius * (1.0 - np.cos(turn))], atol=1e-6
+            )
+            speed = frame.twist.twist.linear.x, frame.twist.twist.angular.z
+            self.assertEqual(speed, (0.2, 0.6) if obeys else (0.0, 0.0))
         wait_until(lambda: self.truth[-1].twist.twist.linear.x == 0.0)
         rested = self.truth[-1].pose.pose
-        wait_until(lambda: len(self.truth) > len(obeying) + 100)
+        wait_until(lambda: len(self.truth) > len(frames) + 100)
         self.assertEqual(self.truth[-1].pose.pose, rested)
 
     def test_walls_hold_the_robot(self):
