@@ -15,6 +15,7 @@ void bindMarkerPose(pybind11::module_& module);
 void bindMarkerMap(pybind11::module_& module);
 void bindMarkerLocator(pybind11::module_& module);
 void bindMarkerLocalization(pybind11::module_& module);
+void bindMapMaker(pybind11::module_& module);
 void bindRoomRenderer(pybind11::module_& module);
 
 }  // namespace sextant

@@ -13,5 +13,6 @@ PYBIND11_MODULE(_core, module) {
   sextant::bindMarkerMap(module);
   sextant::bindMarkerLocator(module);
   sextant::bindMarkerLocalization(module);
+  sextant::bindMapMaker(module);
   sextant::bindRoomRenderer(module);
 }

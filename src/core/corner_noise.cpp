@@ -62,19 +62,21 @@ std::vector<ImageNoise> imageNoise(const LocatedPose& pose) {
 
 void CornerNoise::add(const LocatedPose& pose) {
   const auto images = imageNoise(pose);
-  if (images.size() > cameras_.size()) cameras_.resize(images.size());
-  for (size_t i = 0; i < images.size(); ++i) {
-    if (images[i].freedoms == 0) continue;
-    Camera& camera = cameras_[i];
-    if (camera.logarithms.size() < kMemory) {
-      camera.logarithms.push_back(0);
-      camera.freedoms.push_back(0);
-    }
-    camera.logarithms[camera.next] = std::log(std::max(images[i].squares / images[i].freedoms, 1e-6));
-    camera.freedoms[camera.next] = images[i].freedoms;
-    camera.next = (camera.next + 1) % kMemory;
-    if (camera.logarithms.size() >= kEnough) learn(camera);
+  for (size_t i = 0; i < images.size(); ++i) add(i, images[i]);
+}
+
+void CornerNoise::add(size_t index, const ImageNoise& image) {
+  if (index >= cameras_.size()) cameras_.resize(index + 1);
+  if (image.freedoms == 0) return;
+  Camera& camera = cameras_[index];
+  if (camera.logarithms.size() < kMemory) {
+    camera.logarithms.push_back(0);
+    camera.freedoms.push_back(0);
   }
+  camera.logarithms[camera.next] = std::log(std::max(image.squares / image.freedoms, 1e-6));
+  camera.freedoms[camera.next] = image.freedoms;
+  camera.next = (camera.next + 1) % kMemory;
+  if (camera.logarithms.size() >= kEnough) learn(camera);
 }
 
 void CornerNoise::learn(Camera& camera) {

@@ -31,19 +31,10 @@ Pose basePose(const Seen& seen, const MarkerPose& solution) {
   return seen.mapped->T_map_marker * solution.T_camera_marker.inverse() * seen.view->T_base_camera.inverse();
 }
 
-// What all corners of a camera have in common, and what each tells of itself: a hidden one counts little.
-std::array<double, 4> cornerSigmas(const Seen& seen, const LocatorParams& params) {
-  std::array<double, 4> sigmas;
-  for (int i = 0; i < 4; ++i)
-    sigmas[i] = std::hypot(seen.view->noise_scale * params.corner_sigma,
-                           std::max(0.0, seen.detection->corner_sigmas[i]));
-  return sigmas;
-}
-
 MarkerSighting sighting(const Seen& seen, const LocatorParams& params) {
   return {&seen.view->camera,        seen.view->T_base_camera.inverse(),
           seen.mapped->T_map_marker, seen.mapped->size,
-          seen.detection->corners,   cornerSigmas(seen, params),
+          seen.detection->corners,   cornerSigmas(*seen.view, *seen.detection, params.corner_sigma),
           seen.mapped->covariance};
 }
 
@@ -231,6 +222,13 @@ std::vector<MarkerKey> keys(const LocatedPose& pose, bool used) {
 }
 
 }  // namespace
+
+CornerSigmas cornerSigmas(const MarkerView& view, const Detection& detection, double corner_sigma) {
+  CornerSigmas sigmas;
+  for (int i = 0; i < 4; ++i)
+    sigmas[i] = std::hypot(view.noise_scale * corner_sigma, std::max(0.0, detection.corner_sigmas[i]));
+  return sigmas;
+}
 
 std::vector<MarkerKey> LocatedPose::used() const { return keys(*this, true); }
 std::vector<MarkerKey> LocatedPose::leftOut() const { return keys(*this, false); }

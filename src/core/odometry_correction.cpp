@@ -24,6 +24,13 @@ Matrix6d drift(const OdometryParams& params, const Pose& step) {
 
 }  // namespace
 
+// p' = p + R dp: a rotation error r moves it by r x (R dp).
+PosePrior movedByOdometry(const PosePrior& pose, const Pose& step, const OdometryParams& params) {
+  Matrix6d F = Matrix6d::Identity();
+  F.topRightCorner<3, 3>() = -skew(pose.T_map_base.linear() * step.translation());
+  return {pose.T_map_base * step, F * pose.covariance * F.transpose() + drift(params, step)};
+}
+
 void OdometryParams::validate() const {
   Range::openLow(0, 10).require("odometry_position_drift", position_drift, "m");
   Range::openLow(0, 10).require("odometry_heading_drift", heading_drift, "rad");
@@ -39,12 +46,9 @@ void OdometryCorrection::setParams(const OdometryParams& params) {
   params_ = params;
 }
 
-// p' = p + R dp: a rotation error r moves it by r x (R dp).
 PosePrior OdometryCorrection::moved(const State& state, const Pose& T_odom_base) const {
-  const Pose step = state.T_odom_base.inverse() * T_odom_base;
-  Matrix6d F = Matrix6d::Identity();
-  F.topRightCorner<3, 3>() = -skew(state.T_map_base.linear() * step.translation());
-  return {state.T_map_base * step, F * state.covariance * F.transpose() + drift(params_, step)};
+  return movedByOdometry({state.T_map_base, state.covariance}, state.T_odom_base.inverse() * T_odom_base,
+                         params_);
 }
 
 bool OdometryCorrection::apart(const PosePrior& expected, const Pose& T_map_base,

@@ -26,6 +26,8 @@ class CornerNoise {
  public:
   /// To be told every pose.
   void add(const LocatedPose& pose);
+  /// What one image of a camera says; without degrees of freedom it says nothing.
+  void add(size_t camera, const ImageNoise& image);
 
   /// Factor on LocatorParams::corner_sigma of most images; 1 until enough was seen.
   double typical(size_t camera) const;

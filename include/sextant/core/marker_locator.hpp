@@ -25,6 +25,11 @@ struct MarkerView {
   double noise_scale = 1.0;  ///< factor on LocatorParams::corner_sigma, see CornerNoise
 };
 
+/// Standard deviation of the coordinates of each corner of a detection, pixels: what all corners of its view
+/// have in common (corner_sigma, scaled by the view's noise) and what each tells of itself. A hidden one
+/// counts little.
+CornerSigmas cornerSigmas(const MarkerView& view, const Detection& detection, double corner_sigma);
+
 struct LocatorParams {
   std::string mode = "joint";  ///< nearest | average | joint
   double corner_sigma = 0.3;   ///< noise that all corner coordinates have in common, pixels, (0, 10]

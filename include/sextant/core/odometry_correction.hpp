@@ -23,6 +23,9 @@ struct OdometryParams {
   void validate() const;
 };
 
+/// A pose after a step (T_last_base) that odometry measured, with what the step may have drifted added.
+PosePrior movedByOdometry(const PosePrior& pose, const Pose& step, const OdometryParams& params);
+
 /// Keeps T_map_odom: the last pose in the map, moved by odometry and corrected by every pose that does not
 /// contradict it (an extended Kalman filter over (position, rotation) in the map's axes).
 class OdometryCorrection {
