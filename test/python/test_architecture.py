@@ -42,8 +42,9 @@ ROOMS = {
 NOT_IN_CORE = re.compile(r"std::(cout|cerr|clog)|\bprintf\(|_clock::now|\btime\(nullptr\)|\bgetenv\(")
 ROS_MODULES = re.compile(
     r"(actionlib|cv_bridge|diagnostic_updater|dynamic_reconfigure|message_filters|nodelet|ros[a-z]+|tf|tf2_\w+|std_srvs|\w+_msgs"
-    r"|sextant\.(msg|srv|nodes))(\.|$)"
+    r"|sextant\.(msg|srv|nodes|bags|commands))(\.|$)"
 )
+RUNNING_ROS = re.compile(r"(actionlib|dynamic_reconfigure|rospy|tf2_ros|sextant\.(nodes|commands))(\.|$)")
 EMPTY_NOUN = re.compile(r"(^|_)(utils?|helpers?|common|misc)(_|$)")
 SPDX = [
     re.compile(r"(#|//) SPDX-FileCopyrightText: Sextant authors"),
@@ -116,16 +117,33 @@ def test_core_reads_no_clock_and_writes_no_console():
     assert offenders(files("include/sextant/core", "src/core"), NOT_IN_CORE.findall) == {}
 
 
+def python_room(name):
+    return [path for path in files("src/sextant") if name in path.parts]
+
+
 def test_python_library_knows_no_ros():
-    library = [path for path in files("src/sextant") if "nodes" not in path.parts]
+    outside = {*python_room("nodes"), *python_room("bags"), *python_room("commands")}
+    library = [path for path in files("src/sextant") if path not in outside]
     assert library
     assert offenders(library, ros_imports) == {}
+
+
+@pytest.mark.parametrize("room", ["bags", "commands"])
+def test_what_runs_offline_needs_no_master(room):
+    sources = python_room(room)
+    assert sources, f"nothing in {room}: the wall guards an empty room"
+
+    def running(text):
+        mine = re.compile(rf"sextant\.{room}(\.|$)")
+        return sorted(name for name in imports(text) if RUNNING_ROS.match(name) and not mine.match(name))
+
+    assert offenders(sources, running) == {}
 
 
 def test_executables_only_call_their_node():
     for path in executables():
         tree = ast.parse(path.read_text())
-        assert len(tree.body) <= 3, f"{path.name}: the node belongs into src/sextant/nodes"
+        assert len(tree.body) <= 3, f"{path.name}: what it does belongs into src/sextant/nodes or commands"
         assert path.stat().st_mode & 0o111, f"{path.name} is not executable"
 
 
