@@ -1,0 +1,47 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Makes the chessboard to calibrate a camera with, and tells what to type then."""
+
+import argparse
+from typing import List, Optional
+
+from sextant.commands.print_command import PrintParser, check_output, columns_and_rows, run
+from sextant.markers.chessboard_sheet import Chessboard, largest_square, write_chessboard
+from sextant.markers.print_layout import Paper
+
+_CALIBRATE = "rosrun camera_calibration cameracalibrator.py {} image:=camera/image_raw camera:=camera"
+
+
+def main(arguments: Optional[List[str]] = None) -> int:
+    """:returns: exit code: 0, or 2 where nothing could be made of the arguments."""
+    return run(_parser(), arguments, _make)
+
+
+def _parser() -> PrintParser:
+    parser = PrintParser("chessboard.pdf", prog="make_chessboard", description=__doc__)
+    parser.add_argument(
+        "corners",
+        type=columns_and_rows,
+        metavar="COLUMNSxROWS",
+        nargs="?",
+        default=(8, 6),
+        help="inner corners, as camera_calibration counts: 8x6, the default, has 9 x 7 squares",
+    )
+    parser.add_argument(
+        "--square", type=float, metavar="METRES", help="edge of a square (default: the largest that fits)"
+    )
+    return parser
+
+
+def _make(options: argparse.Namespace) -> List[str]:
+    check_output(options.output, options.force)
+    paper, (columns, rows) = Paper(options.page, options.margin), options.corners
+    paper.validate()
+    square = largest_square(columns, rows, paper) if options.square is None else options.square
+    board = Chessboard(columns, rows, square)
+    write_chessboard(options.output, board, paper)
+    return [
+        f"{options.output}: {columns} x {rows} inner corners, squares of {square} m, {options.page}",
+        "Print at 100 %, measure the 100 mm line, glue it onto something flat. Then, while the camera runs:",
+        _CALIBRATE.format(board.arguments),
+    ]

@@ -1,0 +1,158 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""A board to print: markers in a grid on one sheet, and where they are on it."""
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import List, Optional, Sequence, Tuple, Union
+
+import numpy as np
+
+import sextant
+from sextant.markers.marker_print import black_boxes, check_size, marker_shape
+from sextant.markers.print_label import UP, Label, draw_label, label_height
+from sextant.markers.print_layout import (
+    Grid,
+    Paper,
+    Piece,
+    arrange,
+    check_ranges,
+    draw_cut_marks,
+    largest_sizes,
+)
+from sextant.markers.print_page import PrintPages
+from sextant.markers.sheets import SheetParams, check_ids, id_ranges
+
+
+@dataclass(frozen=True)
+class BoardParams:
+    """How the markers of a board stand; validate() has the ranges."""
+
+    columns: int
+    rows: int
+    gap: float  # metres between the edges of neighbours that `size` measures
+
+    def validate(self) -> None:
+        """:raises ValueError: names the first field out of range, its value and what is allowed."""
+        check_ranges(self, columns=(1, 100), rows=(1, 100), gap=(0.0, 1.0))
+
+
+def smallest_gap(family: str, size: float, quiet: float) -> float:
+    """Metres that leave a white rim of so many modules between neighbours."""
+    shape = marker_shape(family)
+    return size * (2 * shape.outside + quiet) / shape.border
+
+
+def round_gap(family: str, size: float, quiet: float) -> float:
+    """smallest_gap() in whole millimetres."""
+    return math.ceil(1000.0 * smallest_gap(family, size, quiet) - 1e-6) / 1000.0
+
+
+def board_map(family: str, ids: Sequence[int], size: float, board: BoardParams) -> "sextant.MarkerMap":
+    """Where the markers of a board are, in frame `board`: origin in its middle, x right, y up, z out of it.
+
+    :param ids: row by row from the top left
+    :param size: edge length of a marker in metres, between the corners that a detector reports
+    :raises ValueError: an unknown family, an id that it does not have or that is there twice, or not as many
+        ids as places
+    """
+    board.validate()
+    check_ids(family, ids)
+    if len(ids) != board.columns * board.rows:
+        wanted = f"a board of {board.columns} x {board.rows} needs {board.columns * board.rows} ids"
+        raise ValueError(f"{wanted}, {len(ids)} are given")
+    marker_map = sextant.MarkerMap("board")
+    for id, (x, y) in zip(ids, _places(size, board)):
+        T_board_marker = np.eye(4)
+        T_board_marker[:2, 3] = x, y
+        marker_map.add(sextant.MappedMarker(family, id, size, T_board_marker))
+    return marker_map
+
+
+def write_board(
+    path: Union[str, Path],
+    family: str,
+    ids: Sequence[int],
+    size: float,
+    board: BoardParams,
+    params: SheetParams,
+) -> "sextant.MarkerMap":
+    """Writes a PDF with one board.
+
+    :param ids: row by row from the top left
+    :param size: edge length of a marker in metres, between the corners that a detector reports
+    :returns: board_map()
+    :raises ValueError: as board_map(), a gap too small for the white rim, or a board too large for the page
+    :raises OSError: the file cannot be written
+    """
+    params.validate()
+    check_size(size)
+    marker_map = board_map(family, ids, size, board)
+    if not _leaves_white(board, family, size, params.quiet):
+        least = round_gap(family, size, params.quiet)
+        raise ValueError(f"gap is {board.gap} m, the white rim between two neighbours needs {least} m")
+    grid = _grid(family, size, board, params)
+    pages = PrintPages(Path(path).stem, *grid.page)
+    _draw_board(pages, family, ids, size, board, grid)
+    what = f"{family}, size {size} m: {marker_shape(family).measured}; gap {board.gap} m"
+    pages.footer(params.margin, f"{what}; ids row by row from the top left")
+    pages.end_page()
+    pages.save(path)
+    return marker_map
+
+
+def _leaves_white(board: BoardParams, family: str, size: float, quiet: float) -> bool:
+    single = board.columns * board.rows == 1
+    return single or board.gap > smallest_gap(family, size, quiet) - 1e-9
+
+
+def _grid(family: str, size: float, board: BoardParams, params: SheetParams) -> Grid:
+    """The board's place on a page."""
+
+    def on_paper(size: float, paper: Paper) -> Optional[Grid]:
+        if not _leaves_white(board, family, size, params.quiet):
+            return None
+        return arrange(_piece(family, size, board, params.quiet), paper)
+
+    grid = on_paper(size, params)
+    if grid is None:
+        at_most = largest_sizes(on_paper, params.margin)
+        raise ValueError(f"the board does not fit on {params.page}; markers with this gap: at most {at_most}")
+    return grid
+
+
+def _places(size: float, board: BoardParams) -> List[Tuple[float, float]]:
+    """Middles of the markers from the middle of the board, row by row from the top left."""
+    step, left, top = size + board.gap, -0.5 * (board.columns - 1), 0.5 * (board.rows - 1)
+    return [
+        (step * (left + column), step * (top - row))
+        for row in range(board.rows)
+        for column in range(board.columns)
+    ]
+
+
+def _piece(family: str, size: float, board: BoardParams, quiet: float) -> Piece:
+    shape = marker_shape(family)
+    module = size / shape.border
+    width, height = (
+        count * size + (count - 1) * board.gap + 2 * shape.outside * module
+        for count in (board.columns, board.rows)
+    )
+    return Piece(width, height, quiet * module, label_height(width))
+
+
+def _draw_board(
+    pages: PrintPages, family: str, ids: Sequence[int], size: float, board: BoardParams, grid: Grid
+) -> None:
+    """Its markers as one path, and below them the lengths of an edge and of a gap."""
+    piece, (x, y) = grid.piece, grid.places()[0]
+    boxes = []
+    for id, (right, up) in zip(ids, _places(size, board)):
+        boxes += black_boxes(family, id, size, x + right, y + up)
+    pages.fill(boxes)
+    begin = -0.5 * (board.columns * size + (board.columns - 1) * board.gap)
+    lengths = [(begin, begin + size), (begin + size, begin + size + board.gap)]
+    label = Label(f"{UP} id {id_ranges(ids)}", family, lengths[: board.columns])
+    draw_label(pages, label, x, y - 0.5 * piece.height - piece.rim, piece.width, piece.label)
+    draw_cut_marks(pages, piece, x, y)
