@@ -19,7 +19,9 @@ NODES_PAGE = (ROOT / "doc/nodes.md").read_text()
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "doc").rglob("*.md"), *(ROOT / "test").rglob("*.md")])
 HEADERS = "\n".join(path.read_text() for path in sorted((ROOT / "include").rglob("*.hpp")))
 NODELETS = {path.stem[: -len("_params")]: path for path in (ROOT / "src/ros").glob("*_params.cpp")}
-SCRIPTS = sorted(path.name for path in (ROOT / "scripts").iterdir() if path.is_file() and not path.suffix)
+SCRIPTS = sorted(
+    path.stem for path in (ROOT / "src/sextant/nodes").glob("*.py") if (ROOT / "scripts" / path.stem).exists()
+)
 
 NEEDED = "needed"  # where the table has a default
 
@@ -244,32 +246,6 @@ def test_constant_rotations_put_the_corners_where_they_are():
     assert set(names["R_THEIRS_SEXTANT"]) == {*CORNERS, "aruco_ros, library 1 or 2"}
     for R in names["R_THEIRS_SEXTANT"].values():
         assert np.linalg.det(R) == pytest.approx(1.0)
-
-
-def test_fiducial_slam_map_is_converted(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "map.txt").write_text("7 1.5 -2 0.5 90.0 0.0 -90.0 0.01 12 8 9\n8 0 0 2.4 180 0 0 0.02 3 7\n")
-    names = {}
-    exec(migration(1), names)
-    first, second = sextant.read_marker_map("map.yaml").markers
-    assert (first.family, first.id, first.size, second.id) == ("DICT_5X5_1000", 7, 0.14, 8)
-    np.testing.assert_allclose(first.T_map_marker[:3, 3], [1.5, -2.0, 0.5])
-    np.testing.assert_allclose(first.T_map_marker[:3, :3], [[0, 0, -1], [-1, 0, 0], [0, 1, 0]], atol=1e-9)
-    np.testing.assert_allclose(second.T_map_marker[:3, :3], np.diag([1, -1, -1]), atol=1e-9)
-
-
-def test_apriltag_bundle_is_converted(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "tags.yaml").write_text(
-        "tag_bundles: [{name: b, layout: [{id: 1, size: 0.1},"
-        " {id: 5, size: 0.2, x: 0.3, z: -1, qw: 0.5, qx: 0.5, qy: 0.5, qz: 0.5}]}]\n"
-    )
-    exec(migration(2), {})
-    first, second = sextant.read_marker_map("bundle.yaml").markers
-    np.testing.assert_allclose(first.T_map_marker, np.eye(4))
-    np.testing.assert_allclose(second.T_map_marker[:3, 3], [0.3, 0.0, -1.0])
-    # a third of a turn about (1, 1, 1): x to y, y to z, z to x
-    np.testing.assert_allclose(second.T_map_marker[:3, :3], [[0, 0, 1], [1, 0, 0], [0, 1, 0]], atol=1e-9)
 
 
 @pytest.mark.parametrize("language, name", [("yaml", "map.yaml"), ("text", "map.txt")])

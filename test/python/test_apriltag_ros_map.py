@@ -1,0 +1,93 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+import re
+
+import numpy as np
+import pytest
+import yaml
+from foreign_maps import TAGS, example_map, refused
+
+from sextant.markers.formats.map_file import MapFileError, MapOptions
+from sextant.markers.formats.quaternion import quaternion_from_rotation, rotation_from_quaternion
+from sextant.markers.map_formats import read_map, write_map
+
+
+def test_quaternion():
+    R = rotation_from_quaternion([2.0, 2.0, 2.0, 2.0])  # a third of a turn about (1, 1, 1)
+    np.testing.assert_allclose(R, [[0, 0, 1], [1, 0, 0], [0, 1, 0]], atol=1e-15)
+    np.testing.assert_allclose(quaternion_from_rotation(R), [0.5, 0.5, 0.5, 0.5])
+    np.testing.assert_allclose(quaternion_from_rotation(np.eye(3)), [0, 0, 0, 1])
+    half_turn = rotation_from_quaternion([0.0, -0.6, 0.8, 0.0])
+    np.testing.assert_allclose(
+        rotation_from_quaternion(quaternion_from_rotation(half_turn)), half_turn, atol=1e-15
+    )
+
+
+def test_apriltag_ros_gets_numbers_with_a_point(tmp_path):
+    """It asserts that a size is a double."""
+    path = tmp_path / "tags.yaml"
+    write_map(example_map(sizes=(1.0, 0.05), frame="dock"), str(path), "apriltag_ros")
+    (bundle,) = yaml.safe_load(path.read_text())["tag_bundles"]
+    assert bundle["name"] == "dock" and [tag["size"] for tag in bundle["layout"]] == [1.0, 0.05]
+    assert all(isinstance(tag["size"], float) for tag in bundle["layout"])
+    assert bundle["layout"][0]["x"] == 1.0 and bundle["layout"][1]["x"] == 1e-6
+
+
+def bundles(*layouts, standalone=""):
+    rows = ", ".join(f"{{name: b{i}, layout: [{layout}]}}" for i, layout in enumerate(layouts))
+    return f"standalone_tags: [{standalone}]\ntag_bundles: [{rows}]\n"
+
+
+@pytest.mark.parametrize(
+    "text, reason",
+    [
+        (bundles(), ":1: has no tag_bundles: standalone tags have no place"),
+        (bundles("{id: 1, size: 0.1}", ""), r":1: has several bundles, name .* \(--bundle\): b0, b1"),
+        (bundles("{id: 1}"), ":2: a tag of a bundle lacks 'size'"),
+        (bundles("{id: 1, size: 0.1, roll: 3}"), ":2: 'roll' is no name that a tag of a bundle has"),
+        (bundles("{id: 1, size: 0.1, qw: 0}"), ":2: the quaternion is zero"),
+        (bundles("{id: 1, size: 0.1, qw: .nan}"), ":2: 'qw' must be a finite number, not nan"),
+        (bundles("{id: 1, size: 0.1, x: .inf}"), ":2: 'x' must be a finite number, not inf"),
+        (bundles("{id: 1, size: 0.1, x: left}"), ":2: 'x' needs a number: 'left' is not a number"),
+        (bundles("{id: 1, size: 0.1, x: [1]}"), r":2: 'x' must be a finite number, not \[1\]"),
+        (bundles("{id: 1, size: 0.1, x: 1, x: 2}"), ":2: 'x' is there twice"),
+        (bundles("{id: 1.5, size: 0.1}"), ":2: 'id' must be a whole number, not 1.5"),
+        (bundles("{id: true, size: 0.1}"), ":2: 'id' must be a whole number, not True"),
+        (bundles("{id: 99999999999, size: 0.1}"), ":2: 'id' is too large for an id"),
+        (bundles("{id: 587, size: 0.1}"), r":2: marker 587 \(tag36h11\): the family's ids are 0 to 586"),
+        (bundles("{id: 1, size: 0}"), r":2: marker 1 \(tag36h11\): size must be in \(0, 100\] m"),
+        (bundles("{id: 1, size: 0.1}, {id: 1, size: 0.1}"), r":2: marker 1 \(tag36h11\): it is there twice"),
+        (bundles("3"), ":2: 'layout' must be a list of tables"),
+        (bundles(""), ": has no markers"),
+        (
+            bundles("{id: 1, size: 0.1}", standalone="{id: 1, size: 0.2}"),
+            ":2: tag 1 has 0.1 m here and 0.2 m as",
+        ),
+        (bundles(standalone="{id: 1, size: 0.2}, {id: 1, size: 0.2}"), ":1: standalone tag 1 is there twice"),
+        ("tag_bundles: [{name: b, layout: []}, {name: b, layout: []}]", ":1: bundle 'b' is there twice"),
+        ("tag_bundles: [{name: 3, layout: []}]", ":1: 'name' must be a word, not 3"),
+        ("tag_bundle: []", ":1: 'tag_bundle' is no name that a tags.yaml has"),
+        ("tag_bundles: [", ":1: expected the node content|:2: expected"),
+        ("tag_bundles: !!python/object:os.system []", ":1: could not determine a constructor"),
+        ("a: 2001-02-31", ": is no YAML: day is out of range"),
+        ("a: \x07", ": is no YAML: unacceptable character"),
+        ("? [1]\n: 2", ":1: a list or table cannot be a name"),
+        ("[1, 2]", ": must be a table of names and values"),
+        ("", ": must be a table of names and values"),
+    ],
+)
+def test_apriltag_ros_refuses(tmp_path, text, reason):
+    assert re.match(reason, refused(tmp_path, "tags.yaml", text, "apriltag_ros", TAGS))
+
+
+def test_a_bundle_is_chosen(tmp_path):
+    path = tmp_path / "tags.yaml"
+    path.write_text(bundles("{id: 1, size: 0.1}", "{id: 2, size: 0.1}"))
+    (marker,) = read_map(str(path), "apriltag_ros", MapOptions(bundle="b1")).marker_map.markers
+    assert marker.id == 2
+    with pytest.raises(MapFileError, match="has no bundle 'b', only b0, b1"):
+        read_map(str(path), "apriltag_ros", MapOptions(bundle="b"))
+
+
+def test_a_file_without_end(tmp_path):
+    assert refused(tmp_path, "tags.yaml", "[" * 5000, "apriltag_ros", TAGS) == ": is nested too deeply"
