@@ -27,11 +27,13 @@ class TrajectoryErrors:
 
 @dataclass(frozen=True)
 class ErrorSummary:
-    """Mean, 95th percentile (linear between samples) and worst of a series; NaN without samples."""
+    """Of a series, in its unit; NaN without samples."""
 
     mean: float
-    p95: float
+    p95: float  # 95th percentile, linear between samples
     worst: float
+    median: float = np.nan
+    rmse: float = np.nan  # root of the mean square
 
 
 def trajectory_errors(truth: Trajectory, estimate: Trajectory) -> TrajectoryErrors:
@@ -53,10 +55,16 @@ def trajectory_errors(truth: Trajectory, estimate: Trajectory) -> TrajectoryErro
 
 
 def summarize(values: np.ndarray) -> ErrorSummary:
-    """Mean, 95 % and worst of an (N,) array, in its unit."""
+    """Summary of an (N,) array of errors, in its unit."""
     if len(values) == 0:
         return ErrorSummary(np.nan, np.nan, np.nan)
-    return ErrorSummary(float(np.mean(values)), float(np.percentile(values, 95)), float(np.max(values)))
+    return ErrorSummary(
+        mean=float(np.mean(values)),
+        p95=float(np.percentile(values, 95)),
+        worst=float(np.max(values)),
+        median=float(np.median(values)),
+        rmse=float(np.sqrt(np.mean(np.square(values)))),
+    )
 
 
 def error_table(errors: Mapping[str, TrajectoryErrors]) -> str:
