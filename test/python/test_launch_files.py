@@ -29,6 +29,10 @@ BRANCHES = {
     "robot.launch": [["map:=" + ROOM, "camera:=true", "camera_info:=calibration"], ["start_manager:=false"]],
     "markers.launch": [["map:=" + ROOM, "camera_info:=calibration"], ["start_manager:=false"]],
     "demo.launch": [["rviz:=true", "mode:=nearest"], ["mode:=average"]],
+    "calibrate.launch": [
+        ["fisheye:=true", "commit:=false"],
+        ["start_camera:=false", "camera:=front", "image:=front/image_raw"],
+    ],
     "view.launch": [["hostname:=laptop", "master:=http://robot:11311"], ["rviz:=false"]],
 }
 RUNS = [(path, args) for path in LAUNCH_FILES for args in [[], *BRANCHES.get(path.name, [])]]
@@ -94,7 +98,7 @@ def own_declared(path):
 
 
 def test_there_are_launch_files():
-    assert {"robot.launch", "markers.launch", "demo.launch", "view.launch"} <= {
+    assert {"robot.launch", "markers.launch", "demo.launch", "view.launch", "calibrate.launch"} <= {
         path.name for path in LAUNCH_FILES
     }
 
