@@ -1,0 +1,146 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Which topics of a bag are read as its cameras; the rule is told in ReadOptions."""
+
+from typing import Dict, Iterable, List, NamedTuple, Sequence, Tuple
+
+from sextant.bags.bag_file import BagFile
+from sextant.bags.pictures import is_picture
+from sextant.bags.read_options import ReadOptions
+
+IMAGE, COMPRESSED, MARKERS = "sensor_msgs/Image", "sensor_msgs/CompressedImage", "sextant/MarkerArray"
+
+# What is taken of several pictures of one camera: corners are best in what no one has touched.
+_PREFERRED = ("image_raw", "image", "image_mono", "image_color", "image_rect", "image_rect_color")
+_COMPRESSED_ENDING = "/compressed"
+
+
+class CameraTopic(NamedTuple):
+    """A topic that is read as a camera."""
+
+    topic: str  # as the bag has it
+    camera: str  # its name: that of the images, however they were compressed
+    type: str
+    rectified: bool  # of images; recorded markers say it themselves
+    calibration: str  # file in place of camera_info; empty: none
+
+    @property
+    def info_topic(self) -> str:
+        """The sibling of the images, as image_transport has it."""
+        return self.camera.rpartition("/")[0] + "/camera_info"
+
+
+def choose_topics(bag: BagFile, options: ReadOptions) -> Tuple[List[CameraTopic], List[str]]:
+    """The topics to read, in order of the cameras' names, and what was left out.
+
+    :raises BagError: a topic that was named is not there, has no camera_info, or there is nothing to read
+    """
+    pictures, markers = _found(bag, options, IMAGE, COMPRESSED), _found(bag, options, MARKERS)
+    left_out: List[str] = []
+    if options.images or options.markers:
+        chosen = _named(bag, options.images, pictures, "images") + _named(
+            bag, options.markers, markers, "markers"
+        )
+    elif markers:
+        chosen, left_out = markers, _told(pictures, "markers were recorded")
+    else:
+        chosen, left_out = _one_a_camera(bag, pictures)
+    _check(bag, chosen, options)
+    return sorted(chosen, key=lambda each: each.camera), left_out
+
+
+def _found(bag: BagFile, options: ReadOptions, *types: str) -> List[CameraTopic]:
+    topics = [topic for topic in bag.topics(*types) if not topic.endswith("/compressedDepth")]
+    return [_camera_topic(topic, bag.types[topic], options) for topic in topics]
+
+
+def _camera_topic(topic: str, message_type: str, options: ReadOptions) -> CameraTopic:
+    camera = topic
+    if message_type == COMPRESSED and topic.endswith(_COMPRESSED_ENDING):
+        camera = topic[: -len(_COMPRESSED_ENDING)]
+    rectified = _last(camera).startswith("image_rect") or _is_named(topic, camera, options.rectified)
+    files = [path for name, path in options.calibrations.items() if _is_named(topic, camera, [name])]
+    return CameraTopic(topic, camera, message_type, rectified, str(files[0]) if files else "")
+
+
+def _last(topic: str) -> str:
+    return topic.rpartition("/")[2]
+
+
+def _is_named(topic: str, camera: str, names: Iterable[str]) -> bool:
+    return any(name.strip("/") in (topic.strip("/"), camera.strip("/")) for name in names)
+
+
+def _listing(names: Iterable[str]) -> str:
+    return ", ".join(sorted(set(names))) or "none"
+
+
+def _named(bag: BagFile, names: Sequence[str], found: List[CameraTopic], what: str) -> List[CameraTopic]:
+    chosen = []
+    for name in names:
+        fits = [each for each in found if _is_named(each.topic, each.camera, [name])]
+        if not fits:
+            there = _listing(each.topic for each in found)
+            raise bag.error(f"there are no {what} on {name}", f"topics of {what} in it: {there}")
+        chosen.append(
+            min(fits, key=lambda each: (each.topic.strip("/") != name.strip("/"), each.type == COMPRESSED))
+        )
+    return chosen
+
+
+def _told(left_out: Iterable[CameraTopic], why: str) -> List[str]:
+    return [f"{each.topic} was left out: {why}" for each in left_out]
+
+
+def _one_a_camera(bag: BagFile, pictures: List[CameraTopic]) -> Tuple[List[CameraTopic], List[str]]:
+    if not pictures:
+        there = _listing(bag.types)
+        raise bag.error("there are neither images nor recorded markers in it", f"its topics are: {there}")
+    usable, left_out = _usable(bag, pictures)
+    if not usable:
+        topics = _listing(each.topic for each in pictures)
+        advice = "name a calibration file for the topic, or the topics of images to read"
+        raise bag.error(f"of its topics of images ({topics}) none has pictures and a camera_info", advice)
+    cameras: Dict[str, List[CameraTopic]] = {}
+    for each in sorted(usable, key=_rank):
+        cameras.setdefault(each.info_topic, []).append(each)
+    for best, *others in cameras.values():
+        left_out += _told(others, f"the same camera as {best.topic}")
+    return [each[0] for each in cameras.values()], left_out
+
+
+def _usable(bag: BagFile, pictures: List[CameraTopic]) -> Tuple[List[CameraTopic], List[str]]:
+    usable, left_out = [], []
+    for each in pictures:
+        if not each.calibration and not bag.find(each.info_topic):
+            left_out += _told([each], "no camera_info beside it")
+        elif each.type == IMAGE and not is_picture(bag.first(each.topic, whole=True)):
+            left_out += _told([each], "it holds no pictures")
+        else:
+            usable.append(each)
+    return usable, left_out
+
+
+def _rank(each: CameraTopic) -> Tuple[bool, int, bool, str]:
+    name = _last(each.camera)
+    place = _PREFERRED.index(name) if name in _PREFERRED else len(_PREFERRED)
+    return not each.calibration, place, each.type == COMPRESSED, each.topic
+
+
+def _check(bag: BagFile, chosen: List[CameraTopic], options: ReadOptions) -> None:
+    cameras = [each.camera for each in chosen]
+    for each in chosen:
+        if cameras.count(each.camera) > 1:
+            raise bag.error(f"the images of {each.camera} are named twice", "name one of their topics")
+        if each.type != MARKERS and not each.calibration and not bag.find(each.info_topic):
+            what = f"{each.topic} has no camera_info beside it ({each.info_topic})"
+            raise bag.error(what, "name a calibration file for the topic")
+    _check_use(bag, chosen, "calibrations", options.calibrations)
+    _check_use(bag, chosen, "rectified", options.rectified)
+
+
+def _check_use(bag: BagFile, chosen: List[CameraTopic], use: str, names: Iterable[str]) -> None:
+    for name in names:
+        if not any(_is_named(each.topic, each.camera, [name]) for each in chosen):
+            read = _listing(each.topic for each in chosen)
+            raise bag.error(f"{name}, named in {use}, is not read", f"the topics that are read: {read}")

@@ -1,0 +1,137 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""The cameras of a bag: their calibrations, and the markers in each of their messages."""
+
+from typing import Any, List
+
+import numpy as np
+
+import sextant
+from sextant.bags.bag_file import BagFile, DamagedMessage
+from sextant.bags.calibrations import camera_from_file, camera_from_info, same_calibration
+from sextant.bags.camera_topics import COMPRESSED, IMAGE, MARKERS, CameraTopic
+from sextant.bags.pictures import grey_compressed, grey_image
+from sextant.bags.transforms import frame_name
+from sextant.markers.drive_sightings import DriveCamera, SeenMarker
+from sextant.msg import MarkerArray
+
+NAME_A_FILE = "name the camera's calibration file in place of its camera_info"
+SPLIT = "name the camera's calibration file in place of it, or read the parts one by one with start and end"
+
+
+class BagCamera:
+    """One topic of a bag.
+
+    :raises BagError: there is no message to read, or no calibration that can be used
+    """
+
+    _decoders = {IMAGE: grey_image, COMPRESSED: grey_compressed}
+
+    def __init__(self, bag: BagFile, topic: CameraTopic, detector: "sextant.MarkerDetector"):
+        self.topic, self._bag, self._detector = topic, bag, detector
+        first = bag.first(topic.topic)
+        if first is None:
+            raise bag.error(
+                f"there is no message on {topic.topic} in the part that is read", "see start and end"
+            )
+        self.frame = frame_name(first.header.frame_id)
+        self.camera = self._calibrated(first)
+        self._model = self.camera.model()
+
+    def _calibrated(self, first: Any) -> DriveCamera:
+        topic = self.topic
+        if topic.calibration:
+            return camera_from_file(topic.calibration, topic.rectified)
+        info = one_info(self._bag, topic.info_topic)
+        self.frame = self.frame or frame_name(info.header.frame_id)
+        return self._from_info(info, topic.rectified, topic.info_topic)
+
+    def _from_info(self, info: Any, rectified: bool, where: str) -> DriveCamera:
+        try:
+            return camera_from_info(info, rectified)
+        except ValueError as error:
+            raise self._bag.error(f"{where}: {error}", NAME_A_FILE) from None
+
+    def check_frame(self, message: Any) -> None:
+        """:raises DamagedMessage: it is not of the first one's frame"""
+        frame = frame_name(message.header.frame_id)
+        if frame and frame != self.frame:
+            raise DamagedMessage(f"its frame is '{frame}', the first one's '{self.frame}'")
+
+    def markers(self, message: Any) -> List[SeenMarker]:
+        """What is seen in it.
+
+        :raises DamagedMessage: there is no picture in it, or one of another size than the calibration's
+        """
+        image = self._decoders[self.topic.type](message)
+        size, expected = image.shape[::-1], (self.camera.width, self.camera.height)
+        if size != expected:
+            raise DamagedMessage(
+                f"the image has {size[0]} x {size[1]} pixels, its calibration is for "
+                f"{expected[0]} x {expected[1]}"
+            )
+        return [
+            SeenMarker(each.family, each.id, np.array(each.corners), np.array(each.corner_sigmas))
+            for each in self._detector.detect(image, self._model)
+        ]
+
+
+class MarkersCamera(BagCamera):
+    """One topic of markers that were recorded with the calibration of their camera."""
+
+    def _calibrated(self, first: Any) -> DriveCamera:
+        if first._md5sum != MarkerArray._md5sum:
+            what = f"the markers on {self.topic.topic} were recorded by another version of Sextant"
+            raise self._bag.error(what, "read the images instead, or read it with that version")
+        self._first = first
+        if self.topic.calibration:
+            return camera_from_file(self.topic.calibration, first.rectified)
+        return self._from_info(first.camera_info, first.rectified, self.topic.topic)
+
+    def markers(self, message: Any) -> List[SeenMarker]:
+        """What was seen; raises as BagCamera.markers(), and BagError when the calibration changes."""
+        same = same_calibration(message.camera_info, self._first.camera_info)
+        if not self.topic.calibration and not same:
+            raise self._bag.error(f"the calibration on {self.topic.topic} changes", SPLIT)
+        if message.rectified != self._first.rectified:
+            raise self._bag.error(f"{self.topic.topic} is of raw and of rectified images", SPLIT)
+        return [_recorded_marker(each) for each in message.markers]
+
+
+def _recorded_marker(marker: Any) -> SeenMarker:
+    corners = np.array(marker.corners, dtype=float).reshape(4, 2)
+    sigmas = np.array(marker.corner_sigmas, dtype=float)
+    if not np.all(np.isfinite(corners)):
+        raise DamagedMessage(f"a corner of marker {marker.id} is not finite")
+    try:
+        family = sextant.canonical_family(marker.family)
+    except ValueError:
+        raise DamagedMessage(f"there is no family '{marker.family}'") from None
+    # Nought is what a message has when nobody filled it in, and no corner is exact.
+    return SeenMarker(family, marker.id, corners, np.where(sigmas > 0.0, sigmas, -1.0))
+
+
+def one_info(bag: BagFile, topic: str) -> Any:
+    """The sensor_msgs/CameraInfo of a topic; where the part that is read has none, that of the whole bag.
+
+    :raises BagError: it says nothing, or first one and then another calibration
+    """
+    found = bag.find(topic) or ""
+    if bag.types.get(found) != "sensor_msgs/CameraInfo":
+        raise bag.error(f"{topic} is no camera_info but {bag.types.get(found)}", NAME_A_FILE)
+    for whole in (False, True):
+        first = None
+        for recorded in bag.messages([found], whole):
+            try:
+                info = recorded.message()
+            except DamagedMessage:
+                continue
+            if first is not None and not same_calibration(first, info):
+                raise bag.error(f"{topic} changes after {bag.seconds(recorded.received):.2f} s", SPLIT)
+            first = first or info
+        if first is not None:
+            return first
+    raise bag.error(f"there is no message on {topic} that can be read", NAME_A_FILE)
+
+
+CAMERAS = {IMAGE: BagCamera, COMPRESSED: BagCamera, MARKERS: MarkersCamera}

@@ -1,0 +1,149 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""A recorded drive: what its cameras saw, where they sit, and what the wheels said."""
+
+from dataclasses import dataclass, replace
+from typing import Any, Callable, Dict, List, Optional, Tuple
+
+import numpy as np
+
+import sextant
+from sextant.bags.bag_file import BagFile, DamagedMessage, Recorded
+from sextant.bags.camera_topics import choose_topics
+from sextant.bags.cameras import CAMERAS, BagCamera
+from sextant.bags.mounts import Mount, find_mounts
+from sextant.bags.odometry import read_odometry
+from sextant.bags.read_options import ReadOptions
+from sextant.bags.stamps import Losses, StampOrder
+from sextant.bags.transforms import read_transforms
+from sextant.markers.drive_sightings import DriveCamera, DriveSightings, SeenImage
+from sextant.markers.recorded_instants import place_name
+
+Progress = Callable[[float], None]  # is told which part of the bag is read, 0 to 1
+
+SAME_PLACE = 1e-4  # metres, and radians: within it, a camera did not move on the robot
+
+
+@dataclass(frozen=True)
+class RecordedDrive(DriveSightings):
+    """A drive, and what its user should know of how it was read."""
+
+    warnings: Tuple[str, ...] = ()
+
+
+def read_drive(
+    path: str, options: Optional[ReadOptions] = None, progress: Optional[Progress] = None
+) -> RecordedDrive:
+    """Reads a bag without a master; what the nodes compute of its images, bit for bit.
+
+    A camera is named by its topic of images (without `/compressed`) or of markers. One on a joint that moves
+    is a DriveCamera for each place on the robot that it took images from, named by place_name().
+    Messages that cannot be used are left out, and counted in the warnings; a topic none of which can be used
+    is refused, and so is a clock that jumps back.
+
+    :raises BagError: the bag, a calibration, the tf or what was asked for cannot be used; and what to do
+    :raises ValueError: as ReadOptions.validate()
+    """
+    options = options or ReadOptions()
+    options.validate()
+    with BagFile(path, options.start, options.end) as bag:
+        topics, notes = choose_topics(bag, options)
+        detector = sextant.MarkerDetector(_detector_params(options))
+        cameras = {each.topic: CAMERAS[each.type](bag, each, detector) for each in topics}
+        tree = read_transforms(bag)
+        frames = {camera.topic.camera: camera.frame for camera in cameras.values()}
+        mounts = find_mounts(bag, frames, options, tree)
+        odometry = read_odometry(bag, options, tree, mounts.camera_is_base)
+        images = _Images(bag, cameras, mounts.by_camera, options.every)
+        images.read(progress or (lambda share: None))
+    warnings = [*notes, *tree.notes, *mounts.notes, *odometry.notes, *images.notes()]
+    seen = sorted(images.seen, key=lambda image: (image.stamp, image.camera))
+    return RecordedDrive(
+        str(path), images.cameras(), seen, odometry.stamps, odometry.poses, tuple(dict.fromkeys(warnings))
+    )
+
+
+def _detector_params(options: ReadOptions) -> "sextant.DetectorParams":
+    params = sextant.DetectorParams()
+    params.families, params.search = list(options.families), "full"
+    return params
+
+
+class _Places:
+    """The places on the robot that a camera was at."""
+
+    def __init__(self, camera: str, mount: Mount):
+        self._camera, self._mount = camera, mount
+        self.by_name: Dict[str, np.ndarray] = {}
+
+    def at(self, stamp: int) -> str:
+        T = self._mount(stamp)
+        if T is None:
+            raise DamagedMessage("tf was not recorded at its stamp")
+        return next((name for name, other in self.by_name.items() if _same(T, other)), None) or self._new(T)
+
+    def _new(self, T: np.ndarray) -> str:
+        name = place_name(self._camera, len(self.by_name))
+        self.by_name[name] = T
+        return name
+
+
+def _same(a: np.ndarray, b: np.ndarray) -> bool:
+    turned = np.linalg.norm(sextant.log_so3(a[:3, :3].T @ b[:3, :3]))
+    return bool(np.linalg.norm(a[:3, 3] - b[:3, 3]) < SAME_PLACE and turned < SAME_PLACE)
+
+
+class _Images:
+    """Reads the messages of all cameras."""
+
+    def __init__(self, bag: BagFile, cameras: Dict[str, BagCamera], mounts: Dict[str, Mount], every: int):
+        self._bag, self._cameras, self._every = bag, cameras, every
+        self._places = {
+            topic: _Places(camera.topic.camera, mounts[camera.topic.camera])
+            for topic, camera in cameras.items()
+        }
+        self._order, self._losses = StampOrder(bag), Losses()
+        self.seen: List[SeenImage] = []
+
+    def read(self, progress: Progress) -> None:
+        """:raises BagError: as read_drive()"""
+        heard = dict.fromkeys(self._cameras, 0)
+        for recorded in self._bag.messages(list(self._cameras)):
+            if heard[recorded.topic] % self._every == 0:
+                self._read(recorded)
+            heard[recorded.topic] += 1
+            progress(self._bag.share_read(recorded.received))
+        for topic in self._cameras:
+            self._losses.check(self._bag, topic)
+        progress(1.0)
+
+    def _read(self, recorded: Recorded) -> None:
+        try:
+            self.seen.append(self._image(recorded, recorded.message()))
+            self._losses.used(recorded.topic)
+        except DamagedMessage as error:
+            self._losses.lost(recorded.topic, str(error))
+
+    def _image(self, recorded: Recorded, message: Any) -> SeenImage:
+        camera, stamp = self._cameras[recorded.topic], message.header.stamp.to_nsec()
+        self._order.check(recorded, stamp)
+        camera.check_frame(message)
+        place = self._places[recorded.topic].at(stamp)
+        return SeenImage(stamp, place, camera.markers(message))
+
+    def cameras(self) -> Dict[str, DriveCamera]:
+        """By the names that the images have."""
+        return {
+            name: replace(self._cameras[topic].camera, T_base_camera=T)
+            for topic, places in self._places.items()
+            for name, T in places.by_name.items()
+        }
+
+    def notes(self) -> List[str]:
+        """What is to be told of what was read."""
+        moved = [
+            f"{topic}: its camera moves on the robot, it took images from {len(places.by_name)} places"
+            for topic, places in self._places.items()
+            if len(places.by_name) > 1
+        ]
+        return self._losses.notes() + moved

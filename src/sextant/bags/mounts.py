@@ -1,0 +1,73 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Where the cameras sit on the robot."""
+
+from typing import Callable, Dict, List, NamedTuple, Optional
+
+import numpy as np
+
+from sextant.bags.bag_file import BagFile
+from sextant.bags.read_options import ReadOptions
+from sextant.bags.transforms import TransformTree, frame_name
+
+Mount = Callable[[int], Optional[np.ndarray]]  # T_base_camera at a stamp, None where it is not known
+
+NAME_MOUNTS = "name the mounts of the cameras' frames (T_base_camera), or the base_frame that tf has"
+
+
+class Mounts(NamedTuple):
+    """T_base_camera of every camera."""
+
+    by_camera: Dict[str, Mount]
+    camera_is_base: bool  # nothing is known of a robot: odometry must not be used
+    notes: List[str]
+
+
+def find_mounts(bag: BagFile, frames: Dict[str, str], options: ReadOptions, tree: TransformTree) -> Mounts:
+    """Of options.mounts, else of tf. A single camera of a bag without any tf is taken as the base itself.
+
+    :param frames: optical frame by camera
+    :raises BagError: a frame is not connected with the base; both are named
+    """
+    base = frame_name(options.base_frame)
+    given = {frame_name(frame): np.array(T, dtype=float) for frame, T in options.mounts.items()}
+    _check_given(bag, given, frames)
+    found = {camera: _mount(bag, frame, base, given, tree) for camera, frame in frames.items()}
+    missing = [camera for camera in sorted(found) if found[camera] is None]
+    if not missing:
+        return Mounts(found, False, [])
+    if len(frames) > 1 or tree.frames:
+        wanted = ", ".join(f"'{frames[camera]}' ({camera})" for camera in missing)
+        there = ", ".join(tree.frames) or "none"
+        raise bag.error(f"tf does not connect '{base}' with {wanted}; its frames are: {there}", NAME_MOUNTS)
+    note = (
+        f"no tf was recorded, and no mount is named: the camera of {missing[0]} is taken as the base itself"
+    )
+    return Mounts({missing[0]: _constant(np.eye(4))}, True, [note + ", and odometry is not used"])
+
+
+def _check_given(bag: BagFile, given: Dict[str, np.ndarray], frames: Dict[str, str]) -> None:
+    unknown = sorted(set(given) - set(frames.values()))
+    if unknown:
+        there = ", ".join(f"'{frame}'" for frame in sorted(set(frames.values())))
+        raise bag.error(
+            f"no camera has the frame '{unknown[0]}', named in mounts", f"the frames are: {there}"
+        )
+
+
+def _constant(T: np.ndarray) -> Mount:
+    return lambda stamp: T
+
+
+def _mount(
+    bag: BagFile, frame: str, base: str, given: Dict[str, np.ndarray], tree: TransformTree
+) -> Optional[Mount]:
+    if frame in given or frame == base:
+        return _constant(given.get(frame, np.eye(4)))
+    try:
+        chain = tree.chain(base, frame)
+    except ValueError as error:
+        raise bag.error(str(error), NAME_MOUNTS) from None
+    if chain is None:
+        return None
+    return _constant(chain.at(0)) if chain.is_static else chain.at

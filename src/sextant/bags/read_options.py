@@ -1,0 +1,76 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""What is read of a bag, and how."""
+
+from dataclasses import dataclass, field
+from typing import Mapping, Sequence
+
+import numpy as np
+
+import sextant
+
+NO_ODOMETRY = "none"
+
+
+def _families() -> Sequence[str]:
+    return tuple(sextant.DetectorParams().families)
+
+
+@dataclass(frozen=True)
+class ReadOptions:
+    """What is read of a bag. An image topic is named as it is, or without its `/compressed`.
+
+    Which cameras: the topics in `images` and `markers`, if any is named. Else all recorded markers
+    (sextant/MarkerArray). Else, of every camera, that is of every camera_info, one topic of images beside it:
+    raw before rectified, grey before coloured, uncompressed before compressed; depth is no picture.
+    """
+
+    images: Sequence[str] = ()  # topics of sensor_msgs/Image or CompressedImage
+    markers: Sequence[str] = ()  # topics of sextant/MarkerArray
+    families: Sequence[str] = field(default_factory=_families)  # looked for in images
+    # topic: file of camera_calibration in place of its camera_info; recorded corners stay as they are
+    calibrations: Mapping[str, str] = field(default_factory=dict)
+    rectified: Sequence[str] = ()  # topics of rectified images; image_rect* are so without being named
+    base_frame: str = "base_link"  # the camera's own frame, if a camera is to be the base
+    odometry: str = ""  # topic of nav_msgs/Odometry; empty: the only one, if there is one; "none": not read
+    mounts: Mapping[str, np.ndarray] = field(default_factory=dict)  # camera frame: T_base_camera, before tf
+    every: int = 1  # only every n-th image of a camera is read
+    start: float = 0.0  # seconds after the bag's first message, by the time of reception
+    end: float = float("inf")
+
+    def validate(self) -> None:
+        """:raises ValueError: names the first field that cannot be, its value and what is allowed"""
+        for name in ("images", "markers", "families", "rectified"):
+            _check_names(name, getattr(self, name))
+        if not self.families:
+            raise ValueError("families is empty, name at least one")
+        for family in self.families:
+            sextant.canonical_family(family)
+        if not isinstance(self.every, int) or self.every < 1:
+            raise ValueError(f"every is {self.every}, allowed is a whole number from 1 on")
+        if not 0.0 <= self.start < self.end:
+            raise ValueError(f"start is {self.start} and end {self.end}, allowed is 0 <= start < end")
+        if not self.base_frame:
+            raise ValueError("base_frame is empty, name the robot's frame, or the camera's")
+        for frame, mount in self.mounts.items():
+            _check_pose(f"mounts[{frame}]", np.asarray(mount, dtype=float))
+
+
+def _check_names(name: str, values: Sequence[str]) -> None:
+    if isinstance(values, str) or not all(isinstance(value, str) and value for value in values):
+        raise ValueError(f"{name} is {values!r}, allowed is a list of names")
+    repeated = sorted({value for value in values if list(values).count(value) > 1})
+    if repeated:
+        raise ValueError(f"{name} names {', '.join(repeated)} more than once")
+
+
+def _check_pose(name: str, T: np.ndarray) -> None:
+    rigid = (
+        T.shape == (4, 4)
+        and bool(np.all(np.isfinite(T)))
+        and np.allclose(T[:3, :3] @ T[:3, :3].T, np.eye(3), atol=1e-6)
+        and np.linalg.det(T[:3, :3]) > 0.0
+        and np.allclose(T[3], [0.0, 0.0, 0.0, 1.0])
+    )
+    if not rigid:
+        raise ValueError(f"{name} is no pose: a rigid 4x4 matrix of metres")

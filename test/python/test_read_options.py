@@ -1,0 +1,31 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+import numpy as np
+import pytest
+
+from sextant.bags.read_options import ReadOptions
+
+
+@pytest.mark.parametrize(
+    "options, said",
+    [
+        ({"images": "/cam/image_raw"}, "images is '/cam/image_raw', allowed is a list of names"),
+        ({"images": ["/a", "/a"]}, "images names /a more than once"),
+        ({"families": []}, "families is empty"),
+        ({"families": ["tag99"]}, "tag99"),
+        ({"every": 0}, "every is 0"),
+        ({"start": 3.0, "end": 2.0}, "start is 3.0 and end 2.0"),
+        ({"start": float("nan")}, "start is nan"),
+        ({"base_frame": ""}, "base_frame is empty"),
+        ({"mounts": {"camera": np.zeros((4, 4))}}, "mounts[camera] is no pose"),
+        ({"mounts": {"camera": np.eye(3)}}, "mounts[camera] is no pose"),
+    ],
+)
+def test_options_that_cannot_be(options, said):
+    with pytest.raises(ValueError) as caught:
+        ReadOptions(**options).validate()
+    assert said in str(caught.value)
+
+
+def test_defaults_are_valid():
+    ReadOptions().validate()
