@@ -1,0 +1,98 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Pictures of a marker map that was made of a drive: seen from above, and what its sightings leave over."""
+
+import io
+from typing import List, Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+from sextant.markers.map_plan import MapPlan
+from sextant.markers.map_quality import MapQuality, MarkerQuality
+from sextant.statistics.drive_plot import COLOURS
+
+BLUE, RED = COLOURS[0], COLOURS[1]
+DOTS_PER_INCH = 110
+ROW = 50  # markers in a row of boxes; more do not leave room for their names
+LEAST_RESIDUAL = 0.01  # px: a logarithmic axis has no zero
+
+
+def plan_view(made, quality: MapQuality) -> bytes:
+    """The map from above: markers, how uncertain they are, what connects them, the path of the base.
+
+    :param made: sextant.MadeMap with one marker or more
+    :returns: a PNG
+    """
+    plan = MapPlan(made, quality)
+    figure = Figure(figsize=plan.figure_size)
+    FigureCanvasAgg(figure)  # not pyplot: it needs a window system and has a state of its own
+    plan.draw(figure.add_axes(plan.axes_place))
+    return _png(figure)
+
+
+def residual_boxes(quality: MapQuality) -> bytes:
+    """A box a marker: quartiles and median of its used sightings, whiskers to 5 and 95 %; dots: left out.
+
+    :param quality: of one marker or more
+    :returns: a PNG
+    """
+    markers = quality.markers
+    rows = [markers[i : i + ROW] for i in range(0, len(markers), ROW)]
+    figure = Figure(figsize=(13, 0.6 + 3.4 * len(rows)), layout="constrained")
+    FigureCanvasAgg(figure)
+    panels = figure.subplots(len(rows), 1, sharey=True, squeeze=False)[:, 0]
+    for axes, row in zip(panels, rows):
+        _draw_boxes(axes, row, [quality.name(marker.key) for marker in row])
+        axes.set_xlim(0.4, 0.6 + (len(row) if len(rows) == 1 else ROW))
+    panels[-1].set_xlabel("marker")
+    panels[0].legend(handles=_legend(), loc="lower right", bbox_to_anchor=(1.0, 1.0), ncol=2, frameon=False)
+    return _png(figure)
+
+
+def _draw_boxes(axes: Axes, markers: Sequence[MarkerQuality], names: List[str]) -> None:
+    at = range(1, 1 + len(markers))
+    boxes = axes.boxplot(
+        [_visible(marker.used_rms) for marker in markers],
+        positions=at,
+        whis=(5, 95),
+        showfliers=False,
+        patch_artist=True,
+        widths=0.6,
+        medianprops={"color": "black"},
+    )
+    for box in boxes["boxes"]:
+        box.set(facecolor=BLUE, alpha=0.5)
+    for x, marker in zip(at, markers):
+        left_out = _visible(marker.left_out_rms)
+        # Side by side, or many look like one.
+        spread = x + 0.5 * (np.arange(left_out.size) % 7 - 3) / 7
+        axes.plot(spread, left_out, ".", color=RED, markersize=4)
+    axes.set_xticks(list(at))
+    axes.set_xticklabels(names, rotation=90 if max(map(len, names), default=0) > 3 else 0, fontsize=8)
+    axes.set(yscale="log", ylabel="RMS, px")
+    axes.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axes.yaxis.set_minor_formatter(NullFormatter())
+    axes.grid(axis="y", which="both", alpha=0.3)
+
+
+def _visible(residuals: np.ndarray) -> np.ndarray:
+    return np.maximum(residuals, LEAST_RESIDUAL)
+
+
+def _legend() -> List[Line2D]:
+    return [
+        Line2D([], [], color=BLUE, alpha=0.5, linewidth=8, label="sightings the map was made of"),
+        Line2D([], [], color=RED, linestyle="", marker=".", label="left out, since they do not fit"),
+    ]
+
+
+def _png(figure: Figure) -> bytes:
+    file = io.BytesIO()
+    figure.savefig(file, format="png", dpi=DOTS_PER_INCH)
+    return file.getvalue()

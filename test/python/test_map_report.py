@@ -1,0 +1,135 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+import base64
+import html
+import re
+from html.parser import HTMLParser
+
+import pytest
+from made_maps import WEAK, WRONG, faulty_quality, made_of, map_of, marker_quality, simulated_drive
+
+from sextant.markers.map_findings import list_findings, verdict
+from sextant.markers.map_quality import map_quality
+from sextant.markers.map_report import MapOrigin, findings, write_map_report
+
+ORIGIN = MapOrigin(["drive.bag"], ["front"], 0.3, {"size": "0.2 m"}, {"sextant": "9.8"})
+HOSTILE = "<script>alert(1)</script>\" onload='x' &amp; {{ 7 * 7 }}\n\udcff.bag"
+
+
+class Page(HTMLParser):
+    """Checks that tags match; keeps the tables as rows of cells, and every attribute."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.open, self.attributes, self.rows, self.text = [], [], [], ""
+        self.feed(text)
+        assert self.open == []
+
+    def handle_starttag(self, tag, attrs):
+        self.attributes += attrs
+        if tag not in ("meta", "img"):
+            self.open.append(tag)
+        if tag == "tr":
+            self.rows.append([])
+        if tag in ("td", "th"):
+            self.rows[-1].append("")
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        self.text += data
+        if self.open and self.open[-1] in ("td", "th"):
+            self.rows[-1][-1] += data
+
+    def row(self, first):
+        (found,) = (row for row in self.rows if row and row[0] == first)
+        return found
+
+
+@pytest.fixture
+def report(tmp_path):
+    def written(quality, origin=ORIGIN):
+        write_map_report(tmp_path / "map.html", made_of(quality), quality, origin)
+        return (tmp_path / "map.html").read_text(encoding="utf-8")
+
+    return written
+
+
+def test_every_finding_is_in_the_report(report):
+    text = Page(report(faulty_quality())).text
+    assert verdict(faulty_quality()) in text
+    for finding in list_findings(faulty_quality()):
+        assert str(finding) in text
+    assert text.index(verdict(faulty_quality())) < text.index("Seen from above")
+
+
+def test_a_faultless_map_has_no_list(report):
+    text = report(map_of([marker_quality(1)]))
+    assert "What needs a look" not in text and "Entries that were wrong" not in text
+    assert "nothing stands out" in text
+
+
+def test_rows_say_in_words_what_is_the_matter(report):
+    page = Page(report(faulty_quality()))
+    assert page.row("0")[1] == "holds the frame"
+    assert page.row("9")[1:5] == ["weak link: 3 images", "50", "50", "0"]
+    assert page.row("20")[1] == "not in the map; moved, or there twice"
+    assert page.row("12")[5:7] == ["", ""]  # no residual is no zero
+    assert page.row("1 and 9") == ["1 and 9", "3", "weak"]
+    wrong = [row for row in page.rows if row[0] == "3"]
+    assert wrong[1] == ["3", "+10.0", "+0.0", "-2.0", "10.2", "1.1", "swapped with 4"]
+
+
+def test_noise_and_origin(report):
+    page = Page(report(faulty_quality()))
+    assert page.row("front") == ["front", "0.45", "1.50"]
+    assert page.row("recording") == ["recording", "drive.bag"]
+    assert page.row("size") == ["size", "0.2 m"]
+    assert page.row("version of sextant") == ["version of sextant", "9.8"]
+    assert "2.0 images in a row" in page.text
+    assert "positions of the known markers scatter 3.0 times" in page.text
+    assert "rotations of the known markers" not in page.text
+
+
+def test_the_file_needs_nothing_else(report):
+    text = report(faulty_quality())
+    assert not re.search(r"https?:|<script|<link|@import|url\(", text)
+    sources = [value for name, value in Page(text).attributes if name in ("src", "href")]
+    assert len(sources) == 2
+    for source in sources:
+        start, picture = source.split(",")
+        assert start == "data:image/png;base64"
+        assert base64.b64decode(picture, validate=True).startswith(b"\x89PNG")
+
+
+def test_names_are_told_as_they_are_and_do_nothing(report):
+    hostile = MapOrigin([HOSTILE], [HOSTILE], 0.3, {HOSTILE: HOSTILE}, {}, title=HOSTILE)
+    text = report(map_of([marker_quality(1)]), hostile)
+    shown = HOSTILE.replace("\udcff", "\\udcff")
+    page = Page(text)
+    assert "<script" not in text and "onload" not in [name for name, _ in page.attributes]
+    assert page.row("recording")[1] == shown
+    assert html.unescape(text).count(shown) == 6
+
+
+def test_an_old_report_stays_when_the_new_one_cannot_be_written(tmp_path):
+    (tmp_path / "map.html").write_text("old")
+    with pytest.raises(ValueError):
+        write_map_report(tmp_path / "map.html", made_of(map_of([])), map_of([]), ORIGIN)
+    assert (tmp_path / "map.html").read_text() == "old"
+    quality = map_of([marker_quality(1)])
+    with pytest.raises(OSError):
+        write_map_report(tmp_path / "absent" / "map.html", made_of(quality), quality, ORIGIN)
+
+
+def test_the_report_of_a_drive(tmp_path):
+    drive = simulated_drive()
+    quality = map_quality(*drive)
+    write_map_report(tmp_path / "map.html", drive.made, quality, ORIGIN)
+    page = Page((tmp_path / "map.html").read_text(encoding="utf-8"))
+    assert all(line in page.text for line in findings(quality))
+    assert any(line.startswith(f"{WRONG} had a wrong entry") for line in findings(quality))
+    assert any(
+        line.startswith(f"{WEAK} is connected to the rest only by 3 images") for line in findings(quality)
+    )
