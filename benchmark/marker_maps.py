@@ -1,0 +1,30 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Measures how good maps are that are made of recorded drives.
+
+Exit status: 0 when every bar holds, 1 when one fails, 2 when something could not be measured.
+"""
+
+import sys
+
+from command import Results, run
+from recorded_maps import recorded_map_tables
+from simulated_maps import simulated_tables, taped_tables
+
+TOPICS = {
+    "simulated": lambda options: simulated_tables(options.quick),
+    "taped": lambda options: taped_tables(options.quick),
+    "real": lambda options: recorded_map_tables(options.data / "markers", options.quick),
+}
+
+
+def plot(folder: str, results: Results) -> None:
+    """How often an error of the simulated maps is exceeded."""
+    from map_error_plot import plot_map_errors  # only now: matplotlib takes a second to load
+
+    plot_map_errors(folder, results)
+
+
+if __name__ == "__main__":
+    sys.exit(run(TOPICS, __doc__, plot, sys.argv[1:]))
