@@ -39,6 +39,7 @@ void bindMarkerLocator(py::module_& module) {
   py::class_<MarkerView>(module, "MarkerView", "What one camera saw at one instant.")
       .def(py::init<CameraModel, Pose, std::vector<Detection>>(), "camera"_a, "T_base_camera"_a,
            "detections"_a)
+      .def_readonly("detections", &MarkerView::detections)
       .def_readwrite("camera_index", &MarkerView::camera_index, "which of the robot's cameras, from 0")
       .def_readwrite("noise_scale", &MarkerView::noise_scale);
   py::class_<LocatorParams>(module, "LocatorParams")
