@@ -111,3 +111,15 @@ def test_quick_run_of_the_chain(tmp_path):
         assert row["poses, %"]["value"] > 0 and row["of plain"]["value"] > 0
     stages = {row["name"] for table in tables if table not in sizes for row in table["rows"]}
     assert "localization: localization" in stages
+
+
+def test_quick_run_of_the_maps(tmp_path):
+    command = [sys.executable, str(BENCHMARK / "marker_maps.py"), "--quick", "--only", "simulated,taped"]
+    done = subprocess.run(
+        [*command, "--json", "-", "--plots", str(tmp_path)], capture_output=True, text=True, timeout=300
+    )
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "simulated.png").read_bytes().startswith(b"\x89PNG")
+    topics = json.loads(done.stdout)["topics"]
+    assert all(row["seen, not in it"]["value"] == 0 for row in topics["simulated"][0]["rows"])
+    assert topics["taped"][0]["rows"][0]["exactly the two named, % of maps"]["value"] == 100
