@@ -15,6 +15,8 @@ from tables import Table, Value
 import sextant
 
 WELL_KNOWN = 0.01  # m, stated deviation of a surveyed position
+SAID = (0.0, 0.0)  # m and rad: at least; the survey says 0.1 mm, and that project's own map is 9 cm off it
+BELIEVED = (0.03, 0.03)
 HELD = 306  # the marker that holds tagslam_2's frame, in that project as well
 
 
@@ -55,10 +57,10 @@ def _building(recorded: TagslamRecording, surveyed: Dict[int, Surveyed], quick: 
     T = _alignment(reference, {id: surveyed[id].T_map_marker[:3, 3] for id in held})
     aligned = {id: T[:3, :3] @ p + T[:3, 3] for id, p in reference.items()}
     rows = [_row("that project's own map, aligned", aligned, surveyed, others, bars=False)]
-    for name, least in (("held as surveyed", (0.0, 0.0)), ("held by 3 cm and 0.03 rad", (0.03, 0.03))):
+    for name, least in (("held as surveyed", SAID), ("held by 3 cm and 0.03 rad", BELIEVED)):
         made = _map_of(recorded, _known(surveyed, held, *least), quick)
         found = {marker.id: marker.T_map_marker[:3, 3] for marker in made.map.markers}
-        rows.append(_row(name, found, surveyed, others, bars=not quick))
+        rows.append(_row(name, found, surveyed, others, bars=least == BELIEVED and not quick))
     title = "tagslam_10: 73 x 31 m, every third surveyed marker held; error of the others, cm"
     return Table(title, ["median", "90 %", "worst", "markers"], rows)
 
