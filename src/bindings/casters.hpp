@@ -7,6 +7,9 @@
 #include <pybind11/stl.h>
 
 #include <opencv2/core/mat.hpp>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "sextant/core/marker.hpp"
 #include "sextant/core/pose.hpp"
@@ -60,6 +63,13 @@ struct type_caster<sextant::Corners> {
 }  // namespace pybind11::detail
 
 namespace sextant {
+
+/// Keys as tuples of family and id.
+inline std::vector<std::pair<std::string, int>> pairs(const std::vector<MarkerKey>& keys) {
+  std::vector<std::pair<std::string, int>> all;
+  for (const MarkerKey& key : keys) all.emplace_back(key.family, key.id);
+  return all;
+}
 
 /// An image of 8-bit grey as a view, without a copy; it lives as long as the array does.
 using ImageArray = pybind11::array_t<uint8_t, pybind11::array::c_style | pybind11::array::forcecast>;

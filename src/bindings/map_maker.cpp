@@ -11,12 +11,6 @@ using namespace py::literals;
 namespace sextant {
 namespace {
 
-std::vector<std::pair<std::string, int>> pairs(const std::vector<MarkerKey>& keys) {
-  std::vector<std::pair<std::string, int>> all;
-  for (const MarkerKey& key : keys) all.emplace_back(key.family, key.id);
-  return all;
-}
-
 void bindRecording(py::module_& module) {
   py::class_<RecordedInstant>(module, "RecordedInstant",
                               "What a robot's cameras saw at one instant of a drive.")

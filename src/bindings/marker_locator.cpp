@@ -11,12 +11,6 @@ using namespace py::literals;
 namespace sextant {
 namespace {
 
-std::vector<std::pair<std::string, int>> pairs(const std::vector<MarkerKey>& keys) {
-  std::vector<std::pair<std::string, int>> all;
-  for (const MarkerKey& key : keys) all.emplace_back(key.family, key.id);
-  return all;
-}
-
 void bindResult(py::module_& module) {
   py::class_<LocatedPose>(module, "LocatedPose")
       .def_readonly("T_map_base", &LocatedPose::T_map_base)
