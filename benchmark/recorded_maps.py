@@ -13,6 +13,7 @@ from recorded_drives import by_stamp
 from tables import Table, Value
 
 import sextant
+from sextant.statistics.trajectory_metrics import aligned, alignment
 
 WELL_KNOWN = 0.01  # m, stated deviation of a surveyed position
 SAID = (0.0, 0.0)  # m and rad: at least; the survey says 0.1 mm, and that project's own map is 9 cm off it
@@ -53,14 +54,15 @@ def _surveyed(row: Dict[str, str]) -> Surveyed:
 def _building(recorded: TagslamRecording, surveyed: Dict[int, Surveyed], quick: bool) -> Table:
     well_known = sorted(id for id, each in surveyed.items() if np.max(each.sigma_position) <= WELL_KNOWN)
     held, others = well_known[::3], [id for i, id in enumerate(well_known) if i % 3]
-    reference = {marker.id: marker.T_map_marker[:3, 3] for marker in recorded.map.markers}
-    T = _alignment(reference, {id: surveyed[id].T_map_marker[:3, 3] for id in held})
-    aligned = {id: T[:3, :3] @ p + T[:3, 3] for id, p in reference.items()}
-    rows = [_row("that project's own map, aligned", aligned, surveyed, others, bars=False)]
-    for name, least in (("held as surveyed", SAID), ("held by 3 cm and 0.03 rad", BELIEVED)):
-        made = _map_of(recorded, _known(surveyed, held, *least), quick)
-        found = {marker.id: marker.T_map_marker[:3, 3] for marker in made.map.markers}
-        rows.append(_row(name, found, surveyed, others, bars=least == BELIEVED and not quick))
+    reference = _places(recorded.map)
+    T = alignment({id: surveyed[id].T_map_marker for id in held}, reference)
+    as_surveyed = _map_of(recorded, _known(surveyed, held, *SAID), quick)
+    believed = _map_of(recorded, _known(surveyed, held, *BELIEVED), quick)
+    rows = [
+        _row("that project's own map, aligned", aligned(T, reference), surveyed, others, bars=False),
+        _row("held as surveyed", _places(as_surveyed.map), surveyed, others, bars=False),
+        _row("held by 3 cm and 0.03 rad", _places(believed.map), surveyed, others, bars=not quick),
+    ]
     title = "tagslam_10: 73 x 31 m, every third surveyed marker held; error of the others, cm"
     return Table(title, ["median", "90 %", "worst", "markers"], rows)
 
@@ -69,7 +71,7 @@ def _row(
     name: str, found: dict, surveyed: Dict[int, Surveyed], others: List[int], bars: bool
 ) -> Tuple[str, list]:
     there = [id for id in others if id in found]
-    errors = [100.0 * np.linalg.norm(found[id] - surveyed[id].T_map_marker[:3, 3]) for id in there]
+    errors = [100.0 * _distance(found[id], surveyed[id].T_map_marker) for id in there]
     median, ninety, worst = np.percentile(errors, [50, 90, 100])
     cells = [
         Value(median, 1, at_most=9.4 if bars else None),
@@ -102,27 +104,21 @@ def _map_of(recorded: TagslamRecording, known, quick: bool):
 
 
 def _rig(recorded: TagslamRecording, quick: bool) -> Table:
-    reference = {marker.id: marker for marker in recorded.map.markers}
     known = sextant.MarkerMap()
-    known.add(reference[HELD])
-    found = {marker.id: marker.T_map_marker[:3, 3] for marker in _map_of(recorded, known, quick).map.markers}
-    T = _alignment(found, {id: marker.T_map_marker[:3, 3] for id, marker in reference.items()})
-    errors = [
-        1000.0 * np.linalg.norm(T[:3, :3] @ p + T[:3, 3] - reference[id].T_map_marker[:3, 3])
-        for id, p in found.items()
-    ]
+    known.add(recorded.map.find("tag36h11", HELD))
+    found, places = _places(_map_of(recorded, known, quick).map), _places(recorded.map)
+    found = aligned(alignment(places, found), found)
+    errors = [1000.0 * _distance(T, places[id]) for id, T in found.items()]
     median, worst = np.percentile(errors, [50, 100])
-    cells = [Value(median, at_most=None if quick else 5.0), Value(worst), f"{len(found)} of {len(reference)}"]
+    cells = [Value(median, at_most=None if quick else 5.0), Value(worst), f"{len(found)} of {len(places)}"]
     title = "tagslam_2: two fisheye cameras on a rig; against that project's own map after alignment, mm"
     return Table(title, ["median", "worst", "markers"], [("one marker known", cells)])
 
 
-def _alignment(points: Dict[int, np.ndarray], targets: Dict[int, np.ndarray]) -> np.ndarray:
-    """(4, 4) rigid transform from points to targets of the same id (Umeyama 1991, without scale)."""
-    ids = sorted(set(points) & set(targets))
-    a, b = (np.array([each[id] for id in ids]) for each in (points, targets))
-    U, _, Vt = np.linalg.svd((a - a.mean(0)).T @ (b - b.mean(0)))
-    T = np.eye(4)
-    T[:3, :3] = Vt.T @ np.diag([1.0, 1.0, np.sign(np.linalg.det(Vt.T @ U.T))]) @ U.T
-    T[:3, 3] = b.mean(0) - T[:3, :3] @ a.mean(0)
-    return T
+def _places(marker_map) -> Dict[int, np.ndarray]:
+    """T_map_marker (4, 4) by id."""
+    return {marker.id: marker.T_map_marker for marker in marker_map.markers}
+
+
+def _distance(a: np.ndarray, b: np.ndarray) -> float:
+    return float(np.linalg.norm(a[:3, 3] - b[:3, 3]))

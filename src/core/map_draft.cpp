@@ -36,14 +36,15 @@ MapDraft::MapDraft(MarkerRecording recording, const MarkerSizes& sizes, const Ma
                    const MappingParams& params)
     : fit(std::move(recording), params.corner_sigma, params.gate),
       known(known),
-      sizes_(sizes),
-      params_(params),
+      sizes_(&sizes),
+      params_(&params),
       frameless_(known.markers().empty()) {
   if (params.floor_height_sigma > 0) floor_ = FloorPrior{params.floor_height_sigma, params.floor_tilt_sigma};
 }
 
 void MapDraft::make() {
   draft();
+  findContradictions();
   while (leaveOutWhatIsTwice()) continue;
 }
 
@@ -51,16 +52,16 @@ void MapDraft::draft() {
   fit.begin(twice);
   grow();
   for (int round = 0; round < kRobustRounds; ++round) {
-    adjust(useful(fit.placed()), params_.robust_width);
-    if (params_.estimate_noise) fit.measureNoise(useful(fit.placed()));
+    adjust(useful(fit.placed()), params_->robust_width);
+    if (params_->estimate_noise) fit.measureNoise(useful(fit.placed()));
     if (!mendBranches()) break;
   }
 }
 
 void MapDraft::grow() {
-  if (frameless_) known = firstMarker(fit.recording(), sizes_, twice);
+  if (frameless_) known = firstMarker(fit.recording(), *sizes_, twice);
   held = loosenedKnown(known);
-  GrownMap grown = growMap(fit.recording(), sizes_, held, path(frameless_ ? std::nullopt : floor_), twice);
+  GrownMap grown = growMap(fit.recording(), *sizes_, held, path(frameless_ ? std::nullopt : floor_), twice);
   fit.estimate = std::move(grown.estimate);
   ambiguous = std::move(grown.ambiguous);
   if (frameless_ && floor_) held = known = putOnFloor(known.markers().begin()->first, fit.estimate);
@@ -73,18 +74,18 @@ void MapDraft::grow() {
 // A marker that is in two places spoils those around it. Which of those that contradict each other it is
 // shows when each of them is left out: the rest must agree. Whether there was one.
 bool MapDraft::leaveOutWhatIsTwice() {
-  findContradictions();
   auto least = std::make_pair(imagesOf(second_places) / 2 + 1, size_t{0});
-  std::optional<MarkerKey> best;
+  std::optional<MapDraft> best;
   for (const MarkerKey& key : suspects()) {
     MapDraft without = *this;
     if (!without.draftWithout(key)) continue;
     const auto rest = std::make_pair(imagesOf(without.second_places), without.fit.unexplained());
     if (!(rest < least)) continue;
     least = rest;
-    best = key;
+    best.emplace(std::move(without));
   }
-  return best && draftWithout(*best);
+  if (best) *this = std::move(*best);
+  return best.has_value();
 }
 
 // Whether anything is left.
@@ -117,12 +118,15 @@ std::vector<MarkerKey> MapDraft::suspects() const {
 }
 
 PathParams MapDraft::path(const std::optional<FloorPrior>& floor) const {
-  return {
-      params_.corner_sigma, {params_.robust_width, params_.gate, floor}, params_.odometry, params_.decided};
+  return {params_->corner_sigma,
+          {params_->robust_width, params_->gate, floor},
+          params_->odometry,
+          params_->decided};
 }
 
 AdjustmentParams MapDraft::adjustment(double robust_width) const {
-  return {params_.corner_sigma, robust_width, correlated_images, floor_, params_.odometry, params_.threads};
+  return {params_->corner_sigma, robust_width,    correlated_images, floor_,
+          params_->odometry,     params_->threads};
 }
 
 // An instant with one marker says nothing of the map, unless it is bound to others or to the floor.
@@ -137,8 +141,11 @@ std::vector<RecordedSighting> MapDraft::useful(const std::vector<RecordedSightin
 }
 
 void MapDraft::adjust(const std::vector<RecordedSighting>& used, double robust_width) {
+  if (used.empty()) return;
   const auto found = adjustMap(fit.recording(), used, held, fit.estimate, adjustment(robust_width));
-  if (found) fit.estimate = *found;
+  if (!found)
+    throw std::runtime_error("the adjustment of the map found no minimum: what was seen contradicts itself");
+  fit.estimate = *found;
 }
 
 void MapDraft::locateOthers(const std::vector<RecordedSighting>& used) {
@@ -161,7 +168,7 @@ bool MapDraft::mendBranches() {
 }
 
 bool MapDraft::mend(std::optional<Pose>& pose, const InstantHypotheses& found) const {
-  const bool usable = !found.empty() && (found[0].used.size() > 1 || isDecided(found, params_.decided));
+  const bool usable = !found.empty() && (found[0].used.size() > 1 || isDecided(found, params_->decided));
   if (!usable || (pose && areClose(*pose, found[0].T_map_base))) return false;
   pose = found[0].T_map_base;
   return true;
@@ -175,7 +182,7 @@ bool MapDraft::mendMarker(const MarkerKey& key, const std::vector<RecordedSighti
   });
   if (!doubtful || (holding && holding->covariance.isZero(0.0))) return false;
   const auto places = placeMarker(fit.recording(), sightings, bases, marker->size, path(floor_));
-  if (places.empty() || places[0].weight < params_.decided ||
+  if (places.empty() || places[0].weight < params_->decided ||
       areClose(marker->T_map_marker, places[0].T_map_marker))
     return false;
   MappedMarker moved = *marker;

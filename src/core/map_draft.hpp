@@ -26,6 +26,7 @@ class MapDraft {
   void make();
 
   /// @param robust_width 0: all sightings count as they are
+  /// @throws std::runtime_error when the search fails
   void adjust(const std::vector<RecordedSighting>& used, double robust_width);
   /// Locates the instants of which none of these sightings is.
   void locateOthers(const std::vector<RecordedSighting>& used);
@@ -55,8 +56,8 @@ class MapDraft {
   bool mendMarker(const MarkerKey& key, const std::vector<RecordedSighting>& sightings,
                   const std::vector<InstantHypotheses>& bases);
 
-  const MarkerSizes& sizes_;
-  const MappingParams& params_;
+  const MarkerSizes* sizes_;  // not owned; pointers, so that a better draft can take this one's place
+  const MappingParams* params_;
   bool frameless_;
   std::optional<FloorPrior> floor_;
 };

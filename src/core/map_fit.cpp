@@ -6,8 +6,8 @@
 #include <cmath>
 #include <set>
 
+#include "mapped_sighting.hpp"
 #include "sextant/core/map_growth.hpp"
-#include "sextant/core/reprojection.hpp"
 
 namespace sextant {
 namespace {
@@ -59,11 +59,9 @@ std::vector<RecordedSighting> MapFit::fitting() const {
 double MapFit::squaredDistance(const RecordedSighting& each) const {
   const MarkerView& view = viewOf({each.instant, each.view});
   const Detection& detection = view.detections[each.detection];
-  const MappedMarker& marker = *estimate.map.find(detection.key);
-  return squaredMahalanobis(
-      {&view.camera, view.T_base_camera.inverse(), marker.T_map_marker, marker.size, detection.corners,
-       cornerSigmas(view, detection, corner_sigma_), Matrix6d::Zero()},
-      *estimate.T_map_base[each.instant]);
+  MarkerSighting sighting = mappedSighting(view, detection, *estimate.map.find(detection.key), corner_sigma_);
+  sighting.map_covariance.setZero();  // the map is what is asked about
+  return squaredMahalanobis(sighting, *estimate.T_map_base[each.instant]);
 }
 
 // Against the noise that is usual: a blurred image's own would hide what is wrong in it.

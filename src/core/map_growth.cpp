@@ -2,11 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sextant/core/map_growth.hpp"
 
-#include <algorithm>
 #include <array>
 #include <map>
 #include <utility>
 
+#include "mapped_sighting.hpp"
 #include "sextant/core/marker_placement.hpp"
 
 namespace sextant {
@@ -100,12 +100,10 @@ std::map<MarkerKey, std::vector<RecordedSighting>> sightingsByMarker(const Marke
   std::map<MarkerKey, std::vector<RecordedSighting>> all;
   for (size_t i = 0; i < recording.size(); ++i) {
     for (size_t v = 0; v < recording[i].views.size(); ++v) {
-      const auto& detections = recording[i].views[v].detections;
-      for (size_t d = 0; d < detections.size(); ++d) {
-        const auto same = [&](const Detection& other) { return other.key == detections[d].key; };
-        if (std::count_if(detections.begin(), detections.end(), same) == 1)
-          all[detections[d].key].push_back({i, v, d});
-      }
+      const MarkerView& view = recording[i].views[v];
+      for (size_t d = 0; d < view.detections.size(); ++d)
+        if (const MarkerKey& key = view.detections[d].key; !isRepeated(view, key))
+          all[key].push_back({i, v, d});
     }
   }
   return all;

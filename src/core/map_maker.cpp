@@ -3,7 +3,6 @@
 #include "sextant/core/map_maker.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <set>
 #include <stdexcept>
 #include <utility>
@@ -18,7 +17,16 @@ namespace {
 
 constexpr int kPlainRounds = 6;
 constexpr int kScaleRounds = 4;
-constexpr double kSettledScale = 0.02;  // change of a scale that is none
+constexpr double kSameCovariance = 0.04;  // relative
+
+// Whether both hold the same markers, about as exactly.
+bool holdAlike(const MarkerMap& a, const MarkerMap& b) {
+  if (a.markers().size() != b.markers().size()) return false;
+  return std::all_of(a.markers().begin(), a.markers().end(), [&](const auto& entry) {
+    const MappedMarker* other = b.find(entry.first);
+    return other && entry.second.covariance.isApprox(other->covariance, kSameCovariance);
+  });
+}
 
 class Making {
  public:
@@ -89,13 +97,11 @@ class Making {
   // Believes them as far as their scatter allows.
   void scaleKnown(const MarkerMap& believed) {
     for (int round = 0; round < kScaleRounds; ++round) {
-      const KnownScales before = scales_;
       scales_ = knownScales(believed, draft_.held, draft_.fit.estimate.map, covariance_);
-      draft_.held = scaledKnown(believed, scales_);
+      const MarkerMap scaled = scaledKnown(believed, scales_);
+      if (holdAlike(scaled, draft_.held)) return;
+      draft_.held = scaled;
       settle();
-      if (round > 0 && std::abs(scales_.position / before.position - 1) < kSettledScale &&
-          std::abs(scales_.rotation / before.rotation - 1) < kSettledScale)
-        return;
     }
   }
 

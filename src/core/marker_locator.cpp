@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "mapped_sighting.hpp"
 #include "marker_innovation.hpp"
 #include "marker_search.hpp"
 #include "sextant/core/marker_pose.hpp"
@@ -27,22 +28,6 @@ struct Seen {
   bool trusted;
 };
 
-Pose basePose(const Seen& seen, const MarkerPose& solution) {
-  return seen.mapped->T_map_marker * solution.T_camera_marker.inverse() * seen.view->T_base_camera.inverse();
-}
-
-MarkerSighting sighting(const Seen& seen, const LocatorParams& params) {
-  return {&seen.view->camera,        seen.view->T_base_camera.inverse(),
-          seen.mapped->T_map_marker, seen.mapped->size,
-          seen.detection->corners,   cornerSigmas(*seen.view, *seen.detection, params.corner_sigma),
-          seen.mapped->covariance};
-}
-
-bool repeated(const MarkerView& view, const MarkerKey& key) {
-  return std::count_if(view.detections.begin(), view.detections.end(),
-                       [&](const Detection& other) { return other.key == key; }) > 1;
-}
-
 // The trusted ones first.
 std::vector<Seen> mappedMarkers(const MarkerMap& map, const std::vector<MarkerView>& views,
                                 const std::set<MarkerKey>& distrusted, LocatorResult& result) {
@@ -52,7 +37,7 @@ std::vector<Seen> mappedMarkers(const MarkerMap& map, const std::vector<MarkerVi
       const MappedMarker* mapped = map.find(detection.key);
       if (!mapped) {
         result.unmapped.push_back(detection.key);
-      } else if (repeated(view, detection.key)) {
+      } else if (isRepeated(view, detection.key)) {
         result.repeated.push_back(detection.key);
       } else if (const auto poses = solveMarkerPose(view.camera, detection.corners, mapped->size)) {
         const bool trusted = distrusted.count(detection.key) == 0;
@@ -71,10 +56,7 @@ std::vector<Seen> trustedOnes(std::vector<Seen> all) {
 
 std::vector<PoseStart> starts(const std::vector<Seen>& all) {
   std::vector<PoseStart> poses;
-  for (size_t i = 0; i < all.size(); ++i) {
-    poses.push_back({basePose(all[i], all[i].poses.best), i});
-    if (all[i].poses.alternative) poses.push_back({basePose(all[i], *all[i].poses.alternative), i});
-  }
+  for (size_t i = 0; i < all.size(); ++i) addStarts(*all[i].view, *all[i].mapped, all[i].poses, i, poses);
   return poses;
 }
 
@@ -124,7 +106,8 @@ LocatorResult result(const LocatedPose& pose) {
 
 std::vector<MarkerSighting> sightingsOf(const std::vector<Seen>& all, const LocatorParams& params) {
   std::vector<MarkerSighting> sightings;
-  for (const Seen& seen : all) sightings.push_back(sighting(seen, params));
+  for (const Seen& seen : all)
+    sightings.push_back(mappedSighting(*seen.view, *seen.detection, *seen.mapped, params.corner_sigma));
   return sightings;
 }
 

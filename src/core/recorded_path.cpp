@@ -6,19 +6,13 @@
 #include <optional>
 #include <utility>
 
-#include "sextant/core/marker_pose.hpp"
-#include "sextant/core/reprojection.hpp"
+#include "mapped_sighting.hpp"
 
 namespace sextant {
 namespace {
 
 constexpr double kImprobable = 1e-3;  // hypotheses below are forgotten
 constexpr double kLost = 1.0;         // metres of deviation beyond which odometry tells nothing any more
-
-bool isRepeated(const MarkerView& view, const MarkerKey& key) {
-  return std::count_if(view.detections.begin(), view.detections.end(),
-                       [&](const Detection& other) { return other.key == key; }) > 1;
-}
 
 // What the mapped markers of an instant say.
 struct InSight {
@@ -31,17 +25,9 @@ void addSighting(const MarkerView& view, const Detection& detection, const Mappe
                  double corner_sigma, InSight& instant) {
   const auto poses = solveMarkerPose(view.camera, detection.corners, marker.size);
   if (!poses) return;
-  const Pose T_camera_base = view.T_base_camera.inverse();
-  const auto base = [&](const MarkerPose& seen) {
-    return marker.T_map_marker * seen.T_camera_marker.inverse() * T_camera_base;
-  };
-  const size_t index = instant.sightings.size();
   instant.keys.push_back(marker.key);
-  instant.sightings.push_back({&view.camera, T_camera_base, marker.T_map_marker, marker.size,
-                               detection.corners, cornerSigmas(view, detection, corner_sigma),
-                               marker.covariance});
-  instant.starts.push_back({base(poses->best), index});
-  if (poses->alternative) instant.starts.push_back({base(*poses->alternative), index});
+  addStarts(view, marker, *poses, instant.sightings.size(), instant.starts);
+  instant.sightings.push_back(mappedSighting(view, detection, marker, corner_sigma));
 }
 
 InSight seen(const RecordedInstant& recorded, const MarkerMap& map, double corner_sigma,
