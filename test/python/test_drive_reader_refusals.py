@@ -235,17 +235,14 @@ def test_markers_whose_calibration_changes(tmp_path):
     "changes, said",
     [
         ({"image_width": None}, "no image_width"),
-        ({"image_width": "wide"}, "image_width and image_height are ['wide', 48], not whole numbers"),
+        ({"image_width": "wide"}, "image_width is 'wide', it must be a whole number of pixels"),
         ({"camera_matrix": None}, "no camera_matrix"),
-        ({"camera_matrix": "{rows: 3, cols: 3}"}, "camera_matrix needs rows, cols and data"),
-        ({"camera_matrix": "{rows: 3, cols: 3, data: [1, 2]}"}, "camera_matrix: 3 x 3 with 2 numbers"),
-        ({"projection_matrix": "{rows: 3, cols: 4, data: [a]}"}, "data is no list of finite numbers"),
-        (
-            {"distortion_coefficients": "{rows: 1, cols: 1, data: [.nan]}"},
-            "data is no list of finite numbers",
-        ),
+        ({"camera_matrix": "{rows: 3, cols: 3}"}, "camera_matrix needs 'data', a list of numbers"),
+        ({"camera_matrix": "{rows: 3, cols: 3, data: [1, 2]}"}, "camera_matrix has 2 numbers and says 3 x 3"),
+        ({"projection_matrix": "{rows: 3, cols: 4, data: [a]}"}, "projection_matrix needs 'data'"),
+        ({"distortion_coefficients": "{rows: 1, cols: 1, data: [.nan]}"}, "a list of numbers"),
         ({"distortion_model": "pincushion"}, "distortion_model is 'pincushion'"),
-        ({"distortion_model": "[plumb"}, "while parsing"),
+        ({"distortion_model": "[plumb"}, "is no YAML in line 5"),
     ],
 )
 def test_calibration_files_that_cannot_be_used(small, tmp_path, changes, said):
@@ -258,7 +255,7 @@ def test_calibration_files_that_cannot_be_used(small, tmp_path, changes, said):
 def test_calibration_files_that_are_not_there_or_none(small, tmp_path):
     for name, content, said in (
         ("absent", None, "cannot be read"),
-        ("list", "- 1\n", "is no calibration file"),
+        ("list", "- 1\n", "is no calibration as"),
     ):
         if content is not None:
             (tmp_path / name).write_text(content)

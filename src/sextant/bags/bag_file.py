@@ -14,7 +14,7 @@ REINDEX = (
 NANOSECONDS = 10**9
 
 
-class BagError(Exception):
+class BagError(RuntimeError):
     """What is wrong with a file, and what to do about it. It can be pickled: workers hand it back."""
 
     def __init__(self, path: str, what: str, advice: str):

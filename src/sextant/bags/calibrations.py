@@ -2,21 +2,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Calibrations of cameras: from camera_info, or from a file of camera_calibration."""
 
-from typing import Any, Dict, List, Tuple
+from typing import Any
 
 import numpy as np
-import yaml
 
 from sextant.bags.bag_file import BagError
+from sextant.markers.calibration_file import CalibrationFileError, read_calibration
 from sextant.markers.drive_sightings import DriveCamera
 
-# matrix of the file: (field of camera_info, allowed (rows, columns)); 0: any number
-_MATRICES: Dict[str, Tuple[str, Tuple[int, int]]] = {
-    "camera_matrix": ("K", (3, 3)),
-    "distortion_coefficients": ("D", (1, 0)),
-    "rectification_matrix": ("R", (3, 3)),
-    "projection_matrix": ("P", (3, 4)),
-}
 _SAME = ("width", "height", "distortion_model", "D", "K", "R", "P", "binning_x", "binning_y")
 _REGION = ("x_offset", "y_offset", "width", "height")
 
@@ -68,53 +61,8 @@ def camera_from_file(path: str, rectified: bool) -> DriveCamera:
     :raises BagError: it cannot be read, or is no such file; names what is missing or wrong
     """
     try:
-        with open(path, encoding="utf-8") as file:
-            content = yaml.safe_load(file)
-        return _camera_from_content(content, rectified)
-    except OSError as error:
-        raise BagError(path, f"cannot be read ({error.strerror})", "name a calibration file") from None
-    except (ValueError, yaml.YAMLError) as error:
-        what = "is no calibration file: " + " ".join(str(error).split())
-        raise BagError(path, what, "expected is a YAML file as camera_calibration writes it") from None
-
-
-def _camera_from_content(content: Any, rectified: bool) -> DriveCamera:
-    if not isinstance(content, dict):
-        raise ValueError("there are no `name: value` lines in it")
-    sides = [_entry(content, name) for name in ("image_width", "image_height")]
-    if not all(isinstance(side, int) and not isinstance(side, bool) for side in sides):
-        raise ValueError(f"image_width and image_height are {sides}, not whole numbers")
-    model = content.get("distortion_model", "plumb_bob")  # as camera_calibration_parsers has it
-    if not isinstance(model, str):
-        raise ValueError(f"distortion_model is {model!r}, not a name")
-    matrices = {
-        field: _matrix(name, _entry(content, name), shape) for name, (field, shape) in _MATRICES.items()
-    }
-    return _checked(*sides, model, rectified=rectified, **matrices)
-
-
-def _entry(content: Dict[str, Any], name: str) -> Any:
-    if name not in content:
-        raise ValueError(f"no {name}")
-    return content[name]
-
-
-def _matrix(name: str, entry: Any, shape: Tuple[int, int]) -> List[float]:
-    if not isinstance(entry, dict) or {"rows", "cols", "data"} - set(entry):
-        raise ValueError(f"{name} needs rows, cols and data")
-    rows, columns, data = entry["rows"], entry["cols"], entry["data"]
-    _check_numbers(name, data)
-    if rows != shape[0] or columns != (shape[1] or len(data)) or len(data) != rows * columns:
-        expected = f"{shape[0]} x {shape[1] or 'n'}"
-        raise ValueError(f"{name}: {rows} x {columns} with {len(data)} numbers, expected {expected}")
-    return data
-
-
-def _check_numbers(name: str, data: Any) -> None:
-    numbers = isinstance(data, list) and all(_is_number(value) for value in data)
-    if not numbers or not np.all(np.isfinite(np.array(data, dtype=float))):
-        raise ValueError(f"{name}: data is no list of finite numbers")
-
-
-def _is_number(value: Any) -> bool:
-    return isinstance(value, (int, float)) and not isinstance(value, bool)
+        read = read_calibration(path)
+    except CalibrationFileError as error:
+        raise BagError(path, error.what, "expected is a YAML file as camera_calibration writes it") from None
+    size, matrices = (read.width, read.height), (read.D, read.K, read.R, read.P)
+    return _checked(*size, read.distortion_model, *matrices, rectified)

@@ -7,10 +7,10 @@ from typing import Any, Dict, List, NamedTuple, Optional
 import numpy as np
 
 from sextant.bags.bag_file import BagError, BagFile, DamagedMessage
-from sextant.bags.poses import pose_from_fields
 from sextant.bags.read_options import NO_ODOMETRY, ReadOptions
 from sextant.bags.stamps import Losses, StampOrder
 from sextant.bags.transforms import TransformTree, frame_name
+from sextant.poses import pose_of_fields
 
 ODOMETRY = "nav_msgs/Odometry"
 
@@ -97,7 +97,7 @@ def _checked(message: Any, frames: List[str]):
         names = " and ".join(f"'{frame}'" for frame in frames)
         raise DamagedMessage(f"its frames are not {names} like those of the first")
     pose = message.pose.pose
-    return message.header.stamp.to_nsec(), pose_from_fields(pose.position, pose.orientation)
+    return message.header.stamp.to_nsec(), pose_of_fields(pose.position, pose.orientation)
 
 
 def _T_child_base(bag: BagFile, topic: str, child: str, base: str, tree: TransformTree):

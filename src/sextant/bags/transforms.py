@@ -7,8 +7,8 @@ from typing import Dict, List, NamedTuple, Optional, Set, Tuple
 import numpy as np
 
 from sextant.bags.bag_file import BagFile, DamagedMessage
-from sextant.bags.poses import pose_from_fields
 from sextant.markers.recorded_instants import interpolated_poses
+from sextant.poses import pose_of_fields
 
 LONGEST_GAP = 10.0  # seconds between two transforms that are interpolated: what tf2's buffer holds
 
@@ -140,7 +140,7 @@ def read_transforms(bag: BagFile) -> TransformTree:
             continue
         for each in transforms:
             try:
-                T = pose_from_fields(each.transform.translation, each.transform.rotation)
+                T = pose_of_fields(each.transform.translation, each.transform.rotation)
             except ValueError:
                 damaged += 1
                 continue

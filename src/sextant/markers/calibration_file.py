@@ -15,27 +15,35 @@ _MATRICES = {"camera_matrix": (3, 3), "rectification_matrix": (3, 3), "projectio
 
 
 class CalibrationFileError(ValueError):
-    """A file that is no calibration: "file: reason"."""
+    """A file that is no calibration: "file: what is wrong"."""
+
+    def __init__(self, path: Union[str, Path], what: str):
+        super().__init__(str(path), what)
+        self.path, self.what = str(path), what
+
+    def __str__(self) -> str:
+        return f"{self.path}: {self.what}"
 
 
 def read_calibration(path: Union[str, Path]) -> "sextant.CameraCalibration":
     """The calibration in a YAML file, for raw images.
 
     :raises CalibrationFileError: the file cannot be read, a field is missing or has no sense, or the camera
-        model refuses the values; the text begins with the file's name
+        model refuses the values
     """
     try:
         return _calibration(_table(Path(path)))
     except OSError as error:
-        raise CalibrationFileError(f"{path}: cannot be read: {error.strerror}") from None
+        raise CalibrationFileError(path, f"cannot be read: {error.strerror}") from None
     except UnicodeDecodeError:
-        raise CalibrationFileError(f"{path}: is no text") from None
+        raise CalibrationFileError(path, "is no text") from None
     except yaml.YAMLError as error:
         mark = getattr(error, "problem_mark", None)
-        line = f"{mark.line + 1}: " if mark else " "
-        raise CalibrationFileError(f"{path}:{line}is no YAML: {getattr(error, 'problem', error)}") from None
+        line = f" in line {mark.line + 1}" if mark else ""
+        problem = getattr(error, "problem", error)
+        raise CalibrationFileError(path, f"is no YAML{line}: {problem}") from None
     except ValueError as error:
-        raise CalibrationFileError(f"{path}: {error}") from None
+        raise CalibrationFileError(path, str(error)) from None
 
 
 def _table(path: Path) -> Dict[str, Any]:
@@ -48,7 +56,8 @@ def _table(path: Path) -> Dict[str, Any]:
 def _calibration(table: Dict[str, Any]) -> "sextant.CameraCalibration":
     calibration = sextant.CameraCalibration()
     calibration.width, calibration.height = _pixels(table, "image_width"), _pixels(table, "image_height")
-    calibration.distortion_model = str(_field(table, "distortion_model"))
+    # without a model it is plumb_bob, as camera_calibration_parsers has it
+    calibration.distortion_model = str(table.get("distortion_model", "plumb_bob"))
     calibration.D = _numbers(table, "distortion_coefficients")
     calibration.K, calibration.R, calibration.P = (
         np.reshape(_numbers(table, name, rows, cols), (rows, cols))

@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import Dict, Iterator, List, Sequence, Tuple, Union
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
+from sextant.poses import pose_of
 from sextant.statistics.trajectory import Trajectory
 
 FIELDS = ("stamp", "x", "y", "z", "qx", "qy", "qz", "qw")
@@ -124,14 +124,8 @@ def _stamped_pose(row: Sequence[str], fields: Sequence[str], unit: Decimal) -> T
     if len(row) != len(fields):
         raise ValueError(f"{len(row)} values, expected {len(fields)}")
     texts = dict(zip(fields, row))
-    values = np.array([_number(field, texts[field]) for field in FIELDS[1:]])
-    norm = np.linalg.norm(values[3:])
-    if abs(norm - 1.0) > NORM_TOLERANCE:
-        raise ValueError(f"qx qy qz qw are no rotation: their norm is {norm:.6g}, not 1")
-    T = np.eye(4)
-    T[:3, :3] = Rotation.from_quat(values[3:]).as_matrix()
-    T[:3, 3] = values[:3]
-    return _nanoseconds(texts["stamp"], unit), T
+    values = [_number(field, texts[field]) for field in FIELDS[1:]]
+    return _nanoseconds(texts["stamp"], unit), pose_of(values[:3], values[3:], NORM_TOLERANCE)
 
 
 def _number(field: str, text: str) -> float:

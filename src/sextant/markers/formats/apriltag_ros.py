@@ -37,10 +37,9 @@ from sextant.markers.formats.map_file import (
     ReadMap,
     WrittenMap,
     decimal,
-    pose,
     told_as,
 )
-from sextant.markers.formats.quaternion import quaternion_from_rotation, rotation_from_quaternion
+from sextant.poses import pose_of, quaternion_of
 
 # tag_family of settings.yaml, the first is its default
 FAMILIES = (
@@ -117,7 +116,7 @@ def _marker(tag: Table, family: str, standalone: Dict[int, float]) -> sextant.Ma
     if standalone.get(id, size) != size:
         raise ValueError(f"tag {id} has {size:g} m here and {standalone[id]:g} m as a standalone tag")
     x, y, z, qw, qx, qy, qz = (tag.number(name, float(name == "qw")) for name in POSE_NAMES)
-    T_bundle_tag = pose(rotation_from_quaternion([qx, qy, qz, qw]), [x, y, z])
+    T_bundle_tag = pose_of([x, y, z], [qx, qy, qz, qw], tolerance=np.inf)
     return sextant.MappedMarker(family, id, size, T_bundle_tag)
 
 
@@ -144,7 +143,7 @@ def format_apriltag_ros(marker_map: sextant.MarkerMap) -> WrittenMap:
 
 
 def _format_tag(marker: sextant.MappedMarker) -> str:
-    x, y, z, w = quaternion_from_rotation(marker.T_map_marker[:3, :3])
+    x, y, z, w = quaternion_of(marker.T_map_marker[:3, :3])
     numbers = np.array([*marker.T_map_marker[:3, 3], w, x, y, z])
     told = ", ".join(f"{name}: {decimal(value)}" for name, value in zip(POSE_NAMES, numbers))
     return f"      {{id: {marker.id}, size: {decimal(marker.size)}, {told}}}"

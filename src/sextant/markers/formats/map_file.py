@@ -76,13 +76,6 @@ def told_as(mistake: Callable[[str], MapFileError]) -> Iterator[None]:
         raise mistake(str(error)) from None
 
 
-def pose(rotation: np.ndarray, position: List[float]) -> np.ndarray:
-    """(4, 4) of a rotation (3, 3) and a position in metres."""
-    T = np.eye(4)
-    T[:3, :3], T[:3, 3] = rotation, position
-    return T
-
-
 def finite(word: str) -> float:
     """:raises ValueError: no number, or one that is not finite"""
     try:

@@ -28,7 +28,7 @@ import numpy as np
 
 import sextant
 from sextant.markers.formats.located_yaml import Table, read_yaml
-from sextant.markers.formats.map_file import MapFileError, MapOptions, ReadMap, pose, told_as
+from sextant.markers.formats.map_file import MapFileError, MapOptions, ReadMap, told_as
 from sextant.markers.formats.tagslam_noise import NAMES as NOISE_NAMES
 from sextant.markers.formats.tagslam_noise import in_map_axes, read_noise, read_vector
 
@@ -169,7 +169,9 @@ class _Reader:
 def _pose(table: Table) -> np.ndarray:
     """(4, 4), the frame that the table belongs to in its parent."""
     table.require("a pose", ["position", "rotation"], NOISE_NAMES)
-    return pose(sextant.exp_so3(read_vector(table, "rotation")), read_vector(table, "position"))
+    T = np.eye(4)
+    T[:3, :3], T[:3, 3] = sextant.exp_so3(read_vector(table, "rotation")), read_vector(table, "position")
+    return T
 
 
 def _default_size(body: Table) -> float:
