@@ -53,7 +53,7 @@ CheckedCalibration calibrationFor(const sensor_msgs::CameraInfo& calibration, in
                            ", the images have " + sizeText(width, height) +
                            "; camera_info says \"not calibrated\": set width and height, or calibrate again"
                      : "the camera is not calibrated: name its file in camera_info_url, or make one with "
-                       "rosrun camera_calibration cameracalibrator.py";
+                       "roslaunch sextant calibrate.launch";
   return bare;
 }
 

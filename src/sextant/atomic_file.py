@@ -14,10 +14,13 @@ def atomic_file(path: Union[str, Path], mode: str = "w") -> Iterator[IO]:
     """A temporary file beside path that takes its name when the block ends without an exception.
 
     :param mode: "w" (UTF-8 text) or "wb"
-    :raises OSError: the folder is not there, or cannot be written to; an old file is left as it was
+    :raises OSError: it cannot be written, the error names it; an old file is left as it was
     """
     path = Path(path)
-    number, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=path.suffix)
+    try:
+        number, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=path.suffix)
+    except OSError as error:  # names the temporary file
+        raise OSError(error.errno, f"cannot be written: {error.strerror}", str(path)) from None
     try:
         with os.fdopen(number, mode, **({} if "b" in mode else {"encoding": "utf-8"})) as file:
             yield file

@@ -85,7 +85,7 @@ def test_losses_of_writing_are_told(tmp_path, capsys):
 def test_a_file_is_overwritten_only_when_told_to(tmp_path, capsys):
     path = tmp_path / "map.yaml"
     path.write_text("mine\n")
-    assert "is there already, --force overwrites it" in refusal(capsys, DATA / "tags.yaml", path)
+    assert "is there already; --force overwrites it" in refusal(capsys, DATA / "tags.yaml", path)
     assert path.read_text() == "mine\n"
     assert run(capsys, DATA / "tags.yaml", path, "--force")[0] == 0
     assert "tag36h11" in path.read_text()
@@ -108,8 +108,8 @@ def test_a_link_to_nowhere_is_a_file_too(tmp_path, capsys):
         (["tags.yaml", "m.yaml", "--bundle", "hall"], "has no bundle 'hall', only room"),
         (["tags.yaml", "m.yaml", "--size", "0.1"], "apriltag_ros has no use for --size"),
         (["tags.yaml", "m.yaml", "--from", "tagslam"], "tags.yaml:1: 'standalone_tags' is no name that"),
-        (["tags.yaml", "no/m.yaml"], "m.yaml: cannot be written: No such file or directory"),
-        (["tags.yaml", "no/m.txt", "--to", "tagslam"], "m.txt: cannot be written: No such file or directory"),
+        (["tags.yaml", "no/m.yaml"], "m.yaml: there is no folder"),
+        (["tags.yaml", "no/m.txt", "--to", "tagslam"], "m.txt: there is no folder"),
         (
             ["fiducial_slam.txt", "m.txt", "--to", "tagslam", *PRINT],
             "tagslam does not know DICT_5X5_50, only",
@@ -126,11 +126,7 @@ def test_mistakes_are_one_line(tmp_path, capsys, arguments, reason):
     "arguments", [[], ["a.yaml", "b.yaml", "--size", "wide"], ["a", "b", "--from", "csv"]]
 )
 def test_wrong_arguments_are_one_line(capsys, arguments):
-    with pytest.raises(SystemExit) as stop:
-        main(arguments)
-    assert stop.value.code == 2
-    err = capsys.readouterr().err
-    assert err.startswith("convert_map: ") and err.count("\n") == 1
+    assert "--help tells more" in refusal(capsys, *arguments)
 
 
 def test_the_executable(tmp_path):

@@ -36,7 +36,7 @@ def test_launch_file_has_the_size_of_the_default_sheet(tmp_path, monkeypatch, ca
     assert [arguments.strip() for name, arguments in COMMANDS if name == "make_chessboard"] == [""]
     assert make_chessboard.main([]) == 0
     defaults = launch_arguments()
-    assert f"--size {defaults['size']} --square {defaults['square']}" in capsys.readouterr().out
+    assert f"size:={defaults['size']} square:={defaults['square']}" in capsys.readouterr().out
     assert float(defaults["square"]) == largest_square(8, 6, Paper())
     corners, millimetres = re.search(r"(\d+x\d+) \*\*inner corners\*\* .* of (\d+) mm on A4", PAGE).groups()
     assert (corners, 0.001 * float(millimetres)) == (defaults["size"], float(defaults["square"]))

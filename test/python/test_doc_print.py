@@ -24,7 +24,7 @@ def test_commands_work(tmp_path, monkeypatch, capsys):
     for line in lines:
         name, *arguments = shlex.split(line, comments=True)
         assert COMMANDS[name](arguments) == 0
-    assert "--size 8x6 --square 0.025" in capsys.readouterr().out
+    assert "size:=8x6 square:=0.025" in capsys.readouterr().out
     assert {path.name for path in tmp_path.iterdir()} == {
         *("markers.pdf", "map.yaml", "board.pdf", "board.yaml", "chessboard.pdf", "large.pdf")
     }

@@ -33,9 +33,9 @@ def folder(tmp_path, monkeypatch):
 def test_what_it_says_to_type_is_what_it_prints(capsys, line, size, square):
     assert main([*line.split(), "-o", "board.pdf"]) == 0
     command = shlex.split(capsys.readouterr().out.splitlines()[-1])
-    assert command[:3] == ["rosrun", "camera_calibration", "cameracalibrator.py"]
-    assert command[3:7] == ["--size", f"{size[0]}x{size[1]}", "--square", square]
-    assert " ".join(command[3:7]) in " ".join(texts(Path("board.pdf"))[0])
+    shape = f"{size[0]}x{size[1]}"
+    assert command == ["roslaunch", "sextant", "calibrate.launch", f"size:={shape}", f"square:={square}"]
+    assert f"--size {shape} --square {square}" in " ".join(texts(Path("board.pdf"))[0])
     [picture] = pictures(Path("board.pdf"), 72)
     found, corners = cv2.findChessboardCorners(picture, size)
     assert found
@@ -54,7 +54,7 @@ def test_what_it_says_to_type_is_what_it_prints(capsys, line, size, square):
         ("8x6 --margin 1", "margin is 1.0"),
         ("8x6 --page A5", "'A5'"),
         ("-o absent/board.pdf", "there is no folder absent"),
-        ("-o mine.pdf", "mine.pdf is there already; --force overwrites it"),
+        ("-o mine.pdf", "mine.pdf: is there already; --force overwrites it"),
     ],
 )
 def test_what_is_refused(capsys, line, reason):

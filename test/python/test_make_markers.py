@@ -134,7 +134,7 @@ def test_command_that_comes_next(capsys, folder, map_option):
 def test_nothing_is_overwritten_unless_asked_for(capsys, there):
     Path(there).write_text("mine")
     line = "tag36h11 0 --size 0.1 --map map.yaml"
-    assert refused(capsys, line) == f"make_markers: {there} is there already; --force overwrites it"
+    assert refused(capsys, line) == f"make_markers: {there}: is there already; --force overwrites it"
     assert Path(there).read_text() == "mine"
     assert run(capsys, line + " --force")[0] == 0
     assert Path("markers.pdf").read_bytes().startswith(b"%PDF")
@@ -171,7 +171,7 @@ def test_nothing_is_overwritten_unless_asked_for(capsys, there):
         ("tag36h11 0 --size 0.1 -o one.yaml --map one.yaml", "cannot be both"),
         ("tag36h11 0 --size 0.1 -o absent/markers.pdf", "there is no folder absent"),
         ("tag36h11 0 --size 0.1 --map absent/map.yaml", "there is no folder absent"),
-        ("tag36h11 0 --size 0.1 -o . --force", ". is a folder"),
+        ("tag36h11 0 --size 0.1 -o . --force", ".: is a folder"),
     ],
 )
 def test_what_is_refused(capsys, line, reason):
@@ -181,7 +181,8 @@ def test_what_is_refused(capsys, line, reason):
 def test_a_folder_that_cannot_be_written_to(capsys):
     if not Path("/proc/self").exists():
         pytest.skip("needs a folder that even root cannot write to")
-    assert "cannot write into /proc: " in refused(capsys, "tag36h11 0 --size 0.1 -o /proc/markers.pdf")
+    reason = refused(capsys, "tag36h11 0 --size 0.1 -o /proc/markers.pdf")
+    assert "/proc/markers.pdf: cannot be written: " in reason
 
 
 def test_executable_ends_with_the_exit_code():

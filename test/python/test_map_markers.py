@@ -2,6 +2,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """From a bag of images to a map, as its user calls it."""
 
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
 from written_bags import WrittenBag
@@ -13,6 +16,7 @@ from sextant.simulation.room import default_map
 
 PARAMS = DriveParams(seed=2, rate=2.5, eight_period=40.0, horizontal_fov=1.8, obstacles=False)
 IMAGES = 100
+PAGE = (Path(__file__).resolve().parents[2] / "doc/mapping.md").read_text()
 
 
 def write_drive(path, frames, camera="camera"):
@@ -143,3 +147,11 @@ def test_a_bag_without_markers_says_so(tmp_path, capsys):
             bag.image("/camera/image_raw", np.full((480, 640), 90, np.uint8), i)
     assert main([str(tmp_path / "empty.bag"), "-o", str(tmp_path / "map.yaml")]) == 2
     assert "no marker" in capsys.readouterr().err
+
+
+def test_options_are_those_of_the_page(capsys):
+    with pytest.raises(SystemExit):
+        main(["--help"])
+    options = set(re.findall(r"^  .*?(--[a-z-]+)", capsys.readouterr().out, re.M)) - {"--help"}
+    chapter = PAGE.partition("## Make")[2].partition("## Look")[0]
+    assert set(re.findall(r"(--[a-z][a-z-]+)", chapter)) == options

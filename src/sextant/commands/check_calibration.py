@@ -7,13 +7,13 @@ Exit code: 0 still good, 1 not good, 2 cannot tell or bad input.
 """
 
 import argparse
-import sys
 from pathlib import Path
 from typing import Dict, List, Optional, Tuple
 
 import cv2
 
 import sextant
+from sextant.commands.command_line import Answer, CommandParser, run
 from sextant.markers.calibration_check import CalibrationCheck, CheckParams, check_calibration
 from sextant.markers.calibration_file import read_calibration
 from sextant.markers.calibration_sightings import Sighting, board_sighting, sightings_of
@@ -30,29 +30,13 @@ _ANSWERS = ("good", "NOT GOOD", "cannot tell")
 Photos = Dict[Path, Optional[float]]
 
 
-class _Parser(argparse.ArgumentParser):
-    def error(self, message: str) -> None:
-        raise ValueError(message)
-
-
 def main(arguments: Optional[List[str]] = None) -> int:
     """:returns: exit code: 0 still good, 1 not good, 2 cannot tell or bad input."""
-    parser = _parser()
-    try:
-        # photos may stand before and after options, which parse_args() cannot read
-        return _check(parser.parse_intermixed_args(arguments))
-    except (OSError, ValueError, RuntimeError) as error:
-        print(f"{parser.prog}: {error}", file=sys.stderr)
-    return 2
+    return run(_parser(), arguments, _check)
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = _Parser(
-        prog="check_calibration",
-        description=__doc__,
-        epilog=_EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
+def _parser() -> CommandParser:
+    parser = CommandParser(prog="check_calibration", description=__doc__, epilog=_EXAMPLES)
     params = CheckParams()
     parser.add_argument("calibration", type=Path, help="YAML, as camera_calibration writes it")
     parser.add_argument("photos", type=Path, nargs="*", help="pictures, or folders of them")
@@ -85,18 +69,18 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-def _check(options: argparse.Namespace) -> int:
+def _check(options: argparse.Namespace) -> Answer:
     params = CheckParams(options.tape_sigma, options.size_sigma, options.zero_sigma, options.corner_sigma)
     params.validate()
     _check_options(options)
     calibration = read_calibration(options.calibration)
     sightings, empty = _look(calibration, _photos(options), options)
     check = check_calibration(calibration, sightings, params)
-    print("\n".join(_table(check)))
+    lines = _table(check)
     if empty:
-        print(f"no marker in {len(empty)}: {', '.join(map(str, empty))}")
-    print("\n".join(f"{_ANSWERS[check.state]}: {reason}" for reason in check.reasons))
-    return check.state
+        lines.append(f"no marker in {len(empty)}: {', '.join(map(str, empty))}")
+    lines += (f"{_ANSWERS[check.state]}: {reason}" for reason in check.reasons)
+    return Answer(lines, check.state)
 
 
 def _check_options(options: argparse.Namespace) -> None:
@@ -123,7 +107,7 @@ def _photos(options: argparse.Namespace) -> Photos:
             photos[picture] = _distance(picture.resolve().parent.name, f"{picture}: its folder's name")
     photos.update(_listed(options.distances) if options.distances else {})
     for path in options.also:
-        photos.update({picture: None for picture in _pictures(path)})
+        photos.update(dict.fromkeys(_pictures(path)))
     if not photos:
         raise ValueError("which photos?")
     return photos

@@ -3,12 +3,12 @@
 """Turns a marker map into another format: fiducial_slam, apriltag_ros, tagslam, Sextant's YAML or text."""
 
 import argparse
-import os
-import sys
-from typing import List, Optional, Sequence
+from pathlib import Path
+from typing import Optional, Sequence
 
 import sextant
-from sextant.markers.formats.map_file import MapFileError, MapOptions
+from sextant.commands.command_line import Answer, CommandParser, check_output, run
+from sextant.markers.formats.map_file import MapOptions
 from sextant.markers.map_formats import (
     FORMATS,
     guess_read_format,
@@ -18,13 +18,13 @@ from sextant.markers.map_formats import (
 )
 
 
-class _Parser(argparse.ArgumentParser):
-    def error(self, message: str) -> None:
-        self.exit(2, f"{self.prog}: {message} (--help tells more)\n")
+def main(arguments: Optional[Sequence[str]] = None) -> int:
+    """:returns: exit code: 0, or 2 when nothing was written."""
+    return run(_parser(), arguments, _convert)
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = _Parser(prog="convert_map", description=__doc__)
+def _parser() -> CommandParser:
+    parser = CommandParser(prog="convert_map", description=__doc__)
     parser.add_argument("input", metavar="IN", help="the map to read")
     parser.add_argument("output", metavar="OUT", help="the file to write")
     parser.add_argument("--from", dest="source", choices=FORMATS, help="default: what IN looks like")
@@ -37,25 +37,23 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-def convert(arguments: argparse.Namespace) -> List[str]:
-    """Reads, writes, and tells what.
-
-    :returns: the lines to print; those that begin with "lost:" were not converted
-    :raises MapFileError: what stops it, in one line
-    """
-    source = arguments.source or guess_read_format(arguments.input)
-    target = arguments.target or guess_write_format(arguments.output)
-    if os.path.lexists(arguments.output) and not arguments.force:
-        raise MapFileError(f"{arguments.output}: is there already, --force overwrites it")
-    options = MapOptions(arguments.frame, arguments.family, arguments.size, arguments.bundle)
-    read = read_map(arguments.input, source, options)
-    lost = write_map(read.marker_map, arguments.output, target)
-    return [
-        f"{arguments.input}: read {_summary(read.marker_map)} ({source})",
-        *(f"lost: {warning}" for warning in read.warnings),
-        f"{arguments.output}: written ({target})",
-        *(f"lost: {warning}" for warning in lost),
-    ]
+def _convert(options: argparse.Namespace) -> Answer:
+    """Reads, writes, and tells what; lines that begin with "lost:" were not converted."""
+    source = options.source or guess_read_format(options.input)
+    target = options.target or guess_write_format(options.output)
+    check_output(Path(options.output), options.force)
+    read = read_map(
+        options.input, source, MapOptions(options.frame, options.family, options.size, options.bundle)
+    )
+    lost = write_map(read.marker_map, options.output, target)
+    return Answer(
+        [
+            f"{options.input}: read {_summary(read.marker_map)} ({source})",
+            *(f"lost: {warning}" for warning in read.warnings),
+            f"{options.output}: written ({target})",
+            *(f"lost: {warning}" for warning in lost),
+        ]
+    )
 
 
 def _summary(marker_map: sextant.MarkerMap) -> str:
@@ -64,18 +62,3 @@ def _summary(marker_map: sextant.MarkerMap) -> str:
     families = ", ".join(sorted({marker.family for marker in marker_map.markers}))
     sizes = ", ".join(f"{size:g} m" for size in sorted({marker.size for marker in marker_map.markers}))
     return f"{count} marker{'s' * (count != 1)} of {families}, {sizes}, in frame '{marker_map.frame}'"
-
-
-def main(arguments: Optional[Sequence[str]] = None) -> int:
-    """The command line.
-
-    :returns: 0, or 2 when nothing was written; wrong arguments end with SystemExit(2)
-    """
-    parsed = _parser().parse_args(arguments)
-    try:
-        lines = convert(parsed)
-    except MapFileError as error:
-        print(f"convert_map: {error}", file=sys.stderr)
-        return 2
-    print("\n".join(lines))
-    return 0

@@ -5,11 +5,10 @@
 import argparse
 from typing import List, Optional
 
-from sextant.commands.print_command import PrintParser, check_output, columns_and_rows, run
+from sextant.commands.command_line import Answer, CommandParser, check_output, run
+from sextant.commands.sheet_options import add_sheet_options, columns_and_rows
 from sextant.markers.chessboard_sheet import Chessboard, largest_square, write_chessboard
 from sextant.markers.print_layout import Paper
-
-_CALIBRATE = "rosrun camera_calibration cameracalibrator.py {} image:=camera/image_raw camera:=camera"
 
 
 def main(arguments: Optional[List[str]] = None) -> int:
@@ -17,8 +16,9 @@ def main(arguments: Optional[List[str]] = None) -> int:
     return run(_parser(), arguments, _make)
 
 
-def _parser() -> PrintParser:
-    parser = PrintParser("chessboard.pdf", prog="make_chessboard", description=__doc__)
+def _parser() -> CommandParser:
+    parser = CommandParser(prog="make_chessboard", description=__doc__)
+    add_sheet_options(parser, "chessboard.pdf")
     parser.add_argument(
         "corners",
         type=columns_and_rows,
@@ -33,15 +33,17 @@ def _parser() -> PrintParser:
     return parser
 
 
-def _make(options: argparse.Namespace) -> List[str]:
+def _make(options: argparse.Namespace) -> Answer:
     check_output(options.output, options.force)
     paper, (columns, rows) = Paper(options.page, options.margin), options.corners
     paper.validate()
     square = largest_square(columns, rows, paper) if options.square is None else options.square
     board = Chessboard(columns, rows, square)
     write_chessboard(options.output, board, paper)
-    return [
-        f"{options.output}: {columns} x {rows} inner corners, squares of {square} m, {options.page}",
-        "Print at 100 %, measure the 100 mm line, glue it onto something flat. Then, while the camera runs:",
-        _CALIBRATE.format(board.arguments),
-    ]
+    return Answer(
+        [
+            f"{options.output}: {columns} x {rows} inner corners, squares of {square} m, {options.page}",
+            "Print at 100 %, measure the 100 mm line, glue it onto something flat. Then:",
+            f"roslaunch sextant calibrate.launch size:={columns}x{rows} square:={square}",
+        ]
+    )

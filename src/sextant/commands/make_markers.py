@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import List, Optional
 
 import sextant
-from sextant.commands.print_command import PrintParser, check_output, columns_and_rows, run
+from sextant.commands.command_line import Answer, CommandParser, check_output, run
+from sextant.commands.sheet_options import add_sheet_options, columns_and_rows
 from sextant.markers.board_sheet import BoardParams, round_gap, write_board
 from sextant.markers.map_template import write_map_template
 from sextant.markers.marker_print import check_size
@@ -29,8 +30,9 @@ def main(arguments: Optional[List[str]] = None) -> int:
     return run(_parser(), arguments, _make)
 
 
-def _parser() -> PrintParser:
-    parser = PrintParser("markers.pdf", prog="make_markers", description=__doc__, epilog=_EXAMPLES)
+def _parser() -> CommandParser:
+    parser = CommandParser(prog="make_markers", description=__doc__, epilog=_EXAMPLES)
+    add_sheet_options(parser, "markers.pdf")
     parser.add_argument("family", help="dictionary or family: tag36h11, DICT_4X4_50, ...")
     parser.add_argument("ids", type=_ids, help="e.g. 0-7,12; of a board row by row from the top left")
     parser.add_argument(
@@ -68,7 +70,7 @@ def _ids(text: str) -> List[int]:
     return ids
 
 
-def _make(options: argparse.Namespace) -> List[str]:
+def _make(options: argparse.Namespace) -> Answer:
     _check(options)
     options.family = sextant.canonical_family(options.family)  # the name that detections and maps have
     lines = _make_sheets(options) if options.board is None else _make_board(options)
@@ -76,7 +78,7 @@ def _make(options: argparse.Namespace) -> List[str]:
     if options.map is not None:
         arguments.append(f"map:={options.map.resolve()}")
     command = " ".join(["roslaunch sextant webcam.launch", *map(shlex.quote, arguments)])
-    return [*lines, _NEXT, command]
+    return Answer([*lines, _NEXT, command])
 
 
 def _check(options: argparse.Namespace) -> None:
@@ -102,6 +104,7 @@ def _make_sheets(options: argparse.Namespace) -> List[str]:
     if options.map is not None:
         write_map_template(options.map, family, ids, size)
         lines.append(f"{options.map}: fill in position and rpy of every marker; until then it is refused")
+        lines.append("or drive past them with a rosbag and let map_markers find out: doc/mapping.md")
     return lines
 
 

@@ -11,33 +11,29 @@ Beside the map it writes a report, better.html.
 
 import argparse
 import functools
-import sys
 from pathlib import Path
 from typing import Dict, List, Optional, Sequence, Tuple
 
 import numpy as np
 
 import sextant
-from sextant.bags.bag_file import BagError
 from sextant.bags.drive_reader import RecordedDrive, read_drive
 from sextant.bags.read_options import ReadOptions
-from sextant.commands.print_command import check_output
-from sextant.jobs import JobError, SchedulerError, run_jobs
+from sextant.commands.command_line import Answer, CommandParser, check_output, run
+from sextant.jobs import JobError, run_jobs
 from sextant.markers.map_findings import findings, verdict
 from sextant.markers.map_quality import MapQuality, map_quality
 from sextant.markers.map_report import MapOrigin, write_map_report
 from sextant.markers.recorded_instants import RecordedInstants, recorded_instants
 
 
-class _Parser(argparse.ArgumentParser):
-    def error(self, message: str) -> None:
-        self.exit(2, f"{self.prog}: {message} (--help tells more)\n")
+def main(arguments: Optional[Sequence[str]] = None) -> int:
+    """:returns: exit code: 0, or 2 when nothing was written."""
+    return run(_parser(), arguments, _make)
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = _Parser(
-        prog="map_markers", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+def _parser() -> CommandParser:
+    parser = CommandParser(prog="map_markers", description=__doc__)
     parser.add_argument("bags", nargs="+", metavar="BAG", help="with images, or with recorded markers")
     parser.add_argument("-o", "--output", type=Path, required=True, help="map to write, .yaml")
     parser.add_argument("--report", type=Path, help="report to write (default: beside the map, .html)")
@@ -114,28 +110,8 @@ def _pair(text: str) -> Tuple[str, str]:
     return name, value
 
 
-def main(arguments: Optional[Sequence[str]] = None) -> int:
-    """The command line.
-
-    :returns: 0, or 2 when nothing was written; wrong arguments end with SystemExit(2)
-    """
-    options = _parser().parse_args(arguments)
-    try:
-        print("\n".join(make(options)))
-        return 0
-    except JobError as error:
-        print(f"map_markers: {error.cause}", file=sys.stderr)
-    except (BagError, SchedulerError, OSError, ValueError, RuntimeError) as error:
-        print(f"map_markers: {error}", file=sys.stderr)
-    return 2
-
-
-def make(options: argparse.Namespace) -> List[str]:
-    """Reads the bags, makes the map, writes it and its report.
-
-    :returns: what to tell the user, lines
-    :raises ValueError: an option, a bag or a map that cannot be; nothing was written then
-    """
+def _make(options: argparse.Namespace) -> Answer:
+    """Reads the bags, makes the map, writes it and its report."""
     report = options.report or options.output.with_suffix(".html")
     if options.output.suffix not in (".yaml", ".yml"):
         raise ValueError(f"{options.output}: a map with covariances is .yaml")
@@ -149,12 +125,8 @@ def make(options: argparse.Namespace) -> List[str]:
     quality = map_quality(made, recorded.instants, _seen(recorded), known)
     sextant.write_marker_map(_named(made.map, options), str(options.output))
     write_map_report(report, made, quality, _origin(options, drives, recorded))
-    return [
-        *notes,
-        *_told(quality),
-        f"{options.output}: written",
-        f"{report}: what it was made of, with pictures",
-    ]
+    written = [f"{options.output}: written", f"{report}: what it was made of, with pictures"]
+    return Answer([*notes, *_told(quality), *written])
 
 
 def known_markers(options: argparse.Namespace) -> "sextant.MarkerMap":
@@ -233,7 +205,7 @@ def _mount(frame: str, text: str) -> np.ndarray:
 def mapping_params(options: argparse.Namespace) -> "sextant.MappingParams":
     """:raises ValueError: one out of range"""
     params = sextant.MappingParams()
-    params.corner_sigma, params.threads = options.corner_sigma, max(1, options.jobs)
+    params.corner_sigma = options.corner_sigma
     if options.floor is not None:
         params.floor_height_sigma = options.floor
     params.validate()
