@@ -145,6 +145,8 @@ def test_executables_only_call_their_node():
         tree = ast.parse(path.read_text())
         assert len(tree.body) <= 3, f"{path.name}: what it does belongs into src/sextant/nodes or commands"
         assert path.stat().st_mode & 0o111, f"{path.name} is not executable"
+        if "sextant.commands" in path.read_text():  # its worker processes read it again
+            assert isinstance(tree.body[-1], ast.If), f"{path.name} lacks if __name__ == '__main__'"
 
 
 def test_node_loaders_are_short():
