@@ -168,8 +168,7 @@ bool MapDraft::mendBranches() {
 }
 
 bool MapDraft::mend(std::optional<Pose>& pose, const InstantHypotheses& found) const {
-  const bool usable = !found.empty() && (found[0].used.size() > 1 || isDecided(found, params_->decided));
-  if (!usable || (pose && areClose(*pose, found[0].T_map_base))) return false;
+  if (!isUsable(found, params_->decided) || (pose && areClose(*pose, found[0].T_map_base))) return false;
   pose = found[0].T_map_base;
   return true;
 }

@@ -44,8 +44,7 @@ class Growth {
 
  private:
   std::optional<Pose> bestOf(const InstantHypotheses& all) const {
-    const bool several = !all.empty() && all[0].used.size() > 1;
-    if (!several && !isDecided(all, params_.decided)) return std::nullopt;
+    if (!isUsable(all, params_.decided)) return std::nullopt;
     return all[0].T_map_base;
   }
 

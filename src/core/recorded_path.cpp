@@ -86,6 +86,10 @@ bool isDecided(const InstantHypotheses& hypotheses, double decided) {
   return !hypotheses.empty() && hypotheses[0].weight >= decided;
 }
 
+bool isUsable(const InstantHypotheses& hypotheses, double decided) {
+  return (!hypotheses.empty() && hypotheses[0].used.size() > 1) || isDecided(hypotheses, decided);
+}
+
 InstantHypotheses locateInstant(const RecordedInstant& instant, const MarkerMap& map,
                                 const PathParams& params, const std::optional<PosePrior>& prior,
                                 const std::set<MarkerKey>& without) {

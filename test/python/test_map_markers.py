@@ -3,6 +3,8 @@
 """From a bag of images to a map, as its user calls it."""
 
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +18,8 @@ from sextant.simulation.room import default_map
 
 PARAMS = DriveParams(seed=2, rate=2.5, eight_period=40.0, horizontal_fov=1.8, obstacles=False)
 IMAGES = 100
-PAGE = (Path(__file__).resolve().parents[2] / "doc/mapping.md").read_text()
+ROOT = Path(__file__).resolve().parents[2]
+PAGE = (ROOT / "doc/mapping.md").read_text()
 
 
 def write_drive(path, frames, camera="camera"):
@@ -147,6 +150,13 @@ def test_a_bag_without_markers_says_so(tmp_path, capsys):
             bag.image("/camera/image_raw", np.full((480, 640), 90, np.uint8), i)
     assert main([str(tmp_path / "empty.bag"), "-o", str(tmp_path / "map.yaml")]) == 2
     assert "no marker" in capsys.readouterr().err
+
+
+def test_the_executable_with_two_processes(bags, tmp_path):
+    command = [sys.executable, str(ROOT / "scripts/map_markers"), *bags, "-o", str(tmp_path / "map.yaml")]
+    done = subprocess.run([*command, "--jobs", "2"], capture_output=True, text=True, timeout=120)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["map.html", "map.yaml"]
 
 
 def test_options_are_those_of_the_page(capsys):

@@ -45,4 +45,7 @@ std::vector<InstantHypotheses> locateRecording(const MarkerRecording& recording,
 /// Whether the best is certain.
 bool isDecided(const InstantHypotheses& hypotheses, double decided);
 
+/// Whether the best can be taken for the pose: it is certain, or several markers agree on it.
+bool isUsable(const InstantHypotheses& hypotheses, double decided);
+
 }  // namespace sextant

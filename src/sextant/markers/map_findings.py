@@ -135,14 +135,20 @@ def _elsewhere_marker(quality: MapQuality, each: ElsewhereMarker) -> Finding:
 
 
 def _twice(quality: MapQuality) -> List[Finding]:
+    why = "moved during the recording, or there twice"
+    advice = "take the second print away if there is one, and record again what is near it"
+    return _left_out(quality, quality.twice, "moved, or there twice", why, advice)
+
+
+def _ambiguous(quality: MapQuality) -> List[Finding]:
+    why = "two places explain what was seen of it"
+    advice = "drive past it nearer and from both sides, with other markers in the same images"
+    return _left_out(quality, quality.ambiguous, "ambiguous", why, advice)
+
+
+def _left_out(quality: MapQuality, keys: Sequence[Key], title: str, why: str, advice: str) -> List[Finding]:
     return [
-        Finding(
-            (key,),
-            "moved, or there twice",
-            f"{quality.name(key)} is not in the map (moved during the recording, or there twice)",
-            "take the second print away if there is one, and record again what is near it",
-        )
-        for key in quality.twice
+        Finding((key,), title, f"{quality.name(key)} is not in the map ({why})", advice) for key in keys
     ]
 
 
@@ -171,18 +177,6 @@ def _cut_images(quality: MapQuality, cut: Cut) -> str:
 def _past_both_sides(quality: MapQuality, cut: Cut) -> str:
     both = names(quality, {key for pair in cut.links for key in pair})
     return f"drive slowly past {both} again, so that images show both sides together"
-
-
-def _ambiguous(quality: MapQuality) -> List[Finding]:
-    return [
-        Finding(
-            (key,),
-            "ambiguous",
-            f"{quality.name(key)} is not in the map (two places explain what was seen of it)",
-            "drive past it nearer and from both sides, with other markers in the same images",
-        )
-        for key in quality.ambiguous
-    ]
 
 
 def _unconnected(quality: MapQuality) -> List[Finding]:
