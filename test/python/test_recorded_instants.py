@@ -6,7 +6,8 @@ from scipy.spatial.transform import Rotation, Slerp
 
 import sextant
 from sextant.markers.drive_sightings import DriveCamera, DriveSightings, SeenImage, SeenMarker
-from sextant.markers.recorded_instants import camera_name, interpolated_poses, place_name, recorded_instants
+from sextant.markers.recorded_instants import camera_name, place_name, recorded_instants
+from sextant.poses import interpolated_poses
 from sextant.simulation.camera import camera_calibration
 
 LENS = camera_calibration(640, 480)

@@ -7,8 +7,7 @@ from typing import Dict, List, NamedTuple, Optional, Set, Tuple
 import numpy as np
 
 from sextant.bags.bag_file import BagFile, DamagedMessage
-from sextant.markers.recorded_instants import interpolated_poses
-from sextant.poses import pose_of_fields
+from sextant.poses import interpolated_poses, pose_of_fields
 
 LONGEST_GAP = 10.0  # seconds between two transforms that are interpolated: what tf2's buffer holds
 

@@ -6,10 +6,10 @@ from collections import deque
 from typing import Deque, Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 import sextant
 from sextant.markers.drive_sightings import DriveSightings, SeenImage
+from sextant.poses import interpolated_poses
 
 LONGEST_ODOMETRY_GAP = 0.5  # seconds between two readings that are interpolated
 _PLACE = "#"  # not allowed in a topic
@@ -116,39 +116,3 @@ def _view(
     view = sextant.MarkerView(models[image.camera], T_base_camera, detections)
     view.camera_index = index
     return view
-
-
-def interpolated_poses(
-    stamps: np.ndarray, poses: np.ndarray, at: np.ndarray, longest_gap: float
-) -> List[Optional[np.ndarray]]:
-    """Poses between recorded ones: positions along the line, rotations at constant speed (slerp).
-
-    :param stamps: (N,) int64 nanoseconds, growing; poses: (N, 4, 4)
-    :param at: (M,) int64 nanoseconds
-    :param longest_gap: seconds
-    :returns: M poses (4, 4); None outside of the stamps and in gaps; at a stamp, exactly its pose
-    """
-    if len(stamps) == 0:
-        return [None] * len(at)
-    after = np.searchsorted(stamps, at)  # the first that is not before
-    inside = np.minimum(after, len(stamps) - 1)
-    exact = stamps[inside] == at
-    before = np.where(exact, inside, np.maximum(inside - 1, 0))
-    span = stamps[inside] - stamps[before]
-    known = exact | ((after > 0) & (after < len(stamps)) & (span <= round(longest_gap * 1e9)))
-    share = (at - stamps[before]) / np.maximum(span, 1)
-    between = _between(poses[before], poses[inside], np.where(known, share, 0.0))
-    between[exact] = poses[inside[exact]]
-    return [T if good else None for T, good in zip(between, known)]
-
-
-def _between(first: np.ndarray, second: np.ndarray, share: np.ndarray) -> np.ndarray:
-    """(M, 4, 4) poses that share (M,) of the way from the first to the second."""
-    if len(share) == 0:
-        return np.zeros((0, 4, 4))
-    R = Rotation.from_matrix(first[:, :3, :3])
-    turn = (R.inv() * Rotation.from_matrix(second[:, :3, :3])).as_rotvec()
-    T = np.tile(np.eye(4), (len(share), 1, 1))
-    T[:, :3, :3] = (R * Rotation.from_rotvec(share[:, None] * turn)).as_matrix()
-    T[:, :3, 3] = first[:, :3, 3] + share[:, None] * (second[:, :3, 3] - first[:, :3, 3])
-    return T

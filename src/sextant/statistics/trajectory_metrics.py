@@ -18,10 +18,10 @@ from dataclasses import dataclass
 from typing import Callable, Dict, Iterable, Iterator, List, Mapping, Sequence, Tuple
 
 import numpy as np
-from scipy.spatial.transform import Rotation, Slerp
 from scipy.stats import chi2
 
 import sextant
+from sextant.poses import interpolated_poses
 from sextant.statistics.trajectory import Trajectory
 
 NANOSECONDS = 1e9
@@ -102,24 +102,9 @@ def interpolated_truth(truth: Trajectory, stamps: Iterable[int], longest_gap: fl
     :raises ValueError: a gap that is none, a pose that is not finite
     """
     _require(longest_gap > 0.0, f"the longest gap is {longest_gap} s, it must be above 0")
-    if not truth:
-        return {}
-    wanted, known = sorted(set(stamps)), np.array(sorted(truth), dtype=np.int64)
-    result = {stamp: truth[stamp] for stamp in wanted if stamp in truth}
-    between = [stamp for stamp in wanted if stamp not in truth and known[0] < stamp < known[-1]]
-    after = np.searchsorted(known, between)
-    near = known[after] - known[after - 1] <= longest_gap * NANOSECONDS
-    between = [stamp for stamp, each in zip(between, near) if each]
-    return {**result, **_between(truth, known, between)} if between else result
-
-
-def _between(truth: Trajectory, known: np.ndarray, stamps: List[int]) -> Trajectory:
-    poses = _poses(truth, known)
-    at, of = (np.asarray(stamps) - known[0]) / NANOSECONDS, (known - known[0]) / NANOSECONDS
-    result = np.tile(np.eye(4), (len(stamps), 1, 1))
-    result[:, :3, :3] = Slerp(of, Rotation.from_matrix(poses[:, :3, :3]))(at).as_matrix()
-    result[:, :3, 3] = np.stack([np.interp(at, of, poses[:, axis, 3]) for axis in range(3)], axis=1)
-    return dict(zip(stamps, result))
+    known, at = np.array(sorted(truth), dtype=np.int64), np.array(sorted(set(stamps)), dtype=np.int64)
+    found = interpolated_poses(known, _poses(truth, known), at, longest_gap)
+    return {int(stamp): T for stamp, T in zip(at, found) if T is not None}
 
 
 def alignment(truth: Trajectory, estimate: Trajectory) -> np.ndarray:
@@ -200,6 +185,7 @@ _PROGRESS: Mapping[str, Callable[[np.ndarray, np.ndarray], np.ndarray]] = {
     "seconds": lambda stamps, _: (stamps - stamps[:1]) / NANOSECONDS,
     "metres": _path,
 }
+RPE_UNITS = tuple(_PROGRESS)
 
 
 def _all_pairs(progress: np.ndarray, delta: float, slack: float) -> np.ndarray:
