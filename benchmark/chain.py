@@ -162,7 +162,7 @@ def _play(run: Run, count: int) -> None:
 
 
 def _cells(run: Run, played: PlayedDrive, rounds: int, bars: Bars) -> List[Value]:
-    poses, latency = _numbered(run, played), 1e3 * np.array(run.latencies)
+    poses, latency = numbered(run, played, rounds), 1e3 * np.array(run.latencies)
     truth = dict(enumerate(played.truth * rounds))
     position = 100.0 * trajectory_errors(truth, {k: pose for k, pose in poses.items() if k in truth}).position
     told = sum(number % len(played.truth) in played.locatable for number in poses)
@@ -183,14 +183,16 @@ def _cells(run: Run, played: PlayedDrive, rounds: int, bars: Bars) -> List[Value
     ]
 
 
-def _numbered(run: Run, played: PlayedDrive) -> Dict[int, np.ndarray]:
+def numbered(run: Run, played: PlayedDrive, rounds: int) -> Dict[int, np.ndarray]:
     """Poses by the number of their frame, which the stamp tells: the driver is never early, and late by less
-    than a period as long as it counts none as late."""
+    than half a period on a machine of its own. Counted from the last pose: while nodelets connect with one
+    another, a first image may be lost."""
     stamps = sorted(run.poses)
     ticks = (np.array(stamps) - stamps[0]) * 1e-9 * RATE
     ticks -= (ticks - np.round(ticks)).min()
-    numbers = played.locatable[0] + np.floor(ticks + EARLY).astype(int)
-    return {int(number): run.poses[stamp] for number, stamp in zip(numbers, stamps)}
+    ticks = np.floor(ticks + EARLY).astype(int)
+    last = (rounds - 1) * len(played.truth) + played.locatable[-1]
+    return {int(number): run.poses[stamp] for number, stamp in zip(ticks - ticks[-1] + last, stamps)}
 
 
 def _stage_table(name: str, run: Run) -> Table:

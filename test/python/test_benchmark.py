@@ -12,6 +12,8 @@ import pytest
 BENCHMARK = Path(__file__).resolve().parents[2] / "benchmark"
 sys.path.insert(0, str(BENCHMARK))
 
+from chain import Run, numbered  # noqa: E402
+from chain_frames import PlayedDrive  # noqa: E402
 from tables import Table, Value  # noqa: E402
 
 
@@ -101,6 +103,16 @@ def test_quick_run_of_the_searches_finds_the_same_markers(tmp_path):
         plain, full, tracking = table["rows"]
         assert tracking["markers"]["value"] == full["markers"]["value"] >= plain["markers"]["value"] > 0
         assert full["wrong"]["value"] == tracking["wrong"]["value"] == 0
+
+
+@pytest.mark.parametrize("lost", [set(), {0}, {0, 1, 7}])
+def test_images_that_are_lost_leave_the_others_their_numbers(lost):
+    played = PlayedDrive(None, {}, truth=list(range(10)), locatable=[0, 1, 2, 6, 7, 8])
+    seen = {lap * 10 + number for lap in range(2) for number in played.locatable} - lost
+    late = [0.0, 0.004, 0.0, 0.014]  # seconds: less than half a period
+    poses = {int(1e9 * (1600000000.0 + number / 30.0 + late[number % 4])): number for number in seen}
+    found = numbered(Run(poses=poses), played, 2)
+    assert found and all(number == pose for number, pose in found.items()) and set(found) == seen
 
 
 def test_quick_run_of_the_chain(tmp_path):
