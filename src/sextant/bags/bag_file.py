@@ -68,6 +68,7 @@ class BagFile:
             self.close()
             raise self.error("there is no message in it", "record again: were the topics' names right?")
         self._first = first
+        self.first_received = round(first * NANOSECONDS)  # of all its messages, nanoseconds
         self.start, self.end = first + start, min(first + end, last)
         self._window = {}  # a float of today's seconds is good to 0.2 us only: none where all is read
         if start > 0.0:

@@ -27,8 +27,10 @@ def find_mounts(bag: BagFile, frames: Dict[str, str], options: ReadOptions, tree
     """Of options.mounts, else of tf. A single camera of a bag without any tf is taken as the base itself.
 
     :param frames: optical frame by camera
-    :raises BagError: a frame is not connected with the base; both are named
+    :raises BagError: a frame is not connected with the base; both are named. Or several cameras are the base
     """
+    if options.camera_is_base:
+        return _camera_is_base(bag, list(frames))
     base = frame_name(options.base_frame)
     given = {frame_name(frame): np.array(T, dtype=float) for frame, T in options.mounts.items()}
     _check_given(bag, given, frames)
@@ -43,7 +45,13 @@ def find_mounts(bag: BagFile, frames: Dict[str, str], options: ReadOptions, tree
     note = (
         f"no tf was recorded, and no mount is named: the camera of {missing[0]} is taken as the base itself"
     )
-    return Mounts({missing[0]: _constant(np.eye(4))}, True, [note + ", and odometry is not used"])
+    return _camera_is_base(bag, missing, note + ", and odometry is not used")
+
+
+def _camera_is_base(bag: BagFile, cameras: List[str], *notes: str) -> Mounts:
+    if len(cameras) > 1:
+        raise bag.error(f"it has several cameras: {', '.join(sorted(cameras))}", "name the topic of one")
+    return Mounts({cameras[0]: _constant(np.eye(4))}, True, list(notes))
 
 
 def _check_given(bag: BagFile, given: Dict[str, np.ndarray], frames: Dict[str, str]) -> None:

@@ -31,6 +31,7 @@ class ReadOptions:
     # topic: file of camera_calibration in place of its camera_info; recorded corners stay as they are
     calibrations: Mapping[str, str] = field(default_factory=dict)
     rectified: Sequence[str] = ()  # topics of rectified images; image_rect* are so without being named
+    camera_is_base: bool = False  # the only camera, whatever tf says of it; then odometry is not read
     base_frame: str = "base_link"  # the camera's own frame, if a camera is to be the base
     odometry: str = ""  # topic of nav_msgs/Odometry; empty: the only one, if there is one; "none": not read
     mounts: Mapping[str, np.ndarray] = field(default_factory=dict)  # camera frame: T_base_camera, before tf

@@ -12,15 +12,21 @@ Beside the map it writes a report, better.html.
 import argparse
 import functools
 from pathlib import Path
-from typing import Dict, List, Optional, Sequence, Tuple
+from typing import Dict, List, Optional, Sequence
 
 import numpy as np
 
 import sextant
 from sextant.bags.drive_reader import RecordedDrive, read_drive
-from sextant.bags.read_options import ReadOptions
+from sextant.commands.bag_options import (
+    add_bag_options,
+    add_job_options,
+    add_robot_options,
+    pair,
+    read_bags,
+    read_options,
+)
 from sextant.commands.command_line import Answer, CommandParser, check_output, run
-from sextant.jobs import JobError, run_jobs
 from sextant.markers.map_findings import findings, verdict
 from sextant.markers.map_quality import MapQuality, map_quality
 from sextant.markers.map_report import MapOrigin, write_map_report
@@ -40,7 +46,9 @@ def _parser() -> CommandParser:
     parser.add_argument("--force", action="store_true", help="overwrite files that are there")
     _add_frame(parser.add_argument_group("what holds the frame"))
     _add_markers(parser.add_argument_group("markers"))
-    _add_bags(parser.add_argument_group("bags"))
+    bags = parser.add_argument_group("bags")
+    for add in (add_bag_options, add_robot_options, add_job_options):
+        add(bags)
     return parser
 
 
@@ -66,48 +74,12 @@ def _add_markers(group) -> None:
     )
     group.add_argument("--size", type=float, default=0.2, help="edge, metres (default: %(default)s)")
     group.add_argument(
-        "--sizes", nargs="+", type=_pair, default=[], metavar="ID=METRES", help="of single markers"
+        "--sizes", nargs="+", type=pair, default=[], metavar="ID=METRES", help="of single markers"
     )
     group.add_argument(
         "--corner-sigma", type=float, default=sextant.MappingParams().corner_sigma, metavar="PIXELS",
         help="noise of a corner to begin with; the recording tells its own (default: %(default)s)",
     )  # fmt: skip
-
-
-def _add_bags(group) -> None:
-    group.add_argument("--images", nargs="+", default=[], metavar="TOPIC")
-    group.add_argument(
-        "--markers", nargs="+", default=[], metavar="TOPIC", help="recorded by marker_detector"
-    )
-    group.add_argument(
-        "--calibrations",
-        nargs="+",
-        type=_pair,
-        default=[],
-        metavar="TOPIC=FILE",
-        help="in place of camera_info",
-    )
-    group.add_argument(
-        "--mounts", nargs="+", type=_pair, default=[], metavar="FRAME=X,Y,Z,ROLL,PITCH,YAW",
-        help="of a camera's optical frame on the base, where the bag has no tf",
-    )  # fmt: skip
-    group.add_argument("--base-frame", default=ReadOptions.base_frame, help="default: %(default)s")
-    group.add_argument(
-        "--odometry", default="", metavar="TOPIC", help="default: the only one; none: not used"
-    )
-    group.add_argument("--every", type=int, default=1, metavar="N", help="only every n-th image")
-    group.add_argument("--skip", action="store_true", help="go on without a bag that cannot be read")
-    group.add_argument("--jobs", type=int, default=1, metavar="N", help="bags that are read at a time")
-    group.add_argument(
-        "--scheduler", default="", metavar="tcp://HOST:PORT", help="of a Dask cluster that reads"
-    )
-
-
-def _pair(text: str) -> Tuple[str, str]:
-    name, equals, value = text.partition("=")
-    if not (name and equals and value):
-        raise argparse.ArgumentTypeError(f"{text!r} is not NAME=VALUE")
-    return name, value
 
 
 def _make(options: argparse.Namespace) -> Answer:
@@ -117,11 +89,13 @@ def _make(options: argparse.Namespace) -> Answer:
         raise ValueError(f"{options.output}: a map with covariances is .yaml")
     for path in (options.output, report):
         check_output(path, options.force)
-    known = known_markers(options)
-    drives, notes = read_bags(options, known)
+    params, sizes, known = mapping_params(options), marker_sizes(options), known_markers(options)
+    families = options.families or sorted({marker.family for marker in known.markers})
+    reading = functools.partial(read_drive, options=read_options(options, families))
+    read, notes = read_bags(reading, options.bags, options)
+    drives = [drive for _, drive in read]
     recorded = recorded_instants(drives)
-    params = mapping_params(options)
-    made = sextant.make_marker_map(recorded.instants, marker_sizes(options), known, params)
+    made = sextant.make_marker_map(recorded.instants, sizes, known, params)
     quality = map_quality(made, recorded.instants, _seen(recorded), known)
     sextant.write_marker_map(_named(made.map, options), str(options.output))
     write_map_report(report, made, quality, _origin(options, drives, recorded))
@@ -157,49 +131,6 @@ def _taped(known: "sextant.MarkerMap", tape: Sequence[float]) -> "sextant.Marker
             )
         )  # fmt: skip
     return result
-
-
-def read_bags(
-    options: argparse.Namespace, known: "sextant.MarkerMap"
-) -> Tuple[List[RecordedDrive], List[str]]:
-    """(drives, what was noted on the way). :raises JobError: a bag cannot be read, unless they are skipped"""
-    read = functools.partial(read_drive, options=read_options(options, known))
-    results = run_jobs(
-        read, options.bags, options.jobs, options.scheduler, return_errors=options.skip, progress="bags"
-    )
-    drives, notes = [], []
-    for bag, result in zip(options.bags, results):
-        if isinstance(result, JobError):
-            notes.append(f"skipped: {result.cause}")
-            continue
-        drives.append(result)
-        notes += [f"{bag}: {warning}" for warning in result.warnings]
-    if not drives:
-        raise ValueError("no bag could be read: " + "; ".join(notes))
-    return drives, notes
-
-
-def read_options(options: argparse.Namespace, known: "sextant.MarkerMap") -> ReadOptions:
-    """:raises ValueError: one that cannot be"""
-    families = options.families or sorted({marker.family for marker in known.markers})
-    given = {"families": tuple(families)} if families else {}
-    mounts = {frame: _mount(frame, text) for frame, text in options.mounts}
-    result = ReadOptions(
-        images=tuple(options.images), markers=tuple(options.markers), calibrations=dict(options.calibrations),
-        base_frame=options.base_frame, odometry=options.odometry, mounts=mounts, every=options.every, **given,
-    )  # fmt: skip
-    result.validate()
-    return result
-
-
-def _mount(frame: str, text: str) -> np.ndarray:
-    try:
-        numbers = [float(word) for word in text.split(",")]
-    except ValueError:
-        numbers = []
-    if len(numbers) != 6:
-        raise ValueError(f"--mounts {frame} is {text!r}, allowed are six numbers: x,y,z,roll,pitch,yaw")
-    return sextant.pose_from_xyz_rpy(numbers[:3], numbers[3:])
 
 
 def mapping_params(options: argparse.Namespace) -> "sextant.MappingParams":

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Picture of a drive: seen from above, and its errors over time."""
 
+from pathlib import Path
 from typing import Mapping, Sequence
 
 import numpy as np
@@ -9,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from sextant.atomic_file import atomic_file
 from sextant.statistics.trajectory import Trajectory, TrajectoryErrors, trajectory_errors
 
 # Okabe and Ito's palette: told apart by colour-blind readers as well.
@@ -37,7 +39,8 @@ def plot_drive(
     _draw_errors(
         figure.add_subplot(grid[1, 1]), errors, start, "angle", 180.0 / np.pi, "angle error, degrees"
     )
-    figure.savefig(path, dpi=110)
+    with atomic_file(path, "wb") as file:
+        figure.savefig(file, format=Path(path).suffix.lstrip("."), dpi=110)
 
 
 def _draw_top_view(

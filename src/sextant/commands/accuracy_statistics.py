@@ -1,0 +1,92 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Tells how exact poses are: by measured distances, or along a drive whose truth is known.
+
+    accuracy_statistics series --size 0.2     series/0.757, series/1.256, ... each hold bags of a camera that
+                                              stands still so many metres in front of a marker
+    accuracy_statistics drive.bag --truth truth.tum --map map.yaml
+    accuracy_statistics drive.bag --truth-frame base_truth --pose /marker_locator/pose
+
+Poses are located in the bags' images or recorded markers, or those that the robot published (--pose). Of a
+series it writes a workbook, plots, and what the locator takes as parameters; of a drive its errors.
+"""
+
+import argparse
+from pathlib import Path
+from typing import Optional, Sequence
+
+import sextant
+from sextant.commands.bag_options import add_bag_options, add_job_options, add_robot_options, pair
+from sextant.commands.command_line import Answer, CommandParser, run
+from sextant.commands.drive_accuracy import drive_accuracy
+from sextant.commands.series_accuracy import series_accuracy
+from sextant.statistics.pose_series import AXES
+from sextant.statistics.trajectory_metrics import RPE_UNITS
+
+
+def main(arguments: Optional[Sequence[str]] = None) -> int:
+    """:returns: exit code: 0, or 2 when nothing was written."""
+    return run(_parser(), arguments, _answer)
+
+
+def _answer(options: argparse.Namespace) -> Answer:
+    of_drive = options.truth is not None or options.truth_frame
+    return drive_accuracy(options) if of_drive else series_accuracy(options)
+
+
+def _parser() -> CommandParser:
+    parser = CommandParser(prog="accuracy_statistics", description=__doc__)
+    parser.add_argument(
+        "inputs", nargs="+", type=Path, metavar="INPUT", help="the folder of a series, or bags of drives"
+    )
+    parser.add_argument(
+        "-o", "--output", type=Path, default=Path("accuracy"), metavar="NAME",
+        help="files to write begin with it (default: %(default)s)",
+    )  # fmt: skip
+    parser.add_argument("--force", action="store_true", help="overwrite files that are there")
+    _add_poses(parser.add_argument_group("which poses"))
+    _add_series(parser.add_argument_group("truth of a series"))
+    _add_drive(parser.add_argument_group("truth of a drive"))
+    bags = parser.add_argument_group("bags")
+    for add in (add_bag_options, add_robot_options, add_job_options):
+        add(bags)
+    return parser
+
+
+def _add_poses(group) -> None:
+    group.add_argument("--pose", default="", metavar="TOPIC", help="recorded ones; none is located then")
+    group.add_argument("--map", metavar="FILE", help="marker map; its frame is the poses' frame")
+    group.add_argument(
+        "--marker", type=int, metavar="ID",
+        help="without a map: the marker that was measured, whose frame is the poses' (default: the only one)",
+    )  # fmt: skip
+    group.add_argument("--family", default=sextant.DetectorParams().families[0], help="default: %(default)s")
+    group.add_argument(
+        "--size", type=float, default=0.2, metavar="METRES", help="edge (default: %(default)s)"
+    )
+    group.add_argument(
+        "--corner-sigma", type=float, metavar="PIXELS",
+        help="noise of a corner (default: of a series what it shows itself, of a drive the locator's own)",
+    )  # fmt: skip
+
+
+def _add_series(group) -> None:
+    group.add_argument(
+        "--axis", choices=AXES, default="z", help="what the folders' names are values of (default: z)"
+    )
+    group.add_argument(
+        "--true", nargs="+", type=pair, default=[], metavar="AXIS=VALUE",
+        help="of the other axes, m and rad, or `unknown` (default: 0; roll is pi where a marker is the frame,"
+        " since the camera looks at it)",
+    )  # fmt: skip
+
+
+def _add_drive(group) -> None:
+    truth = group.add_mutually_exclusive_group()
+    truth.add_argument("--truth", type=Path, metavar="FILE", help="trajectory: .tum, .txt, or .csv")
+    truth.add_argument("--truth-frame", default="", metavar="FRAME", help="that tf has in the poses' frame")
+    group.add_argument("--align", action="store_true", help="move the poses onto the truth first (Umeyama)")
+    group.add_argument(
+        "--rpe", nargs=2, default=("1", "metres"), metavar=("DELTA", "UNIT"),
+        help=f"of relative errors; units are {', '.join(RPE_UNITS)} (default: 1 metres)",
+    )  # fmt: skip
