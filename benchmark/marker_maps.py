@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Measures how good maps are that are made of recorded drives.
+"""Measures how good maps are that are made of recorded drives, and what accuracy_statistics says of series.
 
 Exit status: 0 when every bar holds, 1 when one fails, 2 when something could not be measured.
 """
@@ -9,13 +9,17 @@ Exit status: 0 when every bar holds, 1 when one fails, 2 when something could no
 import sys
 
 from command import Results, run
+from many_bags import bag_tables
 from recorded_maps import recorded_map_tables
 from simulated_maps import simulated_tables, taped_tables
+from simulated_series import series_tables
 
 TOPICS = {
     "simulated": lambda options: simulated_tables(options.quick),
     "taped": lambda options: taped_tables(options.quick),
     "real": lambda options: recorded_map_tables(options.data / "markers", options.quick),
+    "series": lambda options: series_tables(options.quick),
+    "bags": lambda options: bag_tables(options.quick),
 }
 
 

@@ -126,7 +126,8 @@ def test_quick_run_of_the_chain(tmp_path):
 
 
 def test_quick_run_of_the_maps(tmp_path):
-    command = [sys.executable, str(BENCHMARK / "marker_maps.py"), "--quick", "--only", "simulated,taped"]
+    command = [sys.executable, str(BENCHMARK / "marker_maps.py"), "--quick"]
+    command += ["--only", "simulated,taped,series,bags"]
     done = subprocess.run(
         [*command, "--json", "-", "--plots", str(tmp_path)], capture_output=True, text=True, timeout=300
     )
@@ -135,3 +136,6 @@ def test_quick_run_of_the_maps(tmp_path):
     topics = json.loads(done.stdout)["topics"]
     assert all(row["seen, not in it"]["value"] == 0 for row in topics["simulated"][0]["rows"])
     assert topics["taped"][0]["rows"][0]["exactly the two named, % of maps"]["value"] == 100
+    for row in topics["series"][0]["rows"][:8]:  # of simulated corners, whose noise is known
+        assert 0.5 < row["z: least"]["value"] <= row["z: largest"]["value"] < 2.0
+    assert [row["differs"]["value"] for row in topics["bags"][0]["rows"]] == [0, 0, 0]
