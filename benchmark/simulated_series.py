@@ -11,8 +11,8 @@ from tables import Table, Value
 from under_test import detector
 
 import sextant
-from sextant.markers.drive_sightings import DriveCamera, DriveSightings, SeenImage, SeenMarker
-from sextant.markers.located_drive import locate_drive
+from sextant.mapping.drive_sightings import DriveCamera, DriveSightings, SeenImage, SeenMarker
+from sextant.mapping.located_drive import locate_drive
 from sextant.simulation.camera import camera_calibration
 from sextant.simulation.room import room_for
 from sextant.statistics.corner_scatter import corner_noise

@@ -11,8 +11,8 @@ from types import SimpleNamespace
 import numpy as np
 
 import sextant
-from sextant.markers.map_links import Cut
-from sextant.markers.map_quality import (
+from sextant.mapping.map_links import Cut
+from sextant.mapping.map_quality import (
     ElsewhereMarker,
     MapQuality,
     MarkerQuality,

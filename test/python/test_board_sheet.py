@@ -7,8 +7,8 @@ import pytest
 from printed_pages import detector, pictures, texts
 
 import sextant
-from sextant.markers.board_sheet import BoardParams, board_map, round_gap, smallest_gap, write_board
-from sextant.markers.sheets import SheetParams
+from sextant.printing.board_sheet import BoardParams, board_map, round_gap, smallest_gap, write_board
+from sextant.printing.sheets import SheetParams
 
 DPI = 150
 CASES = [

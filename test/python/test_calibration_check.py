@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 
 import sextant
-from sextant.markers.calibration_check import (
+from sextant.calibration.calibration_check import (
     GOOD,
     NOT_GOOD,
     UNKNOWN,
     CheckParams,
     check_calibration,
 )
-from sextant.markers.calibration_sightings import Sighting, board_sighting, sightings_of
+from sextant.calibration.calibration_sightings import Sighting, board_sighting, sightings_of
 from sextant.simulation.camera import camera_calibration
 
 SIZE, SIGMA = 0.16, CheckParams.corner_sigma

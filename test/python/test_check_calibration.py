@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 import sextant
+from sextant.calibration.calibration_file import CalibrationFileError, read_calibration
 from sextant.commands.check_calibration import main
-from sextant.markers.calibration_file import CalibrationFileError, read_calibration
 from sextant.simulation.camera import camera_calibration
 from sextant.simulation.room import room_for
 

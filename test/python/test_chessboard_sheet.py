@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from printed_pages import paper, pictures, texts
 
-from sextant.markers.chessboard_sheet import Chessboard, largest_square, write_chessboard
-from sextant.markers.print_layout import PAGES, Paper
+from sextant.printing.chessboard_sheet import Chessboard, largest_square, write_chessboard
+from sextant.printing.print_layout import PAGES, Paper
 
 DPI = 100
 FLAGS = cv2.CALIB_CB_ADAPTIVE_THRESH | cv2.CALIB_CB_NORMALIZE_IMAGE  # those of camera_calibration

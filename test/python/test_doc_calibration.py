@@ -14,8 +14,8 @@ import pytest
 from test_check_calibration import calibration_text, photos  # noqa: F401, the rendered photos
 
 from sextant.commands import check_calibration, make_chessboard
-from sextant.markers.chessboard_sheet import largest_square
-from sextant.markers.print_layout import Paper
+from sextant.printing.chessboard_sheet import largest_square
+from sextant.printing.print_layout import Paper
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "doc/calibration.md").read_text()

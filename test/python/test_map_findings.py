@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from made_maps import faulty_quality, key, map_of, marker_quality
 
-from sextant.markers.map_findings import NAMED, findings, list_findings, names, verdict
-from sextant.markers.map_links import Cut
-from sextant.markers.map_quality import Unconnected
+from sextant.mapping.map_findings import NAMED, findings, list_findings, names, verdict
+from sextant.mapping.map_links import Cut
+from sextant.mapping.map_quality import Unconnected
 
 
 def only(**changes):

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-from sextant.markers.map_links import Cut, components, count_links, cuts, weak_cuts
+from sextant.mapping.map_links import Cut, components, count_links, cuts, weak_cuts
 
 A, B, C, D, E = (("tag36h11", id) for id in range(5))
 

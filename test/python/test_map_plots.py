@@ -7,10 +7,10 @@ from made_maps import faulty_quality, key, made_of, map_of, marker_quality
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from sextant.markers.map_labels import place_labels
-from sextant.markers.map_links import Cut
-from sextant.markers.map_plan import ELSEWHERE, HELD, WEAK, MapPlan
-from sextant.markers.map_plots import BLUE, RED, plan_view, residual_boxes
+from sextant.mapping.map_labels import place_labels
+from sextant.mapping.map_links import Cut
+from sextant.mapping.map_plan import ELSEWHERE, HELD, WEAK, MapPlan
+from sextant.mapping.map_plots import BLUE, RED, plan_view, residual_boxes
 
 
 def decoded(png):

@@ -20,7 +20,7 @@ from made_maps import (
     simulated_drive,
 )
 
-from sextant.markers.map_quality import Unconnected, map_quality, swapped_pairs
+from sextant.mapping.map_quality import Unconnected, map_quality, swapped_pairs
 
 TAKEN = ("map", "residuals", "second_places", "twice", "ambiguous", "unconnected")  # of a MadeMap
 

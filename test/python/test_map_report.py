@@ -8,9 +8,9 @@ from html.parser import HTMLParser
 import pytest
 from made_maps import WEAK, WRONG, faulty_quality, made_of, map_of, marker_quality, simulated_drive
 
-from sextant.markers.map_findings import list_findings, verdict
-from sextant.markers.map_quality import map_quality
-from sextant.markers.map_report import MapOrigin, findings, write_map_report
+from sextant.mapping.map_findings import list_findings, verdict
+from sextant.mapping.map_quality import map_quality
+from sextant.mapping.map_report import MapOrigin, findings, write_map_report
 
 ORIGIN = MapOrigin(["drive.bag"], ["front"], 0.3, {"size": "0.2 m"}, {"sextant": "9.8"})
 HOSTILE = "<script>alert(1)</script>\" onload='x' &amp; {{ 7 * 7 }}\n\udcff.bag"

@@ -13,10 +13,10 @@ from typing import Dict, List, Optional, Tuple
 import cv2
 
 import sextant
+from sextant.calibration.calibration_check import CalibrationCheck, CheckParams, check_calibration
+from sextant.calibration.calibration_file import read_calibration
+from sextant.calibration.calibration_sightings import Sighting, board_sighting, sightings_of
 from sextant.commands.command_line import Answer, CommandParser, run
-from sextant.markers.calibration_check import CalibrationCheck, CheckParams, check_calibration
-from sextant.markers.calibration_file import read_calibration
-from sextant.markers.calibration_sightings import Sighting, board_sighting, sightings_of
 
 _ENDINGS = (".png", ".jpg", ".jpeg", ".pgm", ".bmp", ".tif", ".tiff")
 _EXAMPLES = """\

@@ -13,7 +13,7 @@ import sextant
 from sextant.bags.drive_reader import RecordedDrive, read_drive
 from sextant.bags.recorded_poses import RecordedPoses, read_poses
 from sextant.commands.bag_options import read_bags, read_options
-from sextant.markers.located_drive import locate_drive
+from sextant.mapping.located_drive import locate_drive
 
 RARE = 0.05  # of the most frequent marker's sightings: below it a marker is none that was measured
 

@@ -7,8 +7,8 @@ from typing import List, Optional
 
 from sextant.commands.command_line import Answer, CommandParser, check_output, run
 from sextant.commands.sheet_options import add_sheet_options, columns_and_rows
-from sextant.markers.chessboard_sheet import Chessboard, largest_square, write_chessboard
-from sextant.markers.print_layout import Paper
+from sextant.printing.chessboard_sheet import Chessboard, largest_square, write_chessboard
+from sextant.printing.print_layout import Paper
 
 
 def main(arguments: Optional[List[str]] = None) -> int:

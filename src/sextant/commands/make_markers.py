@@ -10,10 +10,10 @@ from typing import List, Optional
 import sextant
 from sextant.commands.command_line import Answer, CommandParser, check_output, run
 from sextant.commands.sheet_options import add_sheet_options, columns_and_rows
-from sextant.markers.board_sheet import BoardParams, round_gap, write_board
-from sextant.markers.map_template import write_map_template
-from sextant.markers.marker_print import check_size
-from sextant.markers.sheets import SheetParams, write_sheets
+from sextant.printing.board_sheet import BoardParams, round_gap, write_board
+from sextant.printing.map_template import write_map_template
+from sextant.printing.marker_print import check_size
+from sextant.printing.sheets import SheetParams, write_sheets
 
 _EXAMPLES = """\
 examples:

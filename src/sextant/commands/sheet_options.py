@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import Tuple
 
-from sextant.markers.print_layout import PAGES, Paper
+from sextant.printing.print_layout import PAGES, Paper
 
 
 def add_sheet_options(parser: argparse.ArgumentParser, output: str) -> None:

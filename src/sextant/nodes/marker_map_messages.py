@@ -10,9 +10,9 @@ from std_msgs.msg import ColorRGBA, Header
 from visualization_msgs.msg import Marker, MarkerArray
 
 import sextant
-from sextant.markers.board import board_triangles
 from sextant.msg import MarkerMapEntries, MarkerMapEntry
 from sextant.nodes.conversions import pose_from_message, pose_to_message, transform_to_message
+from sextant.printing.board import board_triangles
 
 
 def map_to_message(marker_map: sextant.MarkerMap, stamp) -> MarkerMapEntries:

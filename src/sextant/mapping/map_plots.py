@@ -12,8 +12,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from sextant.markers.map_plan import MapPlan
-from sextant.markers.map_quality import MapQuality, MarkerQuality
+from sextant.mapping.map_plan import MapPlan
+from sextant.mapping.map_quality import MapQuality, MarkerQuality
 from sextant.statistics.drive_plot import COLOURS
 
 BLUE, RED = COLOURS[0], COLOURS[1]

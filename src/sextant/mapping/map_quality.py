@@ -9,7 +9,7 @@ from typing import Collection, Dict, FrozenSet, List, Optional, Sequence, Tuple
 import numpy as np
 
 import sextant
-from sextant.markers.map_links import Cut, Image, Key, Pair, components, count_links, cuts, weak_cuts
+from sextant.mapping.map_links import Cut, Image, Key, Pair, components, count_links, cuts, weak_cuts
 
 MISFIT_SHARE = 0.2  # of a marker's sightings left out, from which something is wrong with it
 MISFIT_SIGHTINGS = 5

@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Optional, Sequence, Union
 
 import sextant
-from sextant.markers.marker_print import black_boxes, check_size, marker_shape
-from sextant.markers.print_label import UP, Label, draw_label, label_height
-from sextant.markers.print_layout import (
+from sextant.printing.marker_print import black_boxes, check_size, marker_shape
+from sextant.printing.print_label import UP, Label, draw_label, label_height
+from sextant.printing.print_layout import (
     Grid,
     Paper,
     Piece,
@@ -18,7 +18,7 @@ from sextant.markers.print_layout import (
     draw_cut_marks,
     largest_sizes,
 )
-from sextant.markers.print_page import PrintPages
+from sextant.printing.print_page import PrintPages
 
 
 @dataclass(frozen=True)

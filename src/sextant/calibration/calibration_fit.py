@@ -8,7 +8,7 @@ from typing import Dict, List, Optional, Sequence, Tuple
 import numpy as np
 
 import sextant
-from sextant.markers.calibration_sightings import Sighting
+from sextant.calibration.calibration_sightings import Sighting
 
 COEFFICIENTS = {"plumb_bob": 5, "rational_polynomial": 8, "equidistant": 4}
 # The lens, as CalibrationFit.error has it; then the size's share, the tape's zero and its errors.

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Optional, Union
 
-from sextant.markers.print_label import Label, draw_label, label_height
-from sextant.markers.print_layout import (
+from sextant.printing.print_label import Label, draw_label, label_height
+from sextant.printing.print_layout import (
     SMALLEST,
     Grid,
     Paper,
@@ -18,7 +18,7 @@ from sextant.markers.print_layout import (
     largest_size,
     largest_sizes,
 )
-from sextant.markers.print_page import Box, PrintPages
+from sextant.printing.print_page import Box, PrintPages
 
 QUIET = 0.5  # squares of white around the board, which the search for it wants
 

@@ -11,11 +11,11 @@ import numpy as np
 from jinja2 import Environment, StrictUndefined
 
 from sextant.atomic_file import atomic_file
-from sextant.markers.map_findings import count, findings, list_findings, verdict
-from sextant.markers.map_links import Key
-from sextant.markers.map_plots import plan_view, residual_boxes
-from sextant.markers.map_quality import MapQuality, MarkerQuality
-from sextant.markers.map_report_template import TEMPLATE
+from sextant.mapping.map_findings import count, findings, list_findings, verdict
+from sextant.mapping.map_links import Key
+from sextant.mapping.map_plots import plan_view, residual_boxes
+from sextant.mapping.map_quality import MapQuality, MarkerQuality
+from sextant.mapping.map_report_template import TEMPLATE
 
 __all__ = ["MapOrigin", "findings", "write_map_report"]
 

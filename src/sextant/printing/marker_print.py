@@ -8,8 +8,8 @@ from typing import List, Tuple
 import numpy as np
 
 import sextant
-from sextant.markers.print_layout import SMALLEST
-from sextant.markers.print_page import Box
+from sextant.printing.print_layout import SMALLEST
+from sextant.printing.print_page import Box
 
 LARGEST = 10.0  # metres
 

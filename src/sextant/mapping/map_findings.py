@@ -7,8 +7,8 @@ from typing import Callable, Collection, Dict, List, Sequence, Tuple
 
 import numpy as np
 
-from sextant.markers.map_links import Cut, Key, Pair
-from sextant.markers.map_quality import ElsewhereMarker, MapQuality, Unconnected, WrongEntry
+from sextant.mapping.map_links import Cut, Key, Pair
+from sextant.mapping.map_quality import ElsewhereMarker, MapQuality, Unconnected, WrongEntry
 
 NAMED = 8  # markers in a sentence; of more, the first ones
 

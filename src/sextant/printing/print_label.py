@@ -5,7 +5,7 @@
 from dataclasses import dataclass
 from typing import Sequence, Tuple
 
-from sextant.markers.print_page import PrintPages, fitting_height, millimetres, text_width
+from sextant.printing.print_page import PrintPages, fitting_height, millimetres, text_width
 
 UP = "\u25b2"  # a triangle that points up
 _SHARE, _LOWEST, _HIGHEST = 0.15, 0.004, 0.022  # of a label's height in its width; metres

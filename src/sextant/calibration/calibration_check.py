@@ -13,7 +13,7 @@ from typing import Dict, List, Sequence
 import numpy as np
 
 import sextant
-from sextant.markers.calibration_fit import (
+from sextant.calibration.calibration_fit import (
     CENTRE_X,
     CENTRE_Y,
     EDGE,
@@ -23,7 +23,7 @@ from sextant.markers.calibration_fit import (
     fit_calibration,
     project,
 )
-from sextant.markers.calibration_sightings import Sighting
+from sextant.calibration.calibration_sightings import Sighting
 
 GOOD, NOT_GOOD, UNKNOWN = 0, 1, 2  # as the command ends
 CERTAIN = 2.0  # standard deviations

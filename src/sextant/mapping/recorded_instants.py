@@ -8,7 +8,7 @@ from typing import Deque, Dict, Iterator, List, NamedTuple, Optional, Sequence, 
 import numpy as np
 
 import sextant
-from sextant.markers.drive_sightings import DriveSightings, SeenImage
+from sextant.mapping.drive_sightings import DriveSightings, SeenImage
 from sextant.poses import interpolated_poses
 
 LONGEST_ODOMETRY_GAP = 0.5  # seconds between two readings that are interpolated

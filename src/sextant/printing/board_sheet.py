@@ -10,9 +10,9 @@ from typing import List, Optional, Sequence, Tuple, Union
 import numpy as np
 
 import sextant
-from sextant.markers.marker_print import black_boxes, check_size, marker_shape
-from sextant.markers.print_label import UP, Label, draw_label, label_height
-from sextant.markers.print_layout import (
+from sextant.printing.marker_print import black_boxes, check_size, marker_shape
+from sextant.printing.print_label import UP, Label, draw_label, label_height
+from sextant.printing.print_layout import (
     Grid,
     Paper,
     Piece,
@@ -21,8 +21,8 @@ from sextant.markers.print_layout import (
     draw_cut_marks,
     largest_sizes,
 )
-from sextant.markers.print_page import PrintPages
-from sextant.markers.sheets import SheetParams, check_ids, id_ranges
+from sextant.printing.print_page import PrintPages
+from sextant.printing.sheets import SheetParams, check_ids, id_ranges
 
 
 @dataclass(frozen=True)
