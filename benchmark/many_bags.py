@@ -91,7 +91,8 @@ def _run(folder: str, *options: str) -> Run:
     output.mkdir()
     arguments = [f"{folder}/series", "-o", str(output / "accuracy"), "--family", FAMILY, *options]
     begin = time.perf_counter()
-    said = subprocess.run([*COMMAND, *arguments], stdout=subprocess.PIPE, text=True, check=True).stdout
+    called = {"stdout": subprocess.PIPE, "text": True, "check": True, "timeout": 600}
+    said = subprocess.run([*COMMAND, *arguments], **called).stdout
     seconds = time.perf_counter() - begin
     book = openpyxl.load_workbook(output / "accuracy.xlsx")
     return Run(seconds, said, [list(sheet.values) for sheet in book.worksheets])
@@ -111,9 +112,9 @@ def _cluster(folder: str) -> Iterator[str]:
     with contextlib.ExitStack() as stack:
         for command in _cluster_commands(file):
             process = stack.enter_context(subprocess.Popen(command, **quiet))
-            stack.callback(process.terminate)
+            stack.callback(process.kill)
         end = time.monotonic() + PATIENCE
-        while not contact.exists():
+        while not _address(contact):
             if time.monotonic() > end:
                 raise OSError("the Dask scheduler did not start")
             time.sleep(0.1)
@@ -122,9 +123,13 @@ def _cluster(folder: str) -> Iterator[str]:
 
 def _cluster_commands(file: Sequence[str]) -> List[List[str]]:
     local = ["--no-dashboard", *file]
-    worker = ["dask-worker", "--nthreads", "1", *local]
+    worker = ["dask-worker", "--no-nanny", "--nthreads", "1", *local]
     return [["dask-scheduler", "--host", "127.0.0.1", "--port", "0", *local], worker, worker]
 
 
 def _address(contact: Path) -> str:
-    return json.loads(contact.read_text())["address"]
+    """Empty while it is not there, or half written."""
+    try:
+        return json.loads(contact.read_text())["address"]
+    except (FileNotFoundError, json.JSONDecodeError):
+        return ""

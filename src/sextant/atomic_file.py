@@ -33,6 +33,18 @@ def atomic_file(path: Union[str, Path], mode: str = "w") -> Iterator[IO]:
         raise
 
 
+@contextmanager
+def atomic_files(folder: Union[str, Path]) -> Iterator[Path]:
+    """A temporary folder, all files of which go to the other one when the block ends without an exception.
+
+    :raises OSError: the folder is not there, or cannot be written to; old files are left as they were
+    """
+    with tempfile.TemporaryDirectory(dir=folder, prefix=".sextant_") as temporary:
+        yield Path(temporary)
+        for path in sorted(Path(temporary).iterdir()):
+            os.replace(path, Path(folder) / path.name)
+
+
 def _mode_of(path: Path) -> int:
     """Permissions of the file that is replaced, or those that a new file would have."""
     if path.exists():

@@ -1,12 +1,19 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from still_series import facing, noisy_corners, sightings
+from still_series import FAMILY, ID, facing, noisy_corners, sightings
 
-from sextant.statistics.corner_scatter import corner_noise
+from sextant.mapping.drive_sightings import SeenMarker
+from sextant.statistics.corner_scatter import corner_noise as noise_of
 
 T = facing(2.0)
+
+
+def corner_noise(drives):
+    return noise_of(drives, {(FAMILY, ID)})
 
 
 @pytest.mark.parametrize("sigma", [0.05, 0.3, 1.0])
@@ -51,3 +58,11 @@ def test_a_camera_that_moves():
     corners = noisy_corners(T, 50, 0.2, 1) + 20.0 * np.random.default_rng(2).normal(size=(50, 1, 2))
     with pytest.raises(ValueError, match="did the camera stand still"):
         corner_noise([sightings(corners)])
+
+
+def test_false_detections_say_nothing():
+    drive = sightings(noisy_corners(T, 500, 0.2, 1))
+    for k, place in ((10, 0.0), (20, 80.0), (30, 7.0)):
+        false = SeenMarker(FAMILY, ID + 1, drive.images[k].markers[0].corners + place, np.full(4, -1.0))
+        drive.images[k] = replace(drive.images[k], markers=[*drive.images[k].markers, false])
+    assert corner_noise([drive]).sigma == pytest.approx(0.2, rel=0.05)

@@ -41,3 +41,13 @@ def test_nothing_to_read(tmp_path):
         distance_bags(tmp_path)
     with pytest.raises(ValueError, match="folder 'near': its name is no distance"):
         distance_bags(made(tmp_path, "near/a.bag"))
+
+
+def test_what_else_lies_beside_bags(tmp_path):
+    made(tmp_path, "1/a.bag", "1/a.orig.bag", "1/._b.bag", "1/B.BAG", "1/lost.orig.bag", "1/c.bag.active")
+    made(tmp_path, "1/more/d.bag", "1/pictures/1.png")
+    found = distance_bags(tmp_path)
+    assert [each.path.rpartition("/")[2] for each in found.bags] == ["B.BAG", "a.bag", "lost.orig.bag"]
+    assert len(found.problems) == 2
+    assert any("c.bag.active: its recording was not ended" in each for each in found.problems)
+    assert any("more: a folder in the folder of a distance" in each for each in found.problems)

@@ -98,3 +98,12 @@ def test_file_of_errors(tmp_path):
         assert float(row["position"]) == pytest.approx(np.linalg.norm(error), abs=1e-8)
         squares = np.square([float(row[name]) for name in ("x", "y", "z", "rx", "ry", "rz")] / SIGMA)
         assert row["nees"] == "" or float(row["nees"]) == pytest.approx(squares.sum(), rel=1e-4)
+
+
+def test_covariances_of_a_plane_are_told_and_the_rest_is_computed():
+    truth = path(50)
+    P = covariances(50)
+    P[:30, 2] = P[:30, :, 2] = 0.0  # exact in z, says a filter in two dimensions
+    of = compare(truth, list(truth), noisy(truth, 1), P)
+    assert of.singular == 30 and len(of.nees.values) == 20
+    assert "30 covariances are not positive" in drive_table({"a": of}, (1.0, "metres"))[-1]

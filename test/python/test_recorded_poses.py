@@ -75,8 +75,9 @@ def test_where_tf_had_a_frame(tmp_path):
         for second in (1.0, 2.0):
             moved = sextant.pose_from_xyz_rpy([second, 0.0, 0.0], [0.0, 0.0, 0.0])
             bag.transforms([("map", "base_link", moved)], second, topic="/tf")
-    found = read_frame(path, "map", "truth", [nanoseconds(1.5), nanoseconds(9.0)])
+    found = read_frame(path, "map", "truth", [nanoseconds(1.5), nanoseconds(9.0)], longest_gap=1.0)
     assert list(found) == [nanoseconds(1.5)]
     np.testing.assert_allclose(found[nanoseconds(1.5)][:3, 3], [6.5, 2.0, 3.0], atol=1e-9)
+    assert read_frame(path, "map", "truth", [nanoseconds(1.5)]) == {}  # tf2 itself would make it up
     with pytest.raises(BagError, match="tf does not connect 'map' with 'nobody'"):
         read_frame(path, "map", "nobody", [])

@@ -6,6 +6,7 @@ import re
 import subprocess
 import tempfile
 import threading
+import time
 import unittest
 
 import numpy as np
@@ -27,6 +28,7 @@ class AccuracyListenerTest(unittest.TestCase):
 
     def setUp(self):
         self.random = np.random.default_rng(1)
+        self.place, self.swing = 4.0, 0.0  # it stood elsewhere before
         self.pose = rospy.Publisher("pose", PoseWithCovarianceStamped, queue_size=100)
         self.truth = rospy.Publisher("ground_truth", Odometry, queue_size=100)
         self.tf = rospy.Publisher("/tf", TFMessage, queue_size=100)
@@ -55,13 +57,14 @@ class AccuracyListenerTest(unittest.TestCase):
             told = PoseWithCovarianceStamped()
             told.header.stamp, told.header.frame_id = now, "map"
             place = told.pose.pose.position
-            place.x, place.y, place.z = [PLACE + BIAS, 0.0, 0.3] + SIGMA * self.random.normal(size=3)
+            at = self.place + self.swing * np.sin(4.0 * now.to_sec())
+            place.x, place.y, place.z = [at + BIAS, 0.0, 0.3] + SIGMA * self.random.normal(size=3)
             told.pose.pose.orientation.w = 1.0
             told.pose.covariance = np.diag([TOLD**2] * 6).ravel()
             true = Odometry()
-            true.header, true.pose.pose.position.x, true.pose.pose.orientation.w = told.header, PLACE, 1.0
+            true.header, true.pose.pose.position.x, true.pose.pose.orientation.w = told.header, at, 1.0
             frame = TransformStamped(header=told.header, child_frame_id="base_truth")
-            frame.transform.translation.x, frame.transform.rotation.w = PLACE, 1.0
+            frame.transform.translation.x, frame.transform.rotation.w = at, 1.0
             self.truth.publish(true)
             self.tf.publish(TFMessage([frame]))
             self.pose.publish(told)
@@ -72,7 +75,12 @@ class AccuracyListenerTest(unittest.TestCase):
         write = self.service("listener/write", Trigger)
         self.assertIn("nothing was measured yet", write().message)
         self.assertFalse(measure(PLACE, 0.0).success)
-        self.assertFalse(measure(np.nan, 1.0).success)
+        refused = measure(np.nan, 1.0)
+        self.assertFalse(refused.success)
+        self.assertTrue(np.isnan(refused.mean).all())
+        time.sleep(1.0)  # poses of the other place are heard
+        self.place = PLACE
+        time.sleep(0.2)
         answer = measure(PLACE, 4.0)
         self.assertTrue(answer.success, answer.message)
         self.assertGreater(answer.poses, 100)
@@ -84,12 +92,13 @@ class AccuracyListenerTest(unittest.TestCase):
         self.assertIn("x = 1.5 m", answer.message)
         written = write()
         self.assertTrue(written.success, written.message)
-        expected = ["run.xlsx", "run_constant.yaml", "run_errors.png", "run_spread.png"]
-        self.assertEqual(sorted(os.listdir(folder)), expected)
+        self.assertEqual(sorted(os.listdir(folder)), ["run.xlsx", "run_errors.png", "run_spread.png"])
+        self.assertIn("roll, pitch, yaw never vary", written.message)
         self.assertTrue(self.service("listener/reset", Trigger)().success)
         self.assertFalse(write().success)
 
     def test_against_a_truth(self):
+        self.swing = 1.0  # metres: poses and truths of other stamps would not fit
         for params in ([], ["_truth_frame:=base_truth"]):
             _, node = self.start(*params)
             compare = self.service("listener/compare", Trigger)

@@ -68,7 +68,6 @@ class BagFile:
             self.close()
             raise self.error("there is no message in it", "record again: were the topics' names right?")
         self._first = first
-        self.first_received = round(first * NANOSECONDS)  # of all its messages, nanoseconds
         self.start, self.end = first + start, min(first + end, last)
         self._window = {}  # a float of today's seconds is good to 0.2 us only: none where all is read
         if start > 0.0:
@@ -155,6 +154,11 @@ class BagFile:
                 raise self.error("is damaged " + readable, advice) from error
             last = self.seconds(time.to_nsec())
             yield Recorded(topic, time.to_nsec(), data, message_type)
+
+    def first_received(self) -> int:
+        """Of all messages of the bag, nanoseconds."""
+        _, _, time = next(self._bag.read_messages(raw=True))
+        return time.to_nsec()
 
     def first(self, topic: str, whole: bool = False) -> Any:
         """The topic's first message that is not damaged, None if there is none."""

@@ -29,7 +29,6 @@ class RecordedDrive(DriveSightings):
     """A drive, and what its user should know of how it was read."""
 
     warnings: Tuple[str, ...] = ()
-    start: int = 0  # nanoseconds, reception of the bag's first message
 
 
 def read_drive(
@@ -60,9 +59,8 @@ def read_drive(
     warnings = [*notes, *tree.notes, *mounts.notes, *odometry.notes, *images.notes()]
     seen = sorted(images.seen, key=lambda image: (image.stamp, image.camera))
     return RecordedDrive(
-        str(path), images.cameras(), seen, odometry.stamps, odometry.poses,
-        tuple(dict.fromkeys(warnings)), bag.first_received,
-    )  # fmt: skip
+        str(path), images.cameras(), seen, odometry.stamps, odometry.poses, tuple(dict.fromkeys(warnings))
+    )
 
 
 def _detector_params(options: ReadOptions) -> "sextant.DetectorParams":

@@ -2,13 +2,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Odometry of a bag, as the poses of the robot's base."""
 
-from typing import Any, Dict, List, NamedTuple, Optional
+from typing import Any, List, NamedTuple, Optional
 
 import numpy as np
 
 from sextant.bags.bag_file import BagError, BagFile, DamagedMessage
 from sextant.bags.read_options import NO_ODOMETRY, ReadOptions
-from sextant.bags.stamps import Losses, StampOrder
+from sextant.bags.stamped_values import stamped_values
 from sextant.bags.transforms import TransformTree, frame_name
 from sextant.poses import pose_of_fields
 
@@ -70,34 +70,22 @@ def _topic(bag: BagFile, wanted: str) -> Optional[str]:
 
 
 def _poses(bag: BagFile, topic: str, base: str, tree: TransformTree) -> OdometryPoses:
-    order, losses, poses = StampOrder(bag), Losses(), {}
-    frames: Optional[List[str]] = None
-    for recorded in bag.messages([topic]):
-        try:
-            message = recorded.message()
-            frames = frames or _frames(message)
-            stamp, T = _checked(message, frames)
-            order.check(recorded, stamp)
-        except ValueError as error:
-            losses.lost(topic, str(error))
-            continue
-        losses.used(topic)
-        poses[stamp] = T
-    losses.check(bag, topic)
-    T_child_base, notes = _T_child_base(bag, topic, frames[1], base, tree)
-    return _in_order(poses, T_child_base, losses.notes() + notes)
+    read = stamped_values(bag, topic, _pose)
+    T_child_base, notes = _T_child_base(bag, topic, _frames(read.first)[1], base, tree)
+    poses = np.array(list(read.values.values())) @ T_child_base
+    return OdometryPoses(np.array(list(read.values), dtype=np.int64), poses, read.notes + notes)
 
 
 def _frames(message: Any) -> List[str]:
     return [frame_name(message.header.frame_id), frame_name(message.child_frame_id)]
 
 
-def _checked(message: Any, frames: List[str]):
-    if _frames(message) != frames:
-        names = " and ".join(f"'{frame}'" for frame in frames)
+def _pose(message: Any, first: Any) -> np.ndarray:
+    if _frames(message) != _frames(first):
+        names = " and ".join(f"'{frame}'" for frame in _frames(first))
         raise DamagedMessage(f"its frames are not {names} like those of the first")
     pose = message.pose.pose
-    return message.header.stamp.to_nsec(), pose_of_fields(pose.position, pose.orientation)
+    return pose_of_fields(pose.position, pose.orientation)
 
 
 def _T_child_base(bag: BagFile, topic: str, child: str, base: str, tree: TransformTree):
@@ -113,9 +101,3 @@ def _T_child_base(bag: BagFile, topic: str, child: str, base: str, tree: Transfo
         what = f"its child_frame_id is '{child}', and no static transform connects it with '{base}'"
         raise _Unrelated(bag.path, f"{topic}: {what}", f"name '{child}' as base_frame, or no odometry")
     return chain.at(0), []
-
-
-def _in_order(poses: Dict[int, np.ndarray], T_child_base: np.ndarray, notes: List[str]) -> OdometryPoses:
-    stamps = sorted(poses)
-    moved = np.array([poses[stamp] for stamp in stamps]).reshape(-1, 4, 4) @ T_child_base
-    return OdometryPoses(np.array(stamps, dtype=np.int64), moved, notes)

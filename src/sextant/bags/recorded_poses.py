@@ -8,7 +8,7 @@ from typing import Any, Dict, Optional, Sequence, Tuple
 import numpy as np
 
 from sextant.bags.bag_file import BagFile, DamagedMessage
-from sextant.bags.stamps import Losses, StampOrder
+from sextant.bags.stamped_values import stamped_values
 from sextant.bags.transforms import frame_name, read_transforms
 from sextant.poses import pose_of_fields
 
@@ -25,7 +25,7 @@ class RecordedPoses:
     stamps: np.ndarray  # (N,) int64, nanoseconds
     poses: np.ndarray  # (N, 4, 4) metres
     covariances: np.ndarray  # (N, 6, 6) as published, NaN where the message has none
-    start: int  # nanoseconds, reception of the bag's first message
+    start: Optional[int] = None  # nanoseconds, when the bag began; None: located, so of nothing earlier
     warnings: Tuple[str, ...] = ()
 
 
@@ -35,31 +35,13 @@ def read_poses(path: str, topic: str) -> RecordedPoses:
     :raises BagError: the bag cannot be read, or there is nothing on the topic that can be used
     """
     with BagFile(path) as bag:
-        found = _topic(bag, topic)
-        order, losses, read = StampOrder(bag), Losses(), {}
-        frame: Optional[str] = None
-        for recorded in bag.messages([found]):
-            try:
-                message = recorded.message()
-                frame = frame_name(message.header.frame_id) if frame is None else frame
-                stamp, pose = _stamped(message, frame)
-                order.check(recorded, stamp)
-            except ValueError as error:
-                losses.lost(found, str(error))
-                continue
-            losses.used(found)
-            read[stamp] = pose
-        losses.check(bag, found)
-    stamps = sorted(read)
+        read = stamped_values(bag, _topic(bag, topic), _pose)
+        start = bag.first_received()
+    poses, covariances = zip(*read.values.values())
     return RecordedPoses(
-        str(path),
-        frame or "",
-        np.array(stamps, dtype=np.int64),
-        np.array([read[stamp][0] for stamp in stamps]),
-        np.array([read[stamp][1] for stamp in stamps]),
-        bag.first_received,
-        tuple(losses.notes()),
-    )
+        str(path), frame_name(read.first.header.frame_id), np.array(list(read.values), dtype=np.int64),
+        np.array(poses), np.array(covariances), start, tuple(read.notes),
+    )  # fmt: skip
 
 
 def _topic(bag: BagFile, topic: str) -> str:
@@ -70,19 +52,23 @@ def _topic(bag: BagFile, topic: str) -> str:
     return found
 
 
-def _stamped(message: Any, frame: str) -> Tuple[int, Tuple[np.ndarray, np.ndarray]]:
-    """:raises ValueError: it is no pose, or one in another frame."""
-    if frame_name(message.header.frame_id) != frame:
-        raise DamagedMessage(f"its frame is '{message.header.frame_id}', that of the first '{frame}'")
+def _pose(message: Any, first: Any) -> Tuple[np.ndarray, np.ndarray]:
+    """T (4, 4) and covariance. :raises ValueError: it is no pose, or one in another frame than the first."""
+    frame, expected = frame_name(message.header.frame_id), frame_name(first.header.frame_id)
+    if frame != expected:
+        raise DamagedMessage(f"its frame is '{frame}', that of the first '{expected}'")
     pose, covariance = message.pose, np.full((6, 6), np.nan)
     if message._type in WITH_COVARIANCE:
         pose, covariance = message.pose.pose, np.reshape(message.pose.covariance, (6, 6))
-    return message.header.stamp.to_nsec(), (pose_of_fields(pose.position, pose.orientation), covariance)
+    return pose_of_fields(pose.position, pose.orientation), covariance
 
 
-def read_frame(path: str, parent: str, frame: str, stamps: Sequence[int]) -> Dict[int, np.ndarray]:
+def read_frame(
+    path: str, parent: str, frame: str, stamps: Sequence[int], longest_gap: float = 0.5
+) -> Dict[int, np.ndarray]:
     """T_parent_frame (4, 4) that tf had at these stamps (nanoseconds); fewer where it was not recorded.
 
+    :param longest_gap: seconds between two transforms that are interpolated
     :raises BagError: the bag cannot be read, or tf does not connect the two
     """
     with BagFile(path) as bag:
@@ -95,5 +81,5 @@ def read_frame(path: str, parent: str, frame: str, stamps: Sequence[int]) -> Dic
             there = ", ".join(tree.frames) or "none"
             what = f"tf does not connect '{parent}' with '{frame}'; its frames are: {there}"
             raise bag.error(what, "name frames that it has")
-    found = {int(stamp): chain.at(int(stamp)) for stamp in stamps}
+    found = {int(stamp): chain.at(int(stamp), longest_gap) for stamp in stamps}
     return {stamp: T for stamp, T in found.items() if T is not None}

@@ -32,13 +32,13 @@ class _Series:
         self._stamps.append(stamp)
         self._poses.append(T)
 
-    def at(self, stamp: int) -> Optional[np.ndarray]:
+    def at(self, stamp: int, longest_gap: float) -> Optional[np.ndarray]:
         if self.static is not None:
             return self.static
         if self._sorted is None:
             stamps, first = np.unique(np.array(self._stamps, dtype=np.int64), return_index=True)
             self._sorted = stamps, np.array(self._poses)[first]
-        return interpolated_poses(*self._sorted, np.array([stamp], dtype=np.int64), LONGEST_GAP)[0]
+        return interpolated_poses(*self._sorted, np.array([stamp], dtype=np.int64), longest_gap)[0]
 
 
 class Chain(NamedTuple):
@@ -52,16 +52,19 @@ class Chain(NamedTuple):
         """No joint of it moves."""
         return all(series.static is not None for series in (*self.up, *self.down))
 
-    def at(self, stamp: int) -> Optional[np.ndarray]:
-        """T_target_source at a stamp (nanoseconds); None where tf was not recorded then."""
-        both = [_composed(series, stamp) for series in self]
+    def at(self, stamp: int, longest_gap: float = LONGEST_GAP) -> Optional[np.ndarray]:
+        """T_target_source at a stamp (nanoseconds); None where tf was not recorded then.
+
+        :param longest_gap: seconds between two transforms that are interpolated
+        """
+        both = [_composed(series, stamp, longest_gap) for series in self]
         return None if both[0] is None or both[1] is None else np.linalg.inv(both[0]) @ both[1]
 
 
-def _composed(edges: List[_Series], stamp: int) -> Optional[np.ndarray]:
+def _composed(edges: List[_Series], stamp: int, longest_gap: float) -> Optional[np.ndarray]:
     T = np.eye(4)
     for edge in edges:
-        step = edge.at(stamp)
+        step = edge.at(stamp, longest_gap)
         if step is None:
             return None
         T = T @ step

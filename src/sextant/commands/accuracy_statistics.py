@@ -13,13 +13,13 @@ series it writes a workbook, plots, and what the locator takes as parameters; of
 
 import argparse
 from pathlib import Path
-from typing import Optional, Sequence
+from typing import Dict, Optional, Sequence
 
 import sextant
+from sextant.commands.accuracy_of_drives import accuracy_of_drives
+from sextant.commands.accuracy_of_series import accuracy_of_series
 from sextant.commands.bag_options import add_bag_options, add_job_options, add_robot_options, pair
 from sextant.commands.command_line import Answer, CommandParser, run
-from sextant.commands.drive_accuracy import drive_accuracy
-from sextant.commands.series_accuracy import series_accuracy
 from sextant.statistics.pose_series import AXES
 from sextant.statistics.trajectory_metrics import RPE_UNITS
 
@@ -30,8 +30,28 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
 
 
 def _answer(options: argparse.Namespace) -> Answer:
-    of_drive = options.truth is not None or options.truth_frame
-    return drive_accuracy(options) if of_drive else series_accuracy(options)
+    of_drives = options.truth is not None or bool(options.truth_frame)
+    if options.output.name in ("", "..") or str(options.output).endswith("."):
+        raise ValueError(f"--output {options.output}: is no name that files can begin with")
+    for name, why in _meaningless(options, of_drives).items():
+        if getattr(options, name) != _parser().get_default(name):
+            raise ValueError(f"--{name.replace('_', '-')} means nothing {why}")
+    return accuracy_of_drives(options) if of_drives else accuracy_of_series(options)
+
+
+def _meaningless(options: argparse.Namespace, of_drives: bool) -> Dict[str, str]:
+    """Options that nobody would look at, and why."""
+    robot = ("mounts", "base_frame", "odometry")
+    chosen = {
+        "of drives, whose truth is a trajectory": ("axis", "true") if of_drives else (),
+        "of a series: its poses are the camera's": () if of_drives else ("align", "rpe", *robot),
+        "with --pose: nothing is located": (
+            *("images", "markers", "calibrations", "rectified", "every", "corner_sigma", "marker"),
+            *(robot if of_drives else ("map", "family", "size")),
+        ) if options.pose else (),
+        "with --map, which says where all markers are": ("marker",) if options.map else (),
+    }  # fmt: skip
+    return {name: why for why, names in chosen.items() for name in names}
 
 
 def _parser() -> CommandParser:
@@ -76,8 +96,8 @@ def _add_series(group) -> None:
     )
     group.add_argument(
         "--true", nargs="+", type=pair, default=[], metavar="AXIS=VALUE",
-        help="of the other axes, m and rad, or `unknown` (default: 0; roll is pi where a marker is the frame,"
-        " since the camera looks at it)",
+        help="of the other axes, m and rad, or `unknown` (default: in a marker's frame 0, but roll pi, since"
+        " the camera looks at it; else unknown)",
     )  # fmt: skip
 
 
@@ -87,6 +107,6 @@ def _add_drive(group) -> None:
     truth.add_argument("--truth-frame", default="", metavar="FRAME", help="that tf has in the poses' frame")
     group.add_argument("--align", action="store_true", help="move the poses onto the truth first (Umeyama)")
     group.add_argument(
-        "--rpe", nargs=2, default=("1", "metres"), metavar=("DELTA", "UNIT"),
+        "--rpe", nargs=2, default=["1", "metres"], metavar=("DELTA", "UNIT"),
         help=f"of relative errors; units are {', '.join(RPE_UNITS)} (default: 1 metres)",
     )  # fmt: skip

@@ -22,6 +22,10 @@ def add_bag_options(group) -> None:
         "--calibrations", nargs="+", type=pair, default=[], metavar="TOPIC=FILE",
         help="in place of camera_info",
     )  # fmt: skip
+    group.add_argument(
+        "--rectified", nargs="+", default=[], metavar="TOPIC",
+        help="of rectified images; those that are called image_rect... are so without being named",
+    )  # fmt: skip
     group.add_argument("--every", type=int, default=1, metavar="N", help="only every n-th image")
 
 
@@ -55,19 +59,18 @@ def pair(text: str) -> Tuple[str, str]:
 
 
 def read_options(options: argparse.Namespace, families: Sequence[str] = (), **others: Any) -> ReadOptions:
-    """Of add_bag_options(), and of add_robot_options() if the command has them.
+    """Of add_bag_options() and add_robot_options().
 
     :param families: empty: the detector's own
     :param others: more fields
     :raises ValueError: one that cannot be
     """
     given: Dict[str, Any] = {"families": tuple(families)} if families else {}
-    if hasattr(options, "mounts"):
-        given["mounts"] = {frame: _mount(frame, text) for frame, text in options.mounts}
-        given["base_frame"], given["odometry"] = options.base_frame, options.odometry
+    mounts = {frame: _mount(frame, text) for frame, text in options.mounts}
     result = ReadOptions(
         images=tuple(options.images), markers=tuple(options.markers),
-        calibrations=dict(options.calibrations), every=options.every, **given, **others,
+        calibrations=dict(options.calibrations), rectified=tuple(options.rectified), every=options.every,
+        mounts=mounts, base_frame=options.base_frame, odometry=options.odometry, **given, **others,
     )  # fmt: skip
     result.validate()
     return result

@@ -7,6 +7,7 @@ from typing import List, NamedTuple, Optional, Sequence
 
 import numpy as np
 
+from sextant.atomic_file import atomic_files
 from sextant.statistics.accuracy_plots import plot_errors, plot_spread
 from sextant.statistics.accuracy_workbook import write_workbook
 from sextant.statistics.accuracy_yaml import CornerNoise, constant_covariance, write_locator_yaml
@@ -34,30 +35,41 @@ def write_accuracy(
     series: Sequence[PoseSeries],
     statistics: Sequence[SeriesStatistics],
     noise: Optional[CornerNoise],
+    frame: str,
 ) -> List[str]:
-    """Writes the files, each whole or not at all.
+    """Writes the files, all of them or none. Of those that are not made, an old one is taken away.
 
-    :param noise: None: not measured, its file is not written
+    :param noise: None: not measured, its file is not made
+    :param frame: that the poses are in
     :returns: what was written, a line a file
     :raises OSError: one cannot be written
     :raises ValueError: as write_workbook()
     """
-    write_workbook(files.workbook, series, statistics)
-    plot_errors(files.errors, statistics)
-    plot_spread(files.spread, statistics)
-    lines = [
-        f"{files.workbook}: every pose, mean, deviation, bias, RMSE and covariance",
-        f"{files.errors}, {files.spread}: the same, drawn",
-    ]
-    if noise is not None:
-        write_locator_yaml(files.noise, corner=noise)
-        lines.append(f"{files.noise}: corner noise of this camera, for the locator: rosparam load")
+    with atomic_files(files.workbook.parent) as folder:
+        within = AccuracyFiles(*(folder / path.name for path in files))
+        write_workbook(within.workbook, series, statistics)
+        plot_errors(within.errors, statistics)
+        plot_spread(within.spread, statistics)
+        lines = [
+            f"{files.workbook}: every pose, mean, deviation, bias, RMSE and covariance",
+            f"{files.errors}, {files.spread}: the same, drawn",
+        ]
+        if noise is not None:
+            write_locator_yaml(within.noise, corner=noise)
+            lines.append(f"{files.noise}: corner noise of this camera, for the locator: rosparam load")
+        lines.append(_write_constant(within.constant, files.constant, statistics, frame))
+        for temporary, path in zip(within, files):
+            if not temporary.exists() and path.exists():
+                path.unlink()
+    return lines
+
+
+def _write_constant(path: Path, told: Path, statistics: Sequence[SeriesStatistics], frame: str) -> str:
     try:
-        constant = constant_covariance(statistics)
+        write_locator_yaml(path, covariance=constant_covariance(statistics, frame=frame))
     except ValueError as error:
-        return [*lines, f"no constant covariance: {error}"]
-    write_locator_yaml(files.constant, covariance=constant)
-    return [*lines, f"{files.constant}: one covariance for all poses, for those who want that"]
+        return f"no constant covariance: {error}"
+    return f"{told}: one covariance for all poses, for those who want that; in the axes of '{frame}'"
 
 
 def accuracy_table(statistics: Sequence[SeriesStatistics]) -> List[str]:

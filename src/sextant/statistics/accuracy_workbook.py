@@ -18,6 +18,7 @@ from openpyxl.worksheet.worksheet import Worksheet
 
 from sextant.atomic_file import atomic_file
 from sextant.statistics.pose_series import AXES, UNITS, PoseSeries, SeriesStatistics, published_sigmas
+from sextant.statistics.trajectory import seconds_text
 
 FIRST_ROW = 2  # of the data, below the headings
 FIRST_AXIS = 4  # column of x in a sheet of raw poses
@@ -172,7 +173,7 @@ def _write_poses(sheet: Worksheet, series: PoseSeries, of: SeriesStatistics) -> 
     rows = zip(series.stamps.tolist(), series.bags, of.poses, sigmas)
     for row, (stamp, bag, pose, sigma) in enumerate(rows, FIRST_ROW):
         numbers = [_number(value, "") for value in (*pose, *sigma)]
-        _write_row(sheet, row, [(stamp - begins[bag]) * 1e-9, _seconds(stamp), bag, *numbers], columns)
+        _write_row(sheet, row, [(stamp - begins[bag]) * 1e-9, seconds_text(stamp), bag, *numbers], columns)
     if of.count == 0:
         _write_notes(sheet, ("No pose from here.",), FIRST_ROW, len(columns))
 
@@ -185,11 +186,6 @@ def _pose_columns(series: PoseSeries, of: SeriesStatistics) -> List[_Column]:
     if np.isfinite(series.covariances).any():
         columns += [_Column(f"sigma {a}, {u}", 11, DECIMAL) for a, u in zip(AXES, UNITS)]
     return columns
-
-
-def _seconds(stamp: int) -> str:
-    """A text: a spreadsheet's numbers have 15 digits, the nanoseconds of today 19."""
-    return f"{stamp // 10**9}.{stamp % 10**9:09d}"
 
 
 def _start(sheet: Worksheet, columns: Sequence[_Column], frozen: str, landscape: bool = False) -> None:

@@ -34,7 +34,10 @@ class ConstantCovariance:
 
 
 def constant_covariance(
-    statistics: Sequence[SeriesStatistics], distance: Optional[float] = None, about: str = "truth"
+    statistics: Sequence[SeriesStatistics],
+    distance: Optional[float] = None,
+    about: str = "truth",
+    frame: str = "",
 ) -> ConstantCovariance:
     """The covariance of one distance.
 
@@ -45,7 +48,9 @@ def constant_covariance(
 
     :param distance: the one to take; None: the worst of those with 7 poses or more, by the position's trace
     :param about: "truth" or "mean"
-    :raises ValueError: nothing at that distance, too few poses, or an unknown name in about
+    :param frame: whose axes they are, for the file's reader; empty: not told
+    :raises ValueError: nothing at that distance, too few poses, an axis that never varies, or an unknown
+        name in about
     """
     if about not in ABOUT:
         raise ValueError(f"about is '{about}', allowed are {' and '.join(ABOUT)}")
@@ -56,7 +61,17 @@ def constant_covariance(
         place = "of one distance" if distance is None else f"at {distance:g}"
         raise ValueError(f"a covariance needs {FEWEST} poses {place} at least, there are not so many")
     worst = max(enough, key=lambda each: np.trace(_matrix(each, about)[:3, :3]))
-    return ConstantCovariance(_matrix(worst, about), _told(worst, enough, about, distance is None))
+    matrix = _matrix(worst, about)
+    still = [axis for axis, variance in zip(AXES, np.diag(matrix)) if not variance > 0.0]
+    if still:
+        raise ValueError(f"{', '.join(still)} never vary, and exact they are not: are the poses of a plane?")
+    told = _told(worst, enough, about, distance is None)
+    return ConstantCovariance(matrix, f"{told} {_axes(frame)}".strip())
+
+
+def _axes(frame: str) -> str:
+    """The marker's z, towards the camera, is no z of a map."""
+    return f"In the axes of '{frame}'; the locator takes it in those of its map." if frame else ""
 
 
 def _matrix(of: SeriesStatistics, about: str) -> np.ndarray:

@@ -3,7 +3,7 @@
 """How noisy the corners are that a camera sees, from series during which nothing moved."""
 
 from dataclasses import dataclass
-from typing import Dict, Iterator, List, Sequence, Tuple
+from typing import Collection, Dict, Iterator, List, Sequence, Tuple
 
 import numpy as np
 
@@ -15,6 +15,7 @@ DISTURBED = 25.0  # times the usual square: somebody walked through the picture,
 LEAST = 0.01  # pixels: nothing that a camera sees is more exact
 MOST = 3.0  # pixels: more is no noise
 
+Key = Tuple[str, int]  # family, id of a marker
 Track = List[SeenMarker]  # one marker, image after image
 
 
@@ -27,16 +28,17 @@ class Scatter:
     told: float  # the part of it that the corners tell of themselves (SeenMarker.sigmas), pixels^2
 
 
-def corner_noise(drives: Sequence[DriveSightings]) -> CornerNoise:
+def corner_noise(drives: Sequence[DriveSightings], keys: Collection[Key]) -> CornerNoise:
     """The noise that all corners have in common: LocatorParams.corner_sigma, to which the locator adds what
     each corner tells of itself.
 
     From the differences of images in a row (von Neumann 1941): what drifts, such as a tripod or a warming
     camera, is no noise. Series count by their images.
 
+    :param keys: (family, id) of the markers that were measured; others may be false detections
     :raises ValueError: too few images, or a camera that moved
     """
-    scatters = [scatter for drive in drives for track in _tracks(drive) for scatter in _scatter(track)]
+    scatters = [scatter for drive in drives for track in _tracks(drive, keys) for scatter in _scatter(track)]
     pairs = sum(each.pairs for each in scatters)
     if pairs < FEWEST:
         raise ValueError(f"the corners' noise needs {FEWEST} pairs of images of a marker, there are {pairs}")
@@ -55,12 +57,12 @@ def corner_noise(drives: Sequence[DriveSightings]) -> CornerNoise:
     )
 
 
-def _tracks(drive: DriveSightings) -> Iterator[Track]:
+def _tracks(drive: DriveSightings, wanted: Collection[Key]) -> Iterator[Track]:
     tracks: Dict[Tuple[str, str, int], Track] = {}
     for image in drive.images:
         keys = [(image.camera, marker.family, marker.id) for marker in image.markers]
         for key, marker in zip(keys, image.markers):
-            if keys.count(key) == 1:
+            if keys.count(key) == 1 and key[1:] in wanted:
                 tracks.setdefault(key, []).append(marker)
     yield from tracks.values()
 

@@ -31,13 +31,13 @@ def distance_bags(folder: Path, axis: str = "z") -> DistanceBags:
         raise ValueError(f"{folder}: there is no such folder; it holds a folder a distance, named like 0.757")
     bags: List[DistanceBag] = []
     problems: List[str] = []
-    for each in sorted(path for path in folder.iterdir() if not path.name.startswith(".")):
+    for each in _seen(folder):
         if each.is_dir():
             try:
-                bags += _bags_of(each, axis)
+                bags += _bags_of(each, axis, problems)
             except ValueError as error:
                 problems.append(f"{folder}: {error}")
-        elif each.suffix == ".bag":
+        elif _is_bag(each):
             problems.append(f"{each}: is in no folder that is named by its distance")
     if not bags:
         reasons = "; ".join(problems) or "it has no folders"
@@ -45,9 +45,25 @@ def distance_bags(folder: Path, axis: str = "z") -> DistanceBags:
     return DistanceBags(sorted(bags), problems)
 
 
-def _bags_of(folder: Path, axis: str) -> List[DistanceBag]:
+def _seen(folder: Path) -> List[Path]:
+    return sorted(path for path in folder.iterdir() if not path.name.startswith("."))
+
+
+def _is_bag(path: Path) -> bool:
+    """Without what `rosbag reindex` keeps of a broken one, beside that."""
+    name = path.name
+    reindexed = name.endswith(".orig.bag") and path.with_name(name[: -len(".orig.bag")] + ".bag").exists()
+    return path.is_file() and name.lower().endswith(".bag") and not reindexed
+
+
+def _bags_of(folder: Path, axis: str, problems: List[str]) -> List[DistanceBag]:
     distance = distance_of_folder(folder.name, axis)
-    bags = sorted(folder.glob("*.bag"))
+    bags = [each for each in _seen(folder) if _is_bag(each)]
+    for each in _seen(folder):
+        if each.name.endswith(".bag.active"):
+            problems.append(f"{each}: its recording was not ended; take .active away and `rosbag reindex` it")
+        elif each.is_dir() and any(map(_is_bag, each.iterdir())):
+            problems.append(f"{each}: a folder in the folder of a distance is not looked into")
     if not bags:
         raise ValueError(f"folder '{folder.name}': there is no bag in it")
     return [DistanceBag(distance, str(bag)) for bag in bags]

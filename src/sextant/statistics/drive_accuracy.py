@@ -15,6 +15,7 @@ from sextant.statistics.trajectory import (
     ErrorSummary,
     Trajectory,
     TrajectoryErrors,
+    seconds_text,
     summarize,
     trajectory_errors,
 )
@@ -40,6 +41,7 @@ class DriveAccuracy:
     estimate: Trajectory  # in the truth's frame
     covariances: Dict[int, np.ndarray]  # (6, 6) by stamp, of the poses that have one
     without_truth: int  # poses that were left out
+    singular: int  # covariances that are not positive, and so are in no NEES
     absolute: TrajectoryErrors  # ATE
     relative: RelativeErrors  # RPE
     nees: Nees
@@ -61,9 +63,8 @@ def compare(
     :raises ValueError: no pose has a truth; as alignment(), relative_errors() and nees()
     """
     estimate = {int(stamp): T for stamp, T in zip(stamps, poses)}
-    known = {
-        int(stamp): P for stamp, P in zip(stamps, covariances) if np.isfinite(P).all() and np.any(P)
-    }
+    told = {int(stamp): P for stamp, P in zip(stamps, covariances) if np.isfinite(P).all() and np.any(P)}
+    known = {stamp: P for stamp, P in told.items() if _is_positive(P)}
     at = interpolated_truth(truth, estimate)
     if not at:
         raise ValueError(f"none of {len(estimate)} poses has a truth of its time: are the clocks the same?")
@@ -72,9 +73,18 @@ def compare(
         T_truth_estimate = alignment(at, shared)
         shared, known = aligned(T_truth_estimate, shared), aligned_covariances(T_truth_estimate, known)
     return DriveAccuracy(
-        at, shared, {stamp: P for stamp, P in known.items() if stamp in at}, len(estimate) - len(shared),
+        at, shared, {stamp: P for stamp, P in known.items() if stamp in at},
+        len(estimate) - len(shared), len(told) - len(known),
         trajectory_errors(at, shared), relative_errors(at, shared, *rpe), nees(at, shared, known),
     )  # fmt: skip
+
+
+def _is_positive(P: np.ndarray) -> bool:
+    try:
+        np.linalg.cholesky(P)
+    except np.linalg.LinAlgError:
+        return False
+    return True
 
 
 def drive_table(drives: Mapping[str, DriveAccuracy], rpe: Tuple[float, str]) -> List[str]:
@@ -86,28 +96,30 @@ def drive_table(drives: Mapping[str, DriveAccuracy], rpe: Tuple[float, str]) -> 
         lines.append(f"{name}: {len(each.estimate)} poses{left_out}")
         rows = (
             ("ATE, m", each.absolute.position),
-            ("ATE, rad", each.absolute.angle),
+            ("ATE, degrees", np.degrees(each.absolute.angle)),
             (f"RPE over {delta:g} {unit}, m", each.relative.position),
-            (f"RPE over {delta:g} {unit}, rad", each.relative.angle),
+            (f"RPE over {delta:g} {unit}, degrees", np.degrees(each.relative.angle)),
         )
         lines += (_row(title, summarize(values), len(values)) for title, values in rows)
-        lines.append(_nees_row(each.nees))
+        lines.append(_nees_row(each))
     return lines
 
 
 def _row(title: str, of: ErrorSummary, count: int) -> str:
     if not count:
-        return f"  {title:<26} none: the drive is too short"
+        return f"  {title:<28} none: the drive is too short"
     told = f"RMSE {of.rmse:.4f}  mean {of.mean:.4f}  median {of.median:.4f}"
-    return f"  {title:<26} {told}  95 % {of.p95:.4f}  max {of.worst:.4f}"
+    return f"  {title:<28} {told}  95 % {of.p95:.4f}  max {of.worst:.4f}"
 
 
-def _nees_row(of: Nees) -> str:
+def _nees_row(drive: DriveAccuracy) -> str:
+    of, singular = drive.nees, f"{drive.singular} covariances are not positive"
     if not len(of.values):
-        return f"  {'NEES':<26} none: there are no covariances"
+        return f"  {'NEES':<28} none: {singular if drive.singular else 'there are no covariances'}"
     verdict = "within" if of.consistent else ("above" if of.mean > of.band[1] else "below")
     told = f"mean {of.mean:.2f} of 6, {verdict} the 95 % band {of.band[0]:.2f} to {of.band[1]:.2f}"
-    return f"  {'NEES':<26} {told} of {len(of.values)} independent poses"
+    told += f" that {len(of.values)} poses would have if they were independent"
+    return f"  {'NEES':<28} {told}{f'; {singular}' if drive.singular else ''}"
 
 
 def write_errors(path: Union[str, Path], drives: Mapping[str, DriveAccuracy]) -> None:
@@ -129,6 +141,5 @@ def _rows(name: str, of: DriveAccuracy) -> List[List[str]]:
         error = sextant.pose_error(of.truth[stamp], of.estimate[stamp])
         numbers = [*error, np.linalg.norm(error[:3]), np.linalg.norm(error[3:])]
         normalized = f"{squared[stamp]:.6g}" if stamp in squared else ""
-        seconds = f"{stamp // 10**9}.{stamp % 10**9:09d}"
-        rows.append([name, seconds, *(f"{value:.9g}" for value in numbers), normalized])
+        rows.append([name, seconds_text(stamp), *(f"{value:.9g}" for value in numbers), normalized])
     return rows

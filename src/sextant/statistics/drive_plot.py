@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Picture of a drive: seen from above, and its errors over time."""
 
+from itertools import cycle
 from pathlib import Path
 from typing import Mapping, Sequence
 
@@ -46,7 +47,7 @@ def plot_drive(
 def _draw_top_view(
     axes: Axes, truth: Trajectory, estimates: Mapping[str, Trajectory], markers: Sequence
 ) -> None:
-    for colour, (name, estimate) in zip(COLOURS, estimates.items()):
+    for colour, (name, estimate) in zip(cycle(COLOURS), estimates.items()):
         axes.plot(*_positions(estimate), ".", color=colour, markersize=3, label=name)
     axes.plot(*_positions(truth), "-", color="black", linewidth=1.0, label="truth")
     for marker in markers:
@@ -82,7 +83,7 @@ def _draw_marker(axes: Axes, marker) -> None:
 def _draw_errors(
     axes: Axes, errors: Mapping[str, TrajectoryErrors], start: int, field: str, scale: float, label: str
 ) -> None:
-    for colour, (name, series) in zip(COLOURS, errors.items()):
+    for colour, (name, series) in zip(cycle(COLOURS), errors.items()):
         values = np.maximum(getattr(series, field) * scale, 1e-3)  # a logarithmic axis has no zero
         axes.plot((series.stamps - start) * 1e-9, values, ".", color=colour, markersize=3, label=name)
     axes.set(xlabel="time, s", ylabel=label, yscale="log")

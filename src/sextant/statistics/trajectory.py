@@ -36,6 +36,11 @@ class ErrorSummary:
     rmse: float = np.nan  # root of the mean square
 
 
+def seconds_text(stamp: int) -> str:
+    """Of nanoseconds. A text: a spreadsheet's numbers have 15 digits, today's stamps 19."""
+    return f"{stamp // 10**9}.{stamp % 10**9:09d}"
+
+
 def trajectory_errors(truth: Trajectory, estimate: Trajectory) -> TrajectoryErrors:
     """Errors of an estimate at the stamps that it shares with the truth.
 
