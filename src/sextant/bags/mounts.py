@@ -31,6 +31,12 @@ def find_mounts(bag: BagFile, frames: Dict[str, str], options: ReadOptions, tree
     """
     if options.camera_is_base:
         return _camera_is_base(bag, list(frames))
+    return _on_the_base(bag, frames, options, tree)
+
+
+def _on_the_base(
+    bag: BagFile, frames: Dict[str, str], options: ReadOptions, tree: TransformTree
+) -> Mounts:
     base = frame_name(options.base_frame)
     given = {frame_name(frame): np.array(T, dtype=float) for frame, T in options.mounts.items()}
     _check_given(bag, given, frames)

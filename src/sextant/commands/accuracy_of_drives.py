@@ -52,11 +52,7 @@ def accuracy_of_drives(options: argparse.Namespace) -> Answer:
 
     :raises ValueError, RuntimeError: an option, a bag or a truth that cannot be; nothing was written then
     """
-    bags = [str(path) for path in options.inputs]
-    named = Counter(Path(bag).resolve() for bag in bags)
-    again = [str(bag) for bag, count in named.items() if count > 1]
-    if again:
-        raise ValueError(f"{again[0]}: is named twice")
+    bags = _bags(options)
     errors, *pictures = _files(options.output, len(bags))
     for path in (errors, *pictures):
         check_output(path, options.force)
@@ -72,6 +68,14 @@ def accuracy_of_drives(options: argparse.Namespace) -> Answer:
     written = [f"{errors}: errors of every pose"]
     written += [f"{picture}: {bag}, drawn" for picture, bag in zip(pictures, drives)]
     return Answer([*notes, *drive_table(drives, job.rpe), *written])
+
+
+def _bags(options: argparse.Namespace) -> List[str]:
+    named = Counter(path.resolve() for path in options.inputs)
+    again = [str(bag) for bag, count in named.items() if count > 1]
+    if again:
+        raise ValueError(f"{again[0]}: is named twice")
+    return [str(path) for path in options.inputs]
 
 
 def _files(name: Path, drives: int) -> List[Path]:

@@ -65,10 +65,9 @@ def measured_marker(drives: Sequence[DriveSightings], size: float, id: Optional[
     :param id: None: the only one in sight
     :raises ValueError: it was not seen, or several were and none was named; or its size is out of range
     """
-    seen = Counter((m.family, m.id) for drive in drives for image in drive.images for m in image.markers)
-    often = sorted(key for key, count in seen.items() if count >= RARE * max(seen.values()))
+    often, rarely = _seen(drives)
     told = ", ".join(f"{id} of {family}" for family, id in often) or "none"
-    wanted = often if id is None else [key for key in seen if key[1] == id]
+    wanted = often if id is None else [key for key in (*often, *rarely) if key[1] == id]
     if not wanted:
         who = "no marker was seen" if id is None else f"marker {id} was not seen"
         raise ValueError(f"{who}: is the --family right, and --images? What was seen: {told}")
@@ -78,6 +77,14 @@ def measured_marker(drives: Sequence[DriveSightings], size: float, id: Optional[
     result = sextant.MarkerMap(f"marker_{id}")
     result.add(sextant.MappedMarker(family, id, size, np.eye(4)))
     return result
+
+
+def _seen(drives: Sequence[DriveSightings]) -> Tuple[List[Key], List[Key]]:
+    """Markers that were seen often, and rarely."""
+    seen = Counter((m.family, m.id) for drive in drives for image in drive.images for m in image.markers)
+    least = RARE * max(seen.values(), default=0)
+    often = sorted(key for key, count in seen.items() if count >= least)
+    return often, sorted(set(seen) - set(often))
 
 
 def located_poses(

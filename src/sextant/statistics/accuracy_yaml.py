@@ -54,12 +54,7 @@ def constant_covariance(
     """
     if about not in ABOUT:
         raise ValueError(f"about is '{about}', allowed are {' and '.join(ABOUT)}")
-    enough = [each for each in statistics if each.count >= FEWEST]
-    if distance is not None:
-        enough = [each for each in enough if np.isclose(each.distance, distance, rtol=0.0, atol=1e-6)]
-    if not enough:
-        place = "of one distance" if distance is None else f"at {distance:g}"
-        raise ValueError(f"a covariance needs {FEWEST} poses {place} at least, there are not so many")
+    enough = _with_enough_poses(statistics, distance)
     worst = max(enough, key=lambda each: np.trace(_matrix(each, about)[:3, :3]))
     matrix = _matrix(worst, about)
     still = [axis for axis, variance in zip(AXES, np.diag(matrix)) if not variance > 0.0]
@@ -67,6 +62,18 @@ def constant_covariance(
         raise ValueError(f"{', '.join(still)} never vary, and exact they are not: are the poses of a plane?")
     told = _told(worst, enough, about, distance is None)
     return ConstantCovariance(matrix, f"{told} {_axes(frame)}".strip())
+
+
+def _with_enough_poses(
+    statistics: Sequence[SeriesStatistics], distance: Optional[float]
+) -> List[SeriesStatistics]:
+    enough = [each for each in statistics if each.count >= FEWEST]
+    if distance is not None:
+        enough = [each for each in enough if np.isclose(each.distance, distance, rtol=0.0, atol=1e-6)]
+    if not enough:
+        place = "of one distance" if distance is None else f"at {distance:g}"
+        raise ValueError(f"a covariance needs {FEWEST} poses {place} at least, there are not so many")
+    return enough
 
 
 def _axes(frame: str) -> str:

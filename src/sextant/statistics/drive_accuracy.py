@@ -63,8 +63,7 @@ def compare(
     :raises ValueError: no pose has a truth; as alignment(), relative_errors() and nees()
     """
     estimate = {int(stamp): T for stamp, T in zip(stamps, poses)}
-    told = {int(stamp): P for stamp, P in zip(stamps, covariances) if np.isfinite(P).all() and np.any(P)}
-    known = {stamp: P for stamp, P in told.items() if _is_positive(P)}
+    known, singular = _known(stamps, covariances)
     at = interpolated_truth(truth, estimate)
     if not at:
         raise ValueError(f"none of {len(estimate)} poses has a truth of its time: are the clocks the same?")
@@ -74,9 +73,16 @@ def compare(
         shared, known = aligned(T_truth_estimate, shared), aligned_covariances(T_truth_estimate, known)
     return DriveAccuracy(
         at, shared, {stamp: P for stamp, P in known.items() if stamp in at},
-        len(estimate) - len(shared), len(told) - len(known),
+        len(estimate) - len(shared), singular,
         trajectory_errors(at, shared), relative_errors(at, shared, *rpe), nees(at, shared, known),
     )  # fmt: skip
+
+
+def _known(stamps: Sequence[int], covariances: np.ndarray) -> Tuple[Dict[int, np.ndarray], int]:
+    """Covariances that can be used, and how many more were told."""
+    told = {int(stamp): P for stamp, P in zip(stamps, covariances) if np.isfinite(P).all() and np.any(P)}
+    known = {stamp: P for stamp, P in told.items() if _is_positive(P)}
+    return known, len(told) - len(known)
 
 
 def _is_positive(P: np.ndarray) -> bool:
