@@ -11,8 +11,8 @@ from tables import Table, Value
 from under_test import detector
 
 import sextant
-from sextant.mapping.drive_sightings import DriveCamera, DriveSightings, SeenImage, SeenMarker
-from sextant.mapping.located_drive import locate_drive
+from sextant.drives.drive_sightings import DriveCamera, DriveSightings, SeenImage, SeenMarker
+from sextant.drives.located_drive import locate_drive
 from sextant.simulation.camera import camera_calibration
 from sextant.simulation.room import room_for
 from sextant.statistics.corner_scatter import LEAST, corner_noise
@@ -103,13 +103,11 @@ def _exact_corners(known, T_marker_camera: np.ndarray) -> np.ndarray:
 
 def _drive(known, corners: np.ndarray) -> DriveSightings:
     """What a bag of these corners (N, 4, 2) holds."""
-    told = [tuple(map(float, np.ravel(each))) for each in (known.D, known.K, known.R, known.P)]
-    camera = DriveCamera(known.width, known.height, known.distortion_model, *told, False, np.eye(4))
     images = [
         SeenImage(k * STEP, "camera", [SeenMarker(FAMILY, ID, each, np.full(4, -1.0))])
         for k, each in enumerate(corners)
     ]
-    return DriveSightings("series", {"camera": camera}, images)
+    return DriveSightings("series", {"camera": DriveCamera.of(known)}, images)
 
 
 def _marker_map():

@@ -8,6 +8,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 NORM_TOLERANCE = 0.01  # of a unit quaternion, as src/ros/conversions.cpp
+LONGEST_GAP = 0.5  # seconds between two poses, over which it is still known how a robot moved
 SMALLEST_NORM = 1e-6  # below it the direction is what rounding left over
 
 

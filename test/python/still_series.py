@@ -6,7 +6,7 @@ import numpy as np
 from written_bags import WrittenBag
 
 import sextant
-from sextant.mapping.drive_sightings import DriveCamera, DriveSightings, SeenImage, SeenMarker
+from sextant.drives.drive_sightings import DriveCamera, DriveSightings, SeenImage, SeenMarker
 from sextant.simulation.camera import camera_calibration
 
 CALIBRATION = camera_calibration(1280, 720)
@@ -25,10 +25,10 @@ def facing(distance, aside=0.5):
 
 
 def exact_corners(T_marker_camera):
-    """(4, 2) pixels."""
-    model = sextant.CameraModel(CALIBRATION)
+    """(4, 2) pixels, of a pinhole."""
     points = np.c_[sextant.marker_corners(SIZE), np.ones(4)] @ np.linalg.inv(T_marker_camera).T
-    return np.array([model.project(point[:3]) for point in points])
+    pixels = points[:, :3] @ np.reshape(CALIBRATION.K, (3, 3)).T
+    return pixels[:, :2] / pixels[:, 2:]
 
 
 def noisy_corners(T_marker_camera, count, sigma, seed):
@@ -38,14 +38,11 @@ def noisy_corners(T_marker_camera, count, sigma, seed):
 
 def sightings(corners, sigmas=-1.0, id=ID):
     """DriveSightings of images with these corners (N, 4, 2); sigmas: told by each of them, pixels."""
-    c = CALIBRATION
-    told = [tuple(map(float, np.ravel(each))) for each in (c.D, c.K, c.R, c.P)]
-    camera = DriveCamera(c.width, c.height, c.distortion_model, *told, False, np.eye(4))
     images = [
         SeenImage(START + k * STEP, "/cam", [SeenMarker(FAMILY, id, each, np.full(4, sigmas))])
         for k, each in enumerate(corners)
     ]
-    return DriveSightings("still.bag", {"/cam": camera}, images)
+    return DriveSightings("still.bag", {"/cam": DriveCamera.of(CALIBRATION)}, images)
 
 
 def write_series(path, corners, sigma=-1.0):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from still_series import FAMILY, ID, facing, noisy_corners, sightings
 
-from sextant.mapping.drive_sightings import SeenMarker
+from sextant.drives.drive_sightings import SeenMarker
 from sextant.statistics.corner_scatter import corner_noise as noise_of
 
 T = facing(2.0)

@@ -5,7 +5,7 @@ import pytest
 from still_series import FAMILY, ID, SIZE, exact_corners, facing, noisy_corners, sightings
 
 import sextant
-from sextant.mapping.located_drive import locate_drive
+from sextant.drives.located_drive import locate_drive
 
 
 def marker_map(id=ID):

@@ -5,8 +5,8 @@ import pytest
 from scipy.spatial.transform import Rotation, Slerp
 
 import sextant
-from sextant.mapping.drive_sightings import DriveCamera, DriveSightings, SeenImage, SeenMarker
-from sextant.mapping.recorded_instants import camera_name, place_name, recorded_instants
+from sextant.drives.drive_sightings import DriveCamera, DriveSightings, SeenImage, SeenMarker
+from sextant.drives.recorded_instants import camera_name, place_name, recorded_instants
 from sextant.poses import interpolated_poses
 from sextant.simulation.camera import camera_calibration
 

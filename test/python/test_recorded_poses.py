@@ -75,9 +75,15 @@ def test_where_tf_had_a_frame(tmp_path):
         for second in (1.0, 2.0):
             moved = sextant.pose_from_xyz_rpy([second, 0.0, 0.0], [0.0, 0.0, 0.0])
             bag.transforms([("map", "base_link", moved)], second, topic="/tf")
-    found = read_frame(path, "map", "truth", [nanoseconds(1.5), nanoseconds(9.0)], longest_gap=1.0)
+    with WrittenBag(tmp_path / "b.bag") as bag:
+        bag.transforms([("map", "truth", pose(5.0))])
+        bag.transforms([("map", "truth", pose(6.0))])
+    found, notes = read_frame(path, "map", "truth", [nanoseconds(1.5), nanoseconds(9.0)], longest_gap=1.0)
+    assert notes == []
     assert list(found) == [nanoseconds(1.5)]
     np.testing.assert_allclose(found[nanoseconds(1.5)][:3, 3], [6.5, 2.0, 3.0], atol=1e-9)
-    assert read_frame(path, "map", "truth", [nanoseconds(1.5)]) == {}  # tf2 itself would make it up
+    assert read_frame(path, "map", "truth", [nanoseconds(1.5)])[0] == {}  # tf2 itself would make it up
+    [note] = read_frame(str(tmp_path / "b.bag"), "map", "truth", [])[1]
+    assert "/tf_static says two things of truth" in note
     with pytest.raises(BagError, match="tf does not connect 'map' with 'nobody'"):
         read_frame(path, "map", "nobody", [])

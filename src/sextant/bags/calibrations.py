@@ -8,7 +8,7 @@ import numpy as np
 
 from sextant.bags.bag_file import BagError
 from sextant.calibration.calibration_file import CalibrationFileError, read_calibration
-from sextant.mapping.drive_sightings import DriveCamera
+from sextant.drives.drive_sightings import DriveCamera
 
 _SAME = ("width", "height", "distortion_model", "D", "K", "R", "P", "binning_x", "binning_y")
 _REGION = ("x_offset", "y_offset", "width", "height")

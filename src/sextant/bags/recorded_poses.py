@@ -3,14 +3,14 @@
 """Poses that a robot published while it was recorded, and where tf had a frame."""
 
 from dataclasses import dataclass
-from typing import Any, Dict, Optional, Sequence, Tuple
+from typing import Any, Dict, List, Optional, Sequence, Tuple
 
 import numpy as np
 
 from sextant.bags.bag_file import BagFile, DamagedMessage
 from sextant.bags.stamped_values import stamped_values
 from sextant.bags.transforms import frame_name, read_transforms
-from sextant.poses import pose_of_fields
+from sextant.poses import LONGEST_GAP, pose_of_fields
 
 WITH_COVARIANCE = ("geometry_msgs/PoseWithCovarianceStamped", "nav_msgs/Odometry")
 TYPES = (*WITH_COVARIANCE, "geometry_msgs/PoseStamped")
@@ -64,11 +64,12 @@ def _pose(message: Any, first: Any) -> Tuple[np.ndarray, np.ndarray]:
 
 
 def read_frame(
-    path: str, parent: str, frame: str, stamps: Sequence[int], longest_gap: float = 0.5
-) -> Dict[int, np.ndarray]:
+    path: str, parent: str, frame: str, stamps: Sequence[int], longest_gap: float = LONGEST_GAP
+) -> Tuple[Dict[int, np.ndarray], List[str]]:
     """T_parent_frame (4, 4) that tf had at these stamps (nanoseconds); fewer where it was not recorded.
 
     :param longest_gap: seconds between two transforms that are interpolated
+    :returns: them, and what is odd about the tf
     :raises BagError: the bag cannot be read, or tf does not connect the two
     """
     with BagFile(path) as bag:
@@ -82,4 +83,4 @@ def read_frame(
             what = f"tf does not connect '{parent}' with '{frame}'; its frames are: {there}"
             raise bag.error(what, "name frames that it has")
     found = {int(stamp): chain.at(int(stamp), longest_gap) for stamp in stamps}
-    return {stamp: T for stamp, T in found.items() if T is not None}
+    return {stamp: T for stamp, T in found.items() if T is not None}, tree.notes

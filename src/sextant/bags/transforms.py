@@ -9,7 +9,7 @@ import numpy as np
 from sextant.bags.bag_file import BagFile, DamagedMessage
 from sextant.poses import interpolated_poses, pose_of_fields
 
-LONGEST_GAP = 10.0  # seconds between two transforms that are interpolated: what tf2's buffer holds
+TF_GAP = 10.0  # seconds between two transforms that are interpolated: what tf2's buffer holds
 
 Edge = Tuple[str, str]  # parent, child
 
@@ -52,7 +52,7 @@ class Chain(NamedTuple):
         """No joint of it moves."""
         return all(series.static is not None for series in (*self.up, *self.down))
 
-    def at(self, stamp: int, longest_gap: float = LONGEST_GAP) -> Optional[np.ndarray]:
+    def at(self, stamp: int, longest_gap: float = TF_GAP) -> Optional[np.ndarray]:
         """T_target_source at a stamp (nanoseconds); None where tf was not recorded then.
 
         :param longest_gap: seconds between two transforms that are interpolated

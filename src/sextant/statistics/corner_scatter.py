@@ -7,7 +7,7 @@ from typing import Collection, Dict, Iterator, List, Sequence, Tuple
 
 import numpy as np
 
-from sextant.mapping.drive_sightings import DriveSightings, SeenMarker
+from sextant.drives.drive_sightings import DriveSightings, SeenMarker
 from sextant.statistics.accuracy_yaml import CornerNoise
 
 FEWEST = 20  # pairs of images, before which a scatter says little

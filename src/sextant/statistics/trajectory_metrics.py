@@ -21,11 +21,12 @@ import numpy as np
 from scipy.stats import chi2
 
 import sextant
-from sextant.poses import interpolated_poses
+from sextant.poses import LONGEST_GAP, interpolated_poses
 from sextant.statistics.trajectory import Trajectory
 
 NANOSECONDS = 1e9
 ROUNDING = 1e-9  # of sums of steps, as a part of delta
+RPE = (1.0, "metres")  # delta and unit, where nobody asks for others
 LINE = 1e-6  # a drive whose width is less than a thousandth of its length does not tell how it is rolled
 
 
@@ -94,7 +95,9 @@ def _closest_pairs(truths: List[int], poses: List[int], tolerance: float) -> Ite
         offer(before[i], after[j])
 
 
-def interpolated_truth(truth: Trajectory, stamps: Iterable[int], longest_gap: float = 0.5) -> Trajectory:
+def interpolated_truth(
+    truth: Trajectory, stamps: Iterable[int], longest_gap: float = LONGEST_GAP
+) -> Trajectory:
     """The truth at other stamps: straight between positions, rotations at a constant rate (slerp).
 
     :param stamps: nanoseconds; one outside of the truth has none, nothing is extrapolated

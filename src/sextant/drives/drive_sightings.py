@@ -24,6 +24,13 @@ class DriveCamera:
     rectified: bool  # which of the two images the corners are in
     T_base_camera: np.ndarray  # (4, 4) mount of its optical frame, metres
 
+    @classmethod
+    def of(cls, calibration: "sextant.CameraCalibration", rectified: bool = False) -> "DriveCamera":
+        """As the base itself."""
+        c = calibration
+        D, K, R, P = (tuple(float(value) for value in np.ravel(matrix)) for matrix in (c.D, c.K, c.R, c.P))
+        return cls(c.width, c.height, c.distortion_model, D, K, R, P, rectified, np.eye(4))
+
     def model(self) -> "sextant.CameraModel":
         """:raises ValueError: names the field that cannot be"""
         calibration = sextant.CameraCalibration()

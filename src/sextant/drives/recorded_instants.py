@@ -8,10 +8,9 @@ from typing import Deque, Dict, Iterator, List, NamedTuple, Optional, Sequence, 
 import numpy as np
 
 import sextant
-from sextant.mapping.drive_sightings import DriveSightings, SeenImage
-from sextant.poses import interpolated_poses
+from sextant.drives.drive_sightings import DriveSightings, SeenImage
+from sextant.poses import LONGEST_GAP, interpolated_poses
 
-LONGEST_ODOMETRY_GAP = 0.5  # seconds between two readings that are interpolated
 _PLACE = "#"  # not allowed in a topic
 
 Views = List[Tuple[int, SeenImage]]  # index of the camera, and what it saw
@@ -93,7 +92,7 @@ def _groups(drive: DriveSightings, names: List[str], near: int) -> Iterator[View
 def _odometry(drive: DriveSightings, stamps: Sequence[int]) -> Dict[int, Optional[np.ndarray]]:
     """T_odom_base by stamp, None where it is not known."""
     at = np.unique(np.array(stamps, dtype=np.int64))
-    poses = interpolated_poses(drive.odometry_stamps, drive.odometry, at, LONGEST_ODOMETRY_GAP)
+    poses = interpolated_poses(drive.odometry_stamps, drive.odometry, at, LONGEST_GAP)
     return dict(zip(at.tolist(), poses))
 
 

@@ -9,8 +9,8 @@ from typing import Dict
 import numpy as np
 
 import sextant
-from sextant.mapping.drive_sightings import DriveSightings
-from sextant.mapping.recorded_instants import recorded_instants
+from sextant.drives.drive_sightings import DriveSightings
+from sextant.drives.recorded_instants import recorded_instants
 
 
 @dataclass(frozen=True)
