@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Files that are there whole or not at all."""
 
+import errno
 import os
 import tempfile
 from contextlib import contextmanager
@@ -37,12 +38,17 @@ def atomic_file(path: Union[str, Path], mode: str = "w") -> Iterator[IO]:
 def atomic_files(folder: Union[str, Path]) -> Iterator[Path]:
     """A temporary folder, all files of which go to the other one when the block ends without an exception.
 
-    :raises OSError: the folder is not there, or cannot be written to; old files are left as they were
+    :raises OSError: the folder is not there, or cannot be written to, or a folder has the name of a file; old
+        files are left as they were
     """
     with tempfile.TemporaryDirectory(dir=folder, prefix=".sextant_") as temporary:
         yield Path(temporary)
-        for path in sorted(Path(temporary).iterdir()):
-            os.replace(path, Path(folder) / path.name)
+        moves = {path: Path(folder) / path.name for path in sorted(Path(temporary).iterdir())}
+        for path in moves.values():
+            if path.is_dir():
+                raise IsADirectoryError(errno.EISDIR, "cannot be written: there is a folder", str(path))
+        for temporary_path, path in moves.items():
+            os.replace(temporary_path, path)
 
 
 def _mode_of(path: Path) -> int:
