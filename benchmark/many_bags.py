@@ -86,16 +86,18 @@ def write_series(folder: Path, bags: int, images: int) -> None:
 
 
 def _run(folder: str, *options: str) -> Run:
+    """:raises OSError: the command refused"""
     output = Path(folder) / "out"
     shutil.rmtree(output, ignore_errors=True)
     output.mkdir()
     arguments = [f"{folder}/series", "-o", str(output / "accuracy"), "--family", FAMILY, *options]
     begin = time.perf_counter()
-    called = {"stdout": subprocess.PIPE, "text": True, "check": True, "timeout": 600}
-    said = subprocess.run([*COMMAND, *arguments], **called).stdout
+    done = subprocess.run([*COMMAND, *arguments], stdout=subprocess.PIPE, text=True, timeout=600)
     seconds = time.perf_counter() - begin
+    if done.returncode:
+        raise OSError(f"accuracy_statistics ended with exit code {done.returncode}")
     book = openpyxl.load_workbook(output / "accuracy.xlsx")
-    return Run(seconds, said, [list(sheet.values) for sheet in book.worksheets])
+    return Run(seconds, done.stdout, [list(sheet.values) for sheet in book.worksheets])
 
 
 @contextlib.contextmanager

@@ -77,6 +77,9 @@ def test_a_drive_that_cannot_be_compared_is_refused_or_skipped(tmp_path, monkeyp
     assert "blind.bag: tf does not connect" in refused(capsys, *arguments)
     code, out, _ = called(capsys, *arguments, "--skip")
     assert code == 0 and "skipped: blind.bag: tf does not" in out and len(rmse_of(out)) == 1
+    assert [path.name for path in tmp_path.glob("*.png")] == ["accuracy_1.png"]
+    assert called(capsys, *reversed(arguments[:2]), *arguments[2:], "--skip", "-o", "other")[0] == 0
+    assert [path.name for path in tmp_path.glob("other*.png")] == ["other_2.png"]  # the second is drawn
 
 
 @pytest.mark.parametrize(

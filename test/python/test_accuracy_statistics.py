@@ -139,7 +139,7 @@ def test_other_truths(series, capsys):
         (["--true", "x=left"], "'left' is neither a number nor unknown"),
         (["--axis", "w"], "invalid choice: 'w'"),
         (["--marker", "600"], "marker 600 was not seen: is the --family right"),
-        (["--size", "0"], "size"),
+        (["--size", "0"], "size must be in (0, 100] m"),
         (["--map", "absent.yaml"], "absent.yaml"),
         (["--corner-sigma", "0"], "corner_sigma"),
         (["--pose", "/pose"], "there are no poses on /pose"),
@@ -149,6 +149,7 @@ def test_other_truths(series, capsys):
         (["--align"], "--align means nothing of a series"),
         (["--pose", "/pose", "--corner-sigma", "1"], "--corner-sigma means nothing with --pose"),
         (["--family", "tag99"], "tag99"),
+        (["--pose", "/pose", "--size", "0.3"], "--size means nothing without a map"),
     ],
 )
 def test_options_that_cannot_be(series, capsys, arguments, reason):
@@ -163,6 +164,38 @@ def test_several_markers_need_a_name(series, capsys):
             bag.markers("/markers", pair, CALIBRATION, 0.05 * k)
     assert "several markers were seen: 7 of tag36h11, 8 of tag36h11; name the one" in refused(capsys, series)
     assert called(capsys, series, "--marker", ID)[0] == 0
+
+
+def test_the_family_tells_which_of_two_of_one_id(series, capsys):
+    Path(f"{series}/2/b.bag").unlink()
+    with WrittenBag(f"{series}/2/b.bag") as bag:
+        for k, corners in enumerate(noisy_corners(facing(2.0), COUNT, SIGMA, 9)):
+            pair = [sextant.Detection(family, ID, corners) for family in ("tag36h11", "tag25h9")]
+            bag.markers("/markers", pair, CALIBRATION, 0.05 * k)
+    assert "7 of tag25h9, 7 of tag36h11; name the one" in refused(capsys, series, "--family", "tag16h5")
+    code, out, _ = called(capsys, series, "--marker", ID, "--family", "tag25h9")
+    counts = re.findall(r"^ +([\d.]+) m +(\d+) ", out, re.M)
+    assert code == 0 and counts == [("0.757", "0"), ("2", str(COUNT)), ("2.5", "0")]
+
+
+def test_too_few_images_for_the_noise(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    write_series(tmp_path / "series/1/a.bag", noisy_corners(facing(1.0), 10, SIGMA, 1))
+    assert "there are 9; --corner-sigma tells it" in refused(capsys, "series")
+    assert called(capsys, "series", "--corner-sigma", "0.2")[0] == 0
+
+
+def test_poses_in_two_frames_are_not_mixed(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    for name in ("map", "odom"):
+        path = tmp_path / f"series/1/{name}.bag"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with WrittenBag(path) as bag:
+            message = PoseWithCovarianceStamped(header=header(1.0, name))
+            message.pose.pose.orientation.w = 1.0
+            bag.write("/pose", message, 1.0)
+    said = refused(capsys, "series", "--pose", "/pose")
+    assert "not all in one frame: 'map' in 1/map.bag, 'odom' in 1/odom.bag" in said
 
 
 def test_poses_that_the_robot_published(tmp_path, monkeypatch, capsys):
@@ -187,6 +220,10 @@ def test_poses_that_the_robot_published(tmp_path, monkeypatch, capsys):
     assert row[4:6] == ["-", "-"] and float(row[9]) == pytest.approx(20.0)
     assert "1.5/a.bag: left out: 1 poses stamped before the bag began" in out
     assert not os.path.exists("accuracy.yaml") and os.path.exists("accuracy_constant.yaml")
+    Path("accuracy.yaml").write_text("corner_sigma: 0.2")
+    again = called(capsys, "series", "--pose", "/pose", "--axis", "x", "--force")[1]
+    assert "accuracy.yaml: is of an earlier run" in again
+    assert Path("accuracy.yaml").read_text() == "corner_sigma: 0.2"
 
 
 def test_images_of_a_camera_on_a_robot(tmp_path, monkeypatch, capsys):

@@ -29,6 +29,7 @@ class AccuracyListenerTest(unittest.TestCase):
     def setUp(self):
         self.random = np.random.default_rng(1)
         self.place, self.swing = 4.0, 0.0  # it stood elsewhere before
+        self.odometry_tells = True
         self.pose = rospy.Publisher("pose", PoseWithCovarianceStamped, queue_size=100)
         self.truth = rospy.Publisher("ground_truth", Odometry, queue_size=100)
         self.tf = rospy.Publisher("/tf", TFMessage, queue_size=100)
@@ -65,12 +66,15 @@ class AccuracyListenerTest(unittest.TestCase):
             true.header, true.pose.pose.position.x, true.pose.pose.orientation.w = told.header, at, 1.0
             frame = TransformStamped(header=told.header, child_frame_id="base_truth")
             frame.transform.translation.x, frame.transform.rotation.w = at, 1.0
-            self.truth.publish(true)
+            if self.odometry_tells:
+                self.truth.publish(true)
             self.tf.publish(TFMessage([frame]))
             self.pose.publish(told)
 
     def test_measured_places(self):
-        folder, _ = self.start("_unknown:=[z]", "_output:=run")
+        folder, _ = self.start("_true:={y: 0.0}", "_output:=run")
+        with open(os.path.join(folder, "run.yaml"), "w") as file:
+            file.write("corner_sigma: 0.2")  # of an earlier accuracy_statistics
         measure = self.service("listener/measure", MeasureAccuracy)
         write = self.service("listener/write", Trigger)
         self.assertIn("nothing was measured yet", write().message)
@@ -92,14 +96,17 @@ class AccuracyListenerTest(unittest.TestCase):
         self.assertIn("x = 1.5 m", answer.message)
         written = write()
         self.assertTrue(written.success, written.message)
-        self.assertEqual(sorted(os.listdir(folder)), ["run.xlsx", "run_errors.png", "run_spread.png"])
+        files = ["run.xlsx", "run.yaml", "run_errors.png", "run_spread.png"]
+        self.assertEqual(sorted(os.listdir(folder)), files)
+        self.assertIn("run.yaml: is of an earlier run", written.message)
         self.assertIn("roll, pitch, yaw never vary", written.message)
         self.assertTrue(self.service("listener/reset", Trigger)().success)
         self.assertFalse(write().success)
 
     def test_against_a_truth(self):
         self.swing = 1.0  # metres: poses and truths of other stamps would not fit
-        for params in ([], ["_truth_frame:=base_truth"]):
+        for params in ([], ["_truth_frame:=/base_truth"]):
+            self.odometry_tells = not params
             _, node = self.start(*params)
             compare = self.service("listener/compare", Trigger)
             self.service("listener/measure", MeasureAccuracy)(PLACE, 3.0)
@@ -114,7 +121,8 @@ class AccuracyListenerTest(unittest.TestCase):
     def test_parameters_that_cannot_be(self):
         for params, said in (
             (["_true:={x: 1.0}"], "the true x is the distance"),
-            (["_unknown:=[w]"], "unknown"),
+            (["_true:={w: 1.0}"], "'w' is no axis"),
+            (["_axis:=w"], "must be one of x, y, z"),
             (["_axes:=x"], "unknown parameter"),
         ):
             _, node = self.start(*params)

@@ -7,7 +7,7 @@ import functools
 from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Dict, List, Optional, Tuple
+from typing import Dict, List, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -53,20 +53,19 @@ def accuracy_of_drives(options: argparse.Namespace) -> Answer:
     :raises ValueError, RuntimeError: an option, a bag or a truth that cannot be; nothing was written then
     """
     bags = _bags(options)
-    errors, *pictures = _files(options.output, len(bags))
-    for path in (errors, *pictures):
+    errors, pictures = _files(options.output, bags)
+    for path in (errors, *pictures.values()):
         check_output(path, options.force)
     job = _job(options)
-    marker_map = job.map_file.read()
+    marker_map = None if job.align else job.map_file.read()  # drawn in the truth's frame
+    markers = marker_map.markers if marker_map else ()
     read, notes = read_bags(functools.partial(measure, job=job), bags, options)
     drives: Dict[str, DriveAccuracy] = {bag: each.accuracy for bag, each in read}
     with atomic_files(errors.parent) as folder:
         write_errors(folder / errors.name, drives)
-        for picture, (bag, of) in zip(pictures, drives.items()):
-            markers = marker_map.markers if marker_map else ()
-            plot_drive(str(folder / picture.name), of.truth, {bag: of.estimate}, markers)
-    written = [f"{errors}: errors of every pose"]
-    written += [f"{picture}: {bag}, drawn" for picture, bag in zip(pictures, drives)]
+        for bag, of in drives.items():
+            plot_drive(str(folder / pictures[bag].name), of.truth, {bag: of.estimate}, markers)
+    written = [f"{errors}: errors of every pose", *(f"{pictures[bag]}: {bag}, drawn" for bag in drives)]
     return Answer([*notes, *drive_table(drives, job.rpe), *written])
 
 
@@ -78,10 +77,11 @@ def _bags(options: argparse.Namespace) -> List[str]:
     return [str(path) for path in options.inputs]
 
 
-def _files(name: Path, drives: int) -> List[Path]:
-    """NAME.csv, and NAME.png or NAME_1.png, NAME_2.png, ..."""
-    numbers = [""] if drives == 1 else [f"_{number}" for number in range(1, drives + 1)]
-    return [name.with_name(name.name + ending) for ending in (".csv", *(f"{n}.png" for n in numbers))]
+def _files(name: Path, bags: Sequence[str]) -> Tuple[Path, Dict[str, Path]]:
+    """NAME.csv; by bag, NAME.png or NAME_1.png, NAME_2.png, ..."""
+    numbers = [""] if len(bags) == 1 else [f"_{number}" for number in range(1, len(bags) + 1)]
+    pictures = {bag: name.with_name(f"{name.name}{number}.png") for bag, number in zip(bags, numbers)}
+    return name.with_name(f"{name.name}.csv"), pictures
 
 
 def _job(options: argparse.Namespace) -> DriveJob:
@@ -119,11 +119,11 @@ def measure(bag: str, job: DriveJob) -> MeasuredDrive:
     poses = read_poses(bag, job.pose) if job.pose else _located(bag, job)
     if not len(poses.stamps):
         raise ValueError("; ".join(poses.warnings) or "no marker was seen")
-    truth = job.truth
+    truth, notes = job.truth, []
     if truth is None:
-        truth = read_frame(bag, poses.frame, job.truth_frame, poses.stamps)
+        truth, notes = read_frame(bag, poses.frame, job.truth_frame, poses.stamps)
     of = compare(truth, poses.stamps, poses.poses, poses.covariances, job.rpe, job.align)
-    return MeasuredDrive(of, poses.warnings)
+    return MeasuredDrive(of, tuple(dict.fromkeys([*poses.warnings, *notes])))
 
 
 def _located(bag: str, job: DriveJob) -> RecordedPoses:

@@ -18,6 +18,7 @@ from sextant.commands.located_bags import (
     MapFile,
     localization_params,
     located_poses,
+    marker_frame,
     measured_marker,
     noted,
     reading,
@@ -61,7 +62,7 @@ def accuracy_of_series(options: argparse.Namespace) -> Answer:
     found = (_recorded if options.pose else _located)([each.path for each in bags.bags], options)
     series = _series(bags.bags, found)
     statistics = [series_statistics(each, truths) for each in series]
-    written = write_accuracy(files, series, statistics, found.noise, found.poses[0].frame)
+    written = write_accuracy(files, series, statistics, found.noise)
     skipped = [f"skipped: {problem}" for problem in bags.problems]
     notes = [*skipped, *found.notes, *_notes(series)]
     return Answer([*notes, *accuracy_table(statistics), *written])
@@ -94,10 +95,12 @@ def _recorded(bags: Sequence[str], options: argparse.Namespace) -> _Found:
 def _located(bags: Sequence[str], options: argparse.Namespace) -> _Found:
     localization_params(options.corner_sigma)  # before hours of reading
     marker_map = MapFile.of(options).read()
+    if marker_map is None:
+        marker_frame(options.family, 0, options.size)
     what = reading(options, camera_is_base=True)
     read, notes = read_bags(functools.partial(read_drive, options=what), bags, options)
     drives = [drive for _, drive in read]
-    marker_map = marker_map or measured_marker(drives, options.size, options.marker)
+    marker_map = marker_map or measured_marker(drives, options)
     noise = _noise(drives, marker_map, options.corner_sigma)
     params = localization_params(noise.sigma if options.corner_sigma is None else options.corner_sigma)
     poses = [located_poses(drive, marker_map, params) for drive in drives]
@@ -111,9 +114,9 @@ def _noise(drives, marker_map: "sextant.MarkerMap", given: Optional[float]) -> O
     """None where it cannot be measured, and need not. :raises ValueError: it needs to be"""
     try:
         return corner_noise(drives, {(marker.family, marker.id) for marker in marker_map.markers})
-    except ValueError:
+    except ValueError as error:
         if given is None:
-            raise
+            raise ValueError(f"{error}; --corner-sigma tells it where the series cannot") from None
         return None
 
 
@@ -122,14 +125,14 @@ def _series(bags: Sequence[DistanceBag], found: _Found) -> List[PoseSeries]:
     poses = {each.bag: each for each in found.poses}
     series = [_bag_series(bag, poses[bag.path]) for bag in bags if bag.path in poses]
     if not any(len(each.poses) for each in series):
-        reasons = "; ".join(found.notes) or "no marker was seen"
+        reasons = "; ".join([*found.notes, *_notes(series)]) or "no marker was seen"
         raise ValueError(f"there is not one pose in all bags: {reasons}")
     return by_distance(series)
 
 
 def _bag_series(bag: DistanceBag, of: RecordedPoses) -> PoseSeries:
     name = f"{Path(bag.path).parent.name}/{Path(bag.path).name}"
-    return pose_series(bag.distance, name, of.stamps, of.poses, of.covariances, of.start)
+    return pose_series(bag.distance, name, of.stamps, of.poses, of.covariances, of.start, of.frame)
 
 
 def _notes(series: Sequence[PoseSeries]) -> List[str]:

@@ -21,7 +21,7 @@ from sextant.commands.accuracy_of_series import accuracy_of_series
 from sextant.commands.bag_options import add_bag_options, add_job_options, add_robot_options, pair
 from sextant.commands.command_line import Answer, CommandParser, run
 from sextant.statistics.pose_series import AXES
-from sextant.statistics.trajectory_metrics import RPE_UNITS
+from sextant.statistics.trajectory_metrics import RPE, RPE_UNITS
 
 
 def main(arguments: Optional[Sequence[str]] = None) -> int:
@@ -47,8 +47,9 @@ def _meaningless(options: argparse.Namespace, of_drives: bool) -> Dict[str, str]
         "of a series: its poses are the camera's": () if of_drives else ("align", "rpe", *robot),
         "with --pose: nothing is located": (
             *("images", "markers", "calibrations", "rectified", "every", "corner_sigma", "marker"),
-            *(robot if of_drives else ("map", "family", "size")),
+            *(robot if of_drives else ("map",)),
         ) if options.pose else (),
+        "without a map": ("family", "size") if options.pose and not options.map else (),
         "with --map, which says where all markers are": ("marker",) if options.map else (),
     }  # fmt: skip
     return {name: why for why, names in chosen.items() for name in names}
@@ -107,6 +108,6 @@ def _add_drive(group) -> None:
     truth.add_argument("--truth-frame", default="", metavar="FRAME", help="that tf has in the poses' frame")
     group.add_argument("--align", action="store_true", help="move the poses onto the truth first (Umeyama)")
     group.add_argument(
-        "--rpe", nargs=2, default=["1", "metres"], metavar=("DELTA", "UNIT"),
-        help=f"of relative errors; units are {', '.join(RPE_UNITS)} (default: 1 metres)",
+        "--rpe", nargs=2, default=[f"{RPE[0]:g}", RPE[1]], metavar=("DELTA", "UNIT"),
+        help=f"of relative errors; units are {', '.join(RPE_UNITS)} (default: {RPE[0]:g} {RPE[1]})",
     )  # fmt: skip

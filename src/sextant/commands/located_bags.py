@@ -12,8 +12,8 @@ import sextant
 from sextant.bags.read_options import ReadOptions
 from sextant.bags.recorded_poses import RecordedPoses
 from sextant.commands.bag_options import read_options
-from sextant.mapping.drive_sightings import DriveSightings
-from sextant.mapping.located_drive import locate_drive
+from sextant.drives.drive_sightings import DriveSightings
+from sextant.drives.located_drive import locate_drive
 
 RARE = 0.05  # of the most frequent marker's sightings: below it a marker is none that was measured
 
@@ -59,24 +59,33 @@ def reading(options: argparse.Namespace, camera_is_base: bool) -> ReadOptions:
     return read_options(options, sorted(families), camera_is_base=camera_is_base)
 
 
-def measured_marker(drives: Sequence[DriveSightings], size: float, id: Optional[int]) -> "sextant.MarkerMap":
-    """A map of the marker that was measured, whose frame is the map's.
-
-    :param id: None: the only one in sight
-    :raises ValueError: it was not seen, or several were and none was named; or its size is out of range
-    """
-    often, rarely = _seen(drives)
-    told = ", ".join(f"{id} of {family}" for family, id in often) or "none"
-    wanted = often if id is None else [key for key in (*often, *rarely) if key[1] == id]
-    if not wanted:
-        who = "no marker was seen" if id is None else f"marker {id} was not seen"
-        raise ValueError(f"{who}: is the --family right, and --images? What was seen: {told}")
-    if len(wanted) > 1:
-        raise ValueError(f"several markers were seen: {told}; name the one that was measured: --marker")
-    [(family, id)] = wanted
+def marker_frame(family: str, id: int, size: float) -> "sextant.MarkerMap":
+    """A map of this marker alone, whose frame is the map's. :raises ValueError: its size is out of range"""
     result = sextant.MarkerMap(f"marker_{id}")
     result.add(sextant.MappedMarker(family, id, size, np.eye(4)))
     return result
+
+
+def measured_marker(drives: Sequence[DriveSightings], options: argparse.Namespace) -> "sextant.MarkerMap":
+    """marker_frame() of --marker; of the only one in sight if none is named.
+
+    :raises ValueError: it was not seen, or several were and none was named
+    """
+    often, rarely = _seen(drives)
+    told = ", ".join(f"{id} of {family}" for family, id in often) or "none"
+    wanted = often if options.marker is None else _named([*often, *rarely], options)
+    if not wanted:
+        who = "no marker was seen" if options.marker is None else f"marker {options.marker} was not seen"
+        raise ValueError(f"{who}: is the --family right, and --images? What was seen: {told}")
+    if len(wanted) > 1:
+        raise ValueError(f"several markers were seen: {told}; name the one that was measured: --marker")
+    return marker_frame(*wanted[0], options.size)
+
+
+def _named(keys: Sequence[Key], options: argparse.Namespace) -> List[Key]:
+    """Of several with the id of --marker, the one of --family."""
+    found = [key for key in keys if key[1] == options.marker]
+    return [key for key in found if key[0] == options.family] or found
 
 
 def _seen(drives: Sequence[DriveSightings]) -> Tuple[List[Key], List[Key]]:

@@ -7,7 +7,7 @@ import time
 from collections import deque
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Deque, Dict, List, Optional, Tuple
+from typing import Callable, Dict, List, Union
 
 import numpy as np
 import rospy
@@ -22,21 +22,19 @@ from sextant.poses import pose_of_fields
 from sextant.srv import MeasureAccuracy, MeasureAccuracyResponse
 from sextant.statistics.accuracy_report import AccuracyFiles, write_accuracy
 from sextant.statistics.drive_accuracy import compare, drive_table
+from sextant.statistics.heard_drive import ClockSetBack, HeardDrive
 from sextant.statistics.pose_series import (
     AXES,
+    PoseSeries,
     SeriesStatistics,
     Truths,
     by_distance,
     pose_series,
     series_statistics,
 )
+from sextant.statistics.trajectory_metrics import RPE
 
-KEPT = 3600 * 10**9  # nanoseconds of poses and truths that are remembered
-JUMP = 10**9  # nanoseconds: stamps that are older than the newest by more come of a clock that was set back
-RPE = (1.0, "metres")
 TF_PATIENCE = 5 * 10**9  # nanoseconds that tf may come later than the pose
-
-TimedPose = Tuple[int, np.ndarray, np.ndarray]  # stamp, T (4, 4), covariance (6, 6)
 
 
 @dataclass(frozen=True)
@@ -44,40 +42,16 @@ class AccuracyParams:
     """What is known of the truth, and where the files go."""
 
     axis: str = param("z", one_of(*AXES))  # which the measured places are values of
-    true: Dict[str, float] = param({}, each(within(-1000.0, 1000.0)))  # of other axes, m and rad; else 0
-    unknown: List[str] = param([], each(one_of(*AXES)))  # axes whose truth nobody knows
+    true: Dict[str, float] = param({}, each(within(-1000.0, 1000.0)))  # of others, m and rad; else unknown
     output: str = param("accuracy", not_empty)  # the files' names begin with it
     truth_frame: str = param("")  # of the robot's true base in tf; empty: the topic ground_truth tells it
 
     def truths(self) -> Truths:
         """:raises ValueError: an axis that there is not, or the measured one among the others"""
-        truths = Truths(self.axis, {**self.true, **dict.fromkeys(self.unknown)})
+        unknown = dict.fromkeys(axis for axis in AXES if axis != self.axis)
+        truths = Truths(self.axis, {**unknown, **self.true})
         truths.at(0.0)
         return truths
-
-
-class Recording:
-    """Poses and their truth of the last hour; guarded by its owner."""
-
-    def __init__(self) -> None:
-        self.frame = ""  # that all of it is in
-        self.poses: Deque[TimedPose] = deque()
-        self.truth: Dict[int, np.ndarray] = {}
-        self.pending: Deque[int] = deque()  # stamps of poses whose truth tf has not told yet
-
-    def goes_back(self, stamp: int) -> bool:
-        """Whether the clock was set back."""
-        return bool(self.poses) and stamp < self.poses[-1][0] - JUMP
-
-    def add_pose(self, stamp: int, T: np.ndarray, covariance: np.ndarray) -> None:
-        self.poses.append((stamp, T, covariance))
-        while self.poses[0][0] < stamp - KEPT:
-            self.poses.popleft()
-
-    def add_truth(self, stamp: int, T: np.ndarray) -> None:
-        self.truth[stamp] = T
-        while next(iter(self.truth)) < stamp - KEPT:
-            del self.truth[next(iter(self.truth))]
 
 
 class AccuracyListener:
@@ -85,12 +59,13 @@ class AccuracyListener:
 
     def __init__(self, params: AccuracyParams):
         self._params, self._truths = params, params.truths()
+        self._truth_frame = params.truth_frame.lstrip("/")
         self._lock, self._measuring = threading.Lock(), threading.Lock()
-        self._recording, self._series = Recording(), []
-        self._heard: Optional[List[TimedPose]] = None  # while it measures
+        self._drive = HeardDrive()
+        self._series: List[PoseSeries] = []
         self._tf = tf2_ros.Buffer(cache_time=rospy.Duration(30.0))
         self._inputs: list = [rospy.Subscriber("pose", PoseWithCovarianceStamped, self._on_pose)]
-        if params.truth_frame:
+        if self._truth_frame:
             self._inputs.append(tf2_ros.TransformListener(self._tf))
             self._inputs.append(rospy.Timer(rospy.Duration(0.5), self._look, reset=True))
         else:
@@ -105,68 +80,57 @@ class AccuracyListener:
     # ---- what is heard
 
     def _on_pose(self, message: PoseWithCovarianceStamped) -> None:
-        try:
-            stamp, T = self._checked(message.header, message.pose.pose, first=True)
-        except ValueError as error:
-            rospy.logwarn_throttle(10.0, "%s: a pose is left out: %s", rospy.get_name(), error)
-            return
-        timed = stamp, T, np.reshape(message.pose.covariance, (6, 6))
-        with self._lock:
-            self._recording.add_pose(*timed)
-            if self._heard is not None:
-                self._heard.append(timed)
-            if self._params.truth_frame:
-                self._recording.pending.append(stamp)
+        def add(drive: HeardDrive, frame: str, stamp: int, T: np.ndarray) -> None:
+            drive.add_pose(frame, stamp, T, np.reshape(message.pose.covariance, (6, 6)))
+            if self._truth_frame:
+                drive.awaited.append(stamp)
+
+        self._add("pose", message, add)
 
     def _on_truth(self, message: Odometry) -> None:
-        try:
-            stamp, T = self._checked(message.header, message.pose.pose, first=False)
-        except ValueError as error:
-            rospy.logwarn_throttle(10.0, "%s: a truth is left out: %s", rospy.get_name(), error)
-            return
-        with self._lock:
-            self._recording.add_truth(stamp, T)
+        self._add("truth", message, HeardDrive.add_truth)
 
-    def _checked(self, header, pose, first: bool) -> Tuple[int, np.ndarray]:
-        """:param first: whether its frame is that of all others, if it is the first
-        :raises ValueError: no stamp, no pose, or another frame than that of the others
-        """
-        stamp, frame = header.stamp.to_nsec(), header.frame_id.lstrip("/")
-        if stamp == 0:
-            raise ValueError("its stamp is zero")
-        T = pose_from_message(pose)
-        with self._lock:
-            if self._recording.goes_back(stamp):
-                rospy.logwarn("%s: the clock was set back: what was heard is forgotten", rospy.get_name())
-                self._recording = Recording()
-                self._tf.clear()
-            if first and not self._recording.poses:
-                self._recording.frame = frame
-            if frame != self._recording.frame:
-                raise ValueError(f"its frame is '{frame}', that of the poses '{self._recording.frame}'")
-        return stamp, T
+    def _add(
+        self,
+        what: str,
+        message: Union[PoseWithCovarianceStamped, Odometry],
+        add: Callable[[HeardDrive, str, int, np.ndarray], None],
+    ) -> None:
+        frame, stamp = message.header.frame_id.lstrip("/"), message.header.stamp.to_nsec()
+        try:
+            T = pose_from_message(message.pose.pose)
+            with self._lock:
+                try:
+                    add(self._drive, frame, stamp, T)
+                except ClockSetBack:
+                    rospy.logwarn("%s: the clock was set back: what was heard is forgotten", rospy.get_name())
+                    self._drive = HeardDrive()
+                    self._tf.clear()
+                    add(self._drive, frame, stamp, T)
+        except ValueError as error:
+            rospy.logwarn_throttle(10.0, "%s: a %s is left out: %s", rospy.get_name(), what, error)
 
     def _look(self, _event) -> None:
         """Asks tf for the truth of the poses that have none yet."""
         with self._lock:
-            recording = self._recording
-            pending, recording.pending = recording.pending, deque()
-        late = deque(stamp for stamp in pending if not self._found(recording, stamp))
+            drive = self._drive
+            awaited, drive.awaited = drive.awaited, deque()
+        late = [stamp for stamp in awaited if not self._found(drive, stamp)]
         with self._lock:
-            recording.pending.extendleft(reversed(late))
+            drive.awaited.extendleft(reversed(late))
 
-    def _found(self, recording: Recording, stamp: int) -> bool:
+    def _found(self, drive: HeardDrive, stamp: int) -> bool:
         """False: it may still come."""
         at = rospy.Time(*divmod(stamp, 10**9))
         try:
-            found = self._tf.lookup_transform(recording.frame, self._params.truth_frame, at).transform
+            found = self._tf.lookup_transform(drive.frame, self._truth_frame, at).transform
         except tf2_ros.TransformException as error:
             if rospy.Time.now().to_nsec() - stamp < TF_PATIENCE:
                 return False
             rospy.logwarn_throttle(10.0, "%s: a pose has no truth: %s", rospy.get_name(), error)
             return True
         with self._lock:
-            recording.add_truth(stamp, pose_of_fields(found.translation, found.rotation))
+            drive.add_truth_of_pose(stamp, pose_of_fields(found.translation, found.rotation))
         return True
 
     # ---- what is asked
@@ -177,37 +141,44 @@ class AccuracyListener:
         if not self._measuring.acquire(blocking=False):
             return _refusal("it is measuring already: ask again when that is done")
         try:
-            begin, heard = self._listen(request.seconds)
+            series = self._measured(request.value, request.seconds)
+        except ValueError as error:
+            return _refusal(str(error))
         finally:
             self._measuring.release()
-        fresh = [pose for pose in heard if pose[0] >= begin]
-        if not fresh:
-            told = f"{len(heard)} poses on {rospy.resolve_name('pose')} in {request.seconds:g} s"
-            reason = ", none stamped after you asked: are the clocks the same?" if heard else ""
-            return _refusal(told + reason)
-        stamps, poses, covariances = zip(*fresh)
-        name = f"measured at {begin / 1e9:.1f} s"
-        series = pose_series(request.value, name, stamps, np.array(poses), np.array(covariances))
         with self._lock:
             self._series.append(series)
         return _response(series_statistics(series, self._truths))
 
-    def _listen(self, seconds: float) -> Tuple[int, List[TimedPose]]:
-        """When it began (nanoseconds), and what was heard. By the wall's clock: a simulation may pause."""
-        heard: List[TimedPose] = []
+    def _measured(self, value: float, seconds: float) -> PoseSeries:
+        """Of what comes from now on. By the wall's clock: a simulation may pause.
+
+        :raises ValueError: no pose came
+        """
         begin = rospy.Time.now().to_nsec()
-        with self._lock:
-            self._heard = heard
         time.sleep(seconds)
         with self._lock:
-            self._heard = None
-        return begin, heard
+            frame, heard = self._drive.frame, self._drive.since(begin)
+        if not heard:
+            raise ValueError(self._silence(begin, seconds))
+        stamps, poses, covariances = zip(*heard)
+        name = f"measured at {begin / 1e9:.1f} s"
+        return pose_series(value, name, stamps, np.array(poses), np.array(covariances), frame=frame)
+
+    def _silence(self, begin: int, seconds: float) -> str:
+        topic = rospy.resolve_name("pose")
+        with self._lock:
+            newest = max((stamp for stamp, _, _ in self._drive.poses), default=None)
+        if newest is None:
+            return f"no pose was ever heard on {topic}"
+        before = f"the newest {(begin - newest) / 1e9:.1f} s before"
+        return f"in {seconds:g} s no pose on {topic} was stamped after you asked, {before}"
 
     def _on_reset(self, _request) -> TriggerResponse:
         if self._measuring.locked():
             return TriggerResponse(False, "it is measuring: ask again when that is done")
         with self._lock:
-            self._recording, self._series = Recording(), []
+            self._drive, self._series = HeardDrive(), []
         return TriggerResponse(True, "everything is forgotten")
 
     @staticmethod
@@ -219,16 +190,16 @@ class AccuracyListener:
 
     def _write(self) -> List[str]:
         with self._lock:
-            series, frame = by_distance(self._series), self._recording.frame
+            series = by_distance(self._series)
         if not series:
             raise ValueError("nothing was measured yet: ~measure does it")
         statistics = [series_statistics(each, self._truths) for each in series]
         files = AccuracyFiles.named(Path(self._params.output).resolve())
-        return write_accuracy(files, series, statistics, None, frame)
+        return write_accuracy(files, series, statistics, None)
 
     def _compare(self) -> List[str]:
         with self._lock:
-            poses, truth = list(self._recording.poses), dict(self._recording.truth)
+            poses, truth = list(self._drive.poses), dict(self._drive.truth)
         if not poses or not truth:
             raise ValueError(f"{len(poses)} poses and {len(truth)} truths were heard: both are needed")
         stamps, T, P = zip(*poses)

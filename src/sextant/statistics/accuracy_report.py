@@ -35,13 +35,11 @@ def write_accuracy(
     series: Sequence[PoseSeries],
     statistics: Sequence[SeriesStatistics],
     noise: Optional[CornerNoise],
-    frame: str,
 ) -> List[str]:
-    """Writes the files, all of them or none. Of those that are not made, an old one is taken away.
+    """Writes the files, all of them or none.
 
     :param noise: None: not measured, its file is not made
-    :param frame: that the poses are in
-    :returns: what was written, a line a file
+    :returns: what was written, a line a file, and which one that is there is of an earlier run
     :raises OSError: one cannot be written
     :raises ValueError: as write_workbook()
     """
@@ -57,11 +55,9 @@ def write_accuracy(
         if noise is not None:
             write_locator_yaml(within.noise, corner=noise)
             lines.append(f"{files.noise}: corner noise of this camera, for the locator: rosparam load")
-        lines.append(_write_constant(within.constant, files.constant, statistics, frame))
-        for temporary, path in zip(within, files):
-            if not temporary.exists() and path.exists():
-                path.unlink()
-    return lines
+        lines.append(_write_constant(within.constant, files.constant, statistics, series[0].frame))
+        older = [path for path, made in zip(files, within) if path.exists() and not made.exists()]
+    return lines + [f"{path}: is of an earlier run, nothing new was written there" for path in older]
 
 
 def _write_constant(path: Path, told: Path, statistics: Sequence[SeriesStatistics], frame: str) -> str:

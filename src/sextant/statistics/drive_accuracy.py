@@ -20,6 +20,7 @@ from sextant.statistics.trajectory import (
     trajectory_errors,
 )
 from sextant.statistics.trajectory_metrics import (
+    RPE,
     Nees,
     RelativeErrors,
     aligned,
@@ -52,7 +53,7 @@ def compare(
     stamps: Sequence[int],
     poses: np.ndarray,
     covariances: np.ndarray,
-    rpe: Tuple[float, str] = (1.0, "metres"),
+    rpe: Tuple[float, str] = RPE,
     align: bool = False,
 ) -> DriveAccuracy:
     """Compares poses with the truth, which is interpolated at their stamps.

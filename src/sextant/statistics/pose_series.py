@@ -42,6 +42,7 @@ class PoseSeries:
     poses: np.ndarray  # (N, 6) x y z in metres, roll pitch yaw in radians
     covariances: np.ndarray  # (N, 6, 6) as published, order of PoseWithCovariance; NaN where there was none
     counts: Tuple[BagCount, ...] = ()  # of every bag, also of one without poses
+    frame: str = ""  # the reference; empty: not told
 
 
 @dataclass(frozen=True)
@@ -118,6 +119,7 @@ def pose_series(
     poses: np.ndarray,
     covariances: Optional[np.ndarray] = None,
     start: Optional[int] = None,
+    frame: str = "",
 ) -> PoseSeries:
     """The series of one bag, without the poses that are none.
 
@@ -125,6 +127,7 @@ def pose_series(
     :param poses: (N, 4, 4) T_reference_camera, or (N, 6) x y z roll pitch yaw
     :param covariances: (N, 6, 6) as published, or None; zeros say, as usual in ROS, that it is not known
     :param start: of the bag, nanoseconds: an earlier pose is left over from another place
+    :param frame: that the poses are in
     :raises ValueError: shapes that do not fit
     """
     stamps = np.asarray(stamps, dtype=np.int64).reshape(-1)
@@ -141,6 +144,7 @@ def pose_series(
         poses=np.array([_xyz_rpy(pose) for pose in poses[valid]]).reshape(-1, 6),
         covariances=_covariances(covariances, count)[valid],
         counts=(BagCount(bag, int(valid.sum()), int((~fresh).sum()), int((fresh & ~valid).sum())),),
+        frame=frame,
     )
 
 
@@ -167,7 +171,14 @@ def _covariances(covariances: Optional[np.ndarray], count: int) -> np.ndarray:
 
 
 def by_distance(series: Sequence[PoseSeries]) -> List[PoseSeries]:
-    """One series a distance, ascending; the bags of a distance follow one another in their order."""
+    """One series a distance, ascending; the bags of a distance follow one another in their order.
+
+    :raises ValueError: they are not all in one frame
+    """
+    frames = {each.frame: each.counts[0].bag for each in series if each.counts}
+    if len(frames) > 1:
+        told = ", ".join(f"'{frame}' in {bag}" for frame, bag in frames.items())
+        raise ValueError(f"the poses are not all in one frame: {told}")
     at = [round(each.distance, SAME_DISTANCE) + 0.0 for each in series]  # + 0.0: there is no -0
     return [_joined(here, [s for s, d in zip(series, at) if d == here]) for here in sorted(set(at))]
 
@@ -178,6 +189,7 @@ def _joined(distance: float, series: Sequence[PoseSeries]) -> PoseSeries:
         distance,
         **{name: np.concatenate([getattr(each, name) for each in series]) for name in arrays},
         counts=tuple(count for each in series for count in each.counts),
+        frame=series[0].frame,
     )
 
 
