@@ -1,18 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-import unittest
-
 import numpy as np
 import rospy
 import rostest
-import tf2_ros
-from geometry_msgs.msg import Point, Pose, PoseWithCovariance, PoseWithCovarianceStamped, Quaternion
-from marker_chain import deviation
+from located_robot import T_ODOM_BASE, LocatedRobotTest, map_msg
 from marker_scene import (
     FAMILY,
-    SIZE,
-    T_BASE_CAMERA,
     T_MAP_BASE,
     T_MAP_CAMERA,
     T_MAP_MARKER,
@@ -21,48 +15,17 @@ from marker_scene import (
     marker_msg,
     markers_msg,
     pose,
-    turned,
 )
-from ros_probe import Diagnostics, Recorder, TransformRecorder, matrix, quaternion, stamps, transform, until
+from ros_probe import until
 
-from sextant.msg import MarkerArray, MarkerMapEntries, MarkerMapEntry
-
-EXACT = 1e-5  # m and rad: the corners are exact
-T_ODOM_BASE = pose(turned(-0.7), [4.0, 5.0, 0.0])
 T_MAP_ODOM = T_MAP_BASE @ np.linalg.inv(T_ODOM_BASE)
 
 
-class TrustedPoseTest(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        cls.stamps = stamps()
-        cls.diagnostics = Diagnostics()
-        cls.heard_tf = TransformRecorder()
-        cls.fixed = tf2_ros.StaticTransformBroadcaster()
-        frames = [("base_a", "camera_left"), ("base_a", "camera_right"), ("base_b", "camera_b")]
-        cls.fixed.sendTransform(
-            [transform(T_BASE_CAMERA, base, camera, rospy.Time.now()) for base, camera in frames]
-        )
-        cls.moving = tf2_ros.TransformBroadcaster()
-
-    def robot(self, name, *cameras):
-        """Its poses, and what tells the markers of each camera: all connected."""
-        self.poses = Recorder(f"/{name}/pose", PoseWithCovarianceStamped)
-        self.addCleanup(self.poses.close)
-        self.assertTrue(self.poses.connected())
-        publishers = [rospy.Publisher(f"/{name}/{camera}", MarkerArray, queue_size=10) for camera in cameras]
-        for publisher in publishers:
-            self.addCleanup(publisher.unregister)
-            self.assertTrue(until(lambda: publisher.get_num_connections() > 0))  # noqa: B023
-        return publishers
-
-    def assert_located(self, stamp, truth=T_MAP_BASE):
-        msg = self.poses.at(stamp)
-        self.assertIsNotNone(msg, "no pose")
-        self.assertLess(max(deviation(matrix(msg.pose.pose), truth)), EXACT)
+class TrustedPoseTest(LocatedRobotTest):
+    MOUNTS = [("base_a", "camera_left"), ("base_a", "camera_right"), ("base_b", "camera_b")]
 
     def test_two_cameras_are_one_problem(self):
-        left, right = self.robot("a", "left", "right")
+        left, right = self.connect("a", "left", "right")
 
         def show():
             stamp = [next(self.stamps) for _ in range(20)][-1]  # far from the one before
@@ -80,35 +43,30 @@ class TrustedPoseTest(unittest.TestCase):
         variance = [self.poses.at(stamp).pose.covariance[7] for stamp in (together, alone)]
         self.assertLess(variance[0], 0.25 * variance[1])
 
-    def drive(self, stamp, T_odom_base=T_ODOM_BASE):
-        self.moving.sendTransform(transform(T_odom_base, "odom_b", "base_b", stamp))
-
     def test_map_to_odom_goes_on_between_images(self):
-        (markers,) = self.robot("b", "markers")
+        (markers,) = self.connect("b", "markers")
 
         def located():
             self.stamp = next(self.stamps)
-            self.drive(self.stamp)
+            self.drive(self.stamp, "b")
             markers.publish(markers_msg(self.stamp, frame="camera_b"))
             return self.poses.at(self.stamp, 0.3) is not None
 
         self.assertTrue(until(located))
         stamps_sent = [self.stamp + rospy.Duration(0.1 * i) for i in range(1, 4)]
         for stamp in stamps_sent:
-            self.drive(stamp)
-            T = self.heard_tf.at("map", "odom_b", stamp)
-            self.assertIsNotNone(T)
-            self.assertLess(max(deviation(T, T_MAP_ODOM)), EXACT)
+            self.drive(stamp, "b")
+            self.assert_pose(self.heard_tf.at("map", "odom_b", stamp), T_MAP_ODOM)
         sent = [key[2] for key in self.heard_tf.seen if key[:2] == ("map", "odom_b")]
         self.assertEqual(sent, sorted(set(sent)))  # never back in time, never twice
 
     def test_what_contradicts_the_odometry_is_refused_until_it_lasts(self):
-        (markers,) = self.robot("b", "markers")
+        (markers,) = self.connect("b", "markers")
         slid = pose(np.eye(3), [0, 2.0, 0]) @ T_ODOM_BASE  # the wheels say so, the markers do not
 
         def show(T_odom_base):
             stamp = next(self.stamps)
-            self.drive(stamp, T_odom_base)
+            self.drive(stamp, "b", T_odom_base)
             markers.publish(markers_msg(stamp, frame="camera_b"))
             return self.poses.at(stamp, 0.5) is not None
 
@@ -120,15 +78,13 @@ class TrustedPoseTest(unittest.TestCase):
         )
         T_moved = pose(np.eye(3), [0, 2.0, 0])
         stamp = next(self.stamps)
-        self.drive(stamp, slid)
+        self.drive(stamp, "b", slid)
         T = self.heard_tf.at("map", "odom_b", stamp)
-        self.assertIsNotNone(T)
-        self.assertLess(max(deviation(T, T_MAP_ODOM @ np.linalg.inv(T_moved))), 1e-3)
+        self.assert_pose(T, T_MAP_ODOM @ np.linalg.inv(T_moved), 1e-3)
 
     def test_a_moved_marker_is_named(self):
-        (markers,) = self.robot("c", "markers")
-        maps = rospy.Publisher("/c/marker_map/entries", MarkerMapEntries, queue_size=1, latch=True)
-        self.addCleanup(maps.unregister)
+        (markers,) = self.connect("c", "markers")
+        maps = self.map_of("c")
         stands = {**T_MAP_MARKER, 8: pose(WALL_AXES, [3, 0.0, 1.1])}
         surveyed = {**stands, 8: pose(WALL_AXES, [3, 0.08, 1.1])}
         maps.publish(map_msg(surveyed))
@@ -153,16 +109,6 @@ class TrustedPoseTest(unittest.TestCase):
         last = next(self.stamps)
         markers.publish(markers_msg(last, seen, "camera_c"))
         self.assert_located(last, T_MAP_CAMERA)
-
-
-def map_msg(places):
-    """A map of markers by id."""
-    msg = MarkerMapEntries()
-    msg.header.frame_id = "map"
-    for id, T in places.items():
-        place = Pose(Point(*T[:3, 3]), Quaternion(*quaternion(T[:3, :3])))
-        msg.markers.append(MarkerMapEntry(FAMILY, id, SIZE, "", PoseWithCovariance(pose=place)))
-    return msg
 
 
 if __name__ == "__main__":
