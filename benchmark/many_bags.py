@@ -86,13 +86,16 @@ def write_series(folder: Path, bags: int, images: int) -> None:
 
 
 def _run(folder: str, *options: str) -> Run:
-    """:raises OSError: the command refused"""
+    """:raises OSError: the command refused, or did not end"""
     output = Path(folder) / "out"
     shutil.rmtree(output, ignore_errors=True)
     output.mkdir()
     arguments = [f"{folder}/series", "-o", str(output / "accuracy"), "--family", FAMILY, *options]
     begin = time.perf_counter()
-    done = subprocess.run([*COMMAND, *arguments], stdout=subprocess.PIPE, text=True, timeout=600)
+    try:
+        done = subprocess.run([*COMMAND, *arguments], stdout=subprocess.PIPE, text=True, timeout=600)
+    except subprocess.TimeoutExpired as error:
+        raise OSError(str(error)) from None
     seconds = time.perf_counter() - begin
     if done.returncode:
         raise OSError(f"accuracy_statistics ended with exit code {done.returncode}")

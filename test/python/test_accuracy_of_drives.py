@@ -90,6 +90,7 @@ def test_a_drive_that_cannot_be_compared_is_refused_or_skipped(tmp_path, monkeyp
         (["--pose", "pose", "--rpe", "1", "furlongs"], "--rpe 1 furlongs: allowed is"),
         (["--pose", "pose", "--rpe", "1.5", "frames"], "--rpe 1.5 frames: allowed is"),
         (["--pose", "pose", "--map", "absent.yaml"], "absent.yaml"),
+        (["--pose", "pose", "--map", "absent.yaml", "--align"], "absent.yaml"),
         (["--pose", "pose", "--every", "2"], "--every means nothing with --pose"),
         (["--pose", "pose", "--axis", "x"], "--axis means nothing of drives"),
         (["--pose", "pose", "-o", "."], "is no name that files can begin with"),

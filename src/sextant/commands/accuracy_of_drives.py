@@ -57,8 +57,8 @@ def accuracy_of_drives(options: argparse.Namespace) -> Answer:
     for path in (errors, *pictures.values()):
         check_output(path, options.force)
     job = _job(options)
-    marker_map = None if job.align else job.map_file.read()  # drawn in the truth's frame
-    markers = marker_map.markers if marker_map else ()
+    marker_map = job.map_file.read()
+    markers = marker_map.markers if marker_map and not job.align else ()  # aligned is the truth's frame
     read, notes = read_bags(functools.partial(measure, job=job), bags, options)
     drives: Dict[str, DriveAccuracy] = {bag: each.accuracy for bag, each in read}
     with atomic_files(errors.parent) as folder:
