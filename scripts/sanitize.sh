@@ -26,11 +26,12 @@ mkdir -p "$build" && touch "$build/CATKIN_IGNORE"
 link_sources
 
 # Debian's libraries are not built with the sanitizer: what is theirs alone is in these lists, each with its reason.
+# An assertion of ROS stops its process by a trap without a word: handle_sigtrap makes it tell where.
 lists=$root/test/sanitizer
-export ASAN_OPTIONS=detect_stack_use_after_return=1:new_delete_type_mismatch=1
+export ASAN_OPTIONS=detect_stack_use_after_return=1:new_delete_type_mismatch=1:handle_sigtrap=1
 export LSAN_OPTIONS=suppressions=$lists/leaks.txt:print_suppressions=0
 export UBSAN_OPTIONS=print_stacktrace=1
-export TSAN_OPTIONS=suppressions=$lists/threads.txt:halt_on_error=1:second_deadlock_stack=1:history_size=7
+export TSAN_OPTIONS=suppressions=$lists/threads.txt:halt_on_error=1:second_deadlock_stack=1:history_size=7:handle_sigtrap=1
 
 binary=$build/sanitize_$sanitizer
 cmake -S "$source" -B "$binary" -DCATKIN_DEVEL_PREFIX="$binary/devel" -DCATKIN_TEST_RESULTS_DIR="$binary/test_results" \
