@@ -76,4 +76,9 @@ using ImageArray = pybind11::array_t<uint8_t, pybind11::array::c_style | pybind1
 cv::Mat imageFromArray(const ImageArray& array);
 pybind11::array_t<uint8_t> arrayFromImage(const cv::Mat& image);
 
+/// Rows of float32 or uint8 as a view, without a copy where they are continuous; it lives as long as the
+/// array.
+cv::Mat matrixFromArray(const pybind11::array& array);
+pybind11::array arrayFromMatrix(const cv::Mat& matrix);
+
 }  // namespace sextant

@@ -15,4 +15,6 @@ PYBIND11_MODULE(_core, module) {
   sextant::bindMarkerLocalization(module);
   sextant::bindMapMaker(module);
   sextant::bindRoomRenderer(module);
+  sextant::bindLocalFeatures(module);
+  sextant::bindDescriptorIndex(module);
 }

@@ -12,7 +12,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 STANDARD_HEADER = r"[a-z_0-9]+"  # <vector>
 POSIX_HEADER = r"(fcntl|unistd|sys/[a-z]+)\.h"
-CORE_LIBRARY = r"(Eigen|apriltag|boost/math|ceres|opencv2|yaml-cpp)/.+"
+CORE_LIBRARY = r"(Eigen|apriltag|boost/math|ceres|dlib|faiss|opencv2|yaml-cpp)/.+"
 
 # room: (its folders, what it may include)
 ROOMS = {
