@@ -1,0 +1,98 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Photos as files: the grey picture, at the size that is needed, and where its EXIF says it was taken."""
+
+import math
+from io import BytesIO
+from pathlib import Path
+from typing import Any, Mapping, NamedTuple, Optional, Tuple, Union
+
+import numpy as np
+from PIL import ExifTags, Image, ImageOps, UnidentifiedImageError
+
+SUFFIXES = (".jpg", ".jpeg", ".png", ".tif", ".tiff", ".webp", ".bmp", ".pgm", ".ppm")
+
+# GPS fields of EXIF 2.32, table 15
+_LATITUDE_REF, _LATITUDE, _LONGITUDE_REF, _LONGITUDE, _DIRECTION = 1, 2, 3, 4, 17
+_GPS = next(tag for tag, name in ExifTags.TAGS.items() if name == "GPSInfo")
+
+
+class GeoPosition(NamedTuple):
+    """Where a photo was taken, WGS 84."""
+
+    latitude: float  # degrees
+    longitude: float
+    yaw: Optional[float] = None  # radians, counterclockwise from east, as REP-103 has it
+
+
+def read_grey(path: Union[str, Path], max_side: int = 0) -> np.ndarray:
+    """The picture, uint8 (height, width), upright as its EXIF says.
+
+    :param max_side: pixels; a large JPEG is read at a half, quarter or eighth of its size, as long as no side
+        gets below this; 0: as it is
+    :raises OSError: it cannot be read
+    :raises ValueError: it is no picture, or not all of one
+    """
+    return decode_grey(Path(path).read_bytes(), path, max_side)
+
+
+def decode_grey(content: bytes, path: Union[str, Path], max_side: int = 0) -> np.ndarray:
+    """read_grey() of what was read from path already."""
+    with _opened(path, BytesIO(content)) as image:
+        if max_side:
+            image.draft("L", (max_side, max_side))
+        try:
+            return np.asarray(ImageOps.exif_transpose(image).convert("L"))
+        except (OSError, SyntaxError, ValueError, Image.DecompressionBombError) as error:
+            raise ValueError(f"{path}: the picture is damaged: {error}") from None
+
+
+def photo_size(path: Union[str, Path]) -> Tuple[int, int]:
+    """Width and height in pixels, upright as its EXIF says; raises as read_grey()."""
+    with _opened(path) as image:
+        turned = image.getexif().get(0x0112, 1) >= 5
+        return (image.height, image.width) if turned else (image.width, image.height)
+
+
+def geo_position(path: Union[str, Path]) -> Optional[GeoPosition]:
+    """What the EXIF of a photo says of where it was taken; None: nothing.
+
+    :raises OSError: it cannot be read
+    :raises ValueError: it is no picture, or the EXIF's coordinates are none
+    """
+    with _opened(path) as image:
+        gps = image.getexif().get_ifd(_GPS)
+    if _LATITUDE not in gps or _LONGITUDE not in gps:
+        return None
+    try:
+        latitude = _degrees(gps[_LATITUDE], gps.get(_LATITUDE_REF), "NS", 90)
+        longitude = _degrees(gps[_LONGITUDE], gps.get(_LONGITUDE_REF), "EW", 180)
+        return GeoPosition(latitude, longitude, _yaw(gps))
+    except (TypeError, ValueError, ZeroDivisionError):
+        raise ValueError(f"{path}: the coordinates in its EXIF are none") from None
+
+
+def _opened(path: Union[str, Path], content: Optional[BytesIO] = None) -> Image.Image:
+    try:
+        return Image.open(content or path)
+    except UnidentifiedImageError:
+        raise ValueError(f"{path}: is no picture") from None
+    except (SyntaxError, ValueError, Image.DecompressionBombError) as error:
+        raise ValueError(f"{path}: is no picture: {error}") from None
+
+
+def _degrees(parts: Any, reference: Any, signs: str, limit: float) -> float:
+    """Of degrees, minutes and seconds, in the hemisphere that the reference says."""
+    degrees, minutes, seconds = (float(part) for part in parts)
+    value = degrees + minutes / 60 + seconds / 3600
+    if not abs(value) <= limit:
+        raise ValueError
+    return -value if str(reference).strip("\0 ").upper() == signs[1] else value
+
+
+def _yaw(gps: Mapping[int, Any]) -> Optional[float]:
+    """The EXIF's direction is in degrees clockwise from north."""
+    if _DIRECTION not in gps:
+        return None
+    direction = math.radians(float(gps[_DIRECTION]))
+    return math.pi - (math.pi / 2 + direction) % (2 * math.pi) if math.isfinite(direction) else None

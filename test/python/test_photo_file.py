@@ -1,0 +1,111 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Photos as files, with EXIF that the tests write."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from sextant.places.photo_file import geo_position, photo_size, read_grey
+
+ORIENTATION, GPS = 0x0112, 0x8825
+LUND = Path(__file__).resolve().parents[3] / "shared" / "data" / "places" / "lund"
+
+
+def written(path, gps=None, orientation=None, size=(64, 48)):
+    """A picture whose left half is black, its right white."""
+    pixels = np.zeros((size[1], size[0]), np.uint8)
+    pixels[:, size[0] // 2 :] = 255
+    exif = Image.Exif()
+    if orientation:
+        exif[ORIENTATION] = orientation
+    if gps:
+        exif[GPS] = gps
+    Image.fromarray(pixels).save(path, exif=exif)
+    return path
+
+
+def gps(latitude, latitude_ref, longitude, longitude_ref, **more):
+    direction = {17: more["direction"]} if "direction" in more else {}
+    return {1: latitude_ref, 2: latitude, 3: longitude_ref, 4: longitude, **direction}
+
+
+def test_coordinates_are_degrees_minutes_seconds(tmp_path):
+    path = written(tmp_path / "a.jpg", gps((55.0, 42.0, 18.0), "N", (13.0, 11.0, 36.0), "E"))
+    position = geo_position(path)
+    assert position.latitude == pytest.approx(55 + 42 / 60 + 18 / 3600)
+    assert position.longitude == pytest.approx(13 + 11 / 60 + 36 / 3600)
+    assert position.yaw is None
+
+
+def test_south_and_west_are_negative(tmp_path):
+    position = geo_position(written(tmp_path / "a.jpg", gps((33.5, 0, 0), "S", (70.25, 0, 0), "W")))
+    assert position[:2] == pytest.approx((-33.5, -70.25))
+
+
+@pytest.mark.parametrize("compass, yaw", [(0, 90), (90, 0), (180, -90), (270, 180), (45, 45), (359, 91)])
+def test_a_compass_counts_from_north_clockwise(tmp_path, compass, yaw):
+    path = written(tmp_path / "a.jpg", gps((1, 0, 0), "N", (1, 0, 0), "E", direction=float(compass)))
+    assert geo_position(path).yaw == pytest.approx(math.radians(yaw))
+
+
+def test_a_photo_without_coordinates_has_none(tmp_path):
+    assert geo_position(written(tmp_path / "a.jpg")) is None
+
+
+def test_coordinates_that_are_none_are_refused(tmp_path):
+    path = written(tmp_path / "a.jpg", gps((95.0, 0, 0), "N", (13.0, 0, 0), "E"))
+    with pytest.raises(ValueError, match="a.jpg: the coordinates in its EXIF are none"):
+        geo_position(path)
+
+
+@pytest.mark.skipif(not LUND.is_dir(), reason="external test data")
+def test_every_street_photo_says_where_it_was_taken():
+    positions = [geo_position(path) for path in sorted(LUND.glob("*.jpg"))]
+    assert len(positions) == 29
+    assert all(55.6 < position.latitude < 55.8 and 13.1 < position.longitude < 13.3 for position in positions)
+
+
+def test_a_turned_photo_is_read_upright(tmp_path):
+    path = written(tmp_path / "a.png", orientation=6)  # the camera was turned: right is down
+    grey = read_grey(path)
+    assert grey.shape == (64, 48) and photo_size(path) == (48, 64)
+    assert grey[:20].max() == 0 and grey[-20:].min() == 255
+
+
+def test_a_large_jpeg_is_read_smaller_but_not_too_small(tmp_path):
+    path = written(tmp_path / "a.jpg", size=(2048, 1536))
+    assert read_grey(path, 320).shape == (384, 512)
+    assert read_grey(path).shape == (1536, 2048)
+    assert read_grey(written(tmp_path / "b.jpg", size=(300, 200)), 320).shape == (200, 300)
+
+
+def test_a_colour_picture_becomes_grey(tmp_path):
+    Image.new("RGB", (8, 8), (255, 0, 0)).save(tmp_path / "a.png")
+    assert read_grey(tmp_path / "a.png").tolist() == [[76] * 8] * 8  # ITU-R BT.601
+
+
+@pytest.mark.parametrize("name", ["a.jpg", "a.png"])
+@pytest.mark.parametrize("left", [0.1, 0.5, 0.98])
+def test_a_truncated_photo_is_refused(tmp_path, name, left):
+    path = tmp_path / name
+    Image.fromarray(np.random.default_rng(1).integers(0, 255, (200, 300)).astype(np.uint8)).save(path)
+    path.write_bytes(path.read_bytes()[: int(left * path.stat().st_size)])
+    with pytest.raises(ValueError, match=f"{name}: the picture is damaged"):
+        read_grey(path, 320)
+
+
+@pytest.mark.parametrize("content", [b"", b"no picture", b"\xff\xd8\xff"])
+@pytest.mark.parametrize("read", [read_grey, photo_size, geo_position])
+def test_what_is_no_picture_is_refused(tmp_path, content, read):
+    (tmp_path / "a.jpg").write_bytes(content)
+    with pytest.raises(ValueError, match="a.jpg: is no picture"):
+        read(tmp_path / "a.jpg")
+
+
+def test_a_file_that_is_not_there_is_an_os_error(tmp_path):
+    with pytest.raises(FileNotFoundError):
+        read_grey(tmp_path / "a.jpg")
