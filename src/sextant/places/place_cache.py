@@ -1,0 +1,145 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""The index of a map's photos in one binary file beside the map, so that a second start takes no build.
+
+  magic and version | keypoints | index | table, JSON | length and checksum of the table, magic
+
+The table at the end names settings, photos, and where the other parts lie, with their checksums. The index
+is faiss's own format, mapped into memory where it lies. Nothing in the file is run; a file of another
+version, cut short, or with a flipped bit is not read at all.
+"""
+
+import json
+import struct
+import zlib
+from pathlib import Path
+from typing import Any, Dict, Tuple
+
+import numpy as np
+
+import sextant
+from sextant.atomic_file import atomic_file
+from sextant.places.place_index import IndexedPhoto, IndexSettings, PlaceIndex
+
+MAGIC = b"SEXTANT PLACES\n\0"
+VERSION = 1
+_BEGIN = struct.Struct("<16sI")
+_END = struct.Struct("<QI16s")  # length and checksum of the table, magic
+_CHUNK = 1 << 22
+
+
+class CacheError(ValueError):
+    """Why a cache is not used; the map's index is built anew."""
+
+
+def cache_path(map_path: Path) -> Path:
+    """Of the cache of a map."""
+    return map_path.with_name(map_path.name + ".index")
+
+
+def write_cache(path: Path, index: PlaceIndex) -> None:
+    """Whole or not at all; only an index by faiss can be stored.
+
+    :raises OSError: it cannot be written
+    """
+    with atomic_file(path, "wb") as file:
+        file.write(_BEGIN.pack(MAGIC, VERSION))
+        parts = {"keypoints": (file.tell(), index.keypoints.nbytes)}
+        file.write(index.keypoints.tobytes())
+        file.flush()
+        begin = file.tell()
+        try:
+            index.descriptors.append(f"/dev/fd/{file.fileno()}")
+        except RuntimeError as error:
+            raise OSError(str(error)) from None
+        parts["index"] = (begin, file.seek(0, 2) - begin)
+        table = _table(
+            index,
+            {
+                name: (*part, _checksum(Path(f"/dev/fd/{file.fileno()}"), *part))
+                for name, part in parts.items()
+            },
+        )
+        file.write(table)
+        file.write(_END.pack(len(table), zlib.crc32(table), MAGIC))
+
+
+def read_cache(path: Path) -> PlaceIndex:
+    """What write_cache() wrote.
+
+    :raises OSError: it cannot be read
+    :raises CacheError: it is no cache, or not all of one, or of another version
+    """
+    size = path.stat().st_size
+    with open(path, "rb") as file:
+        _check_begin(path, file.read(_BEGIN.size))
+        table = _read_table(path, file, size)
+    try:
+        for name, (begin, length, checksum) in table["parts"].items():
+            if _checksum(path, begin, length) != checksum:
+                raise CacheError(f"{path}: its part '{name}' is damaged")
+        return _index(path, table)
+    except (KeyError, TypeError, ValueError, RuntimeError) as error:
+        if isinstance(error, CacheError):
+            raise
+        raise CacheError(f"{path}: cannot be read: {error}") from None
+
+
+def _table(index: PlaceIndex, parts: Dict[str, Tuple[int, int, int]]) -> bytes:
+    table = {
+        "settings": index.settings.as_json(),
+        "photos": [photo._asdict() for photo in index.photos],
+        "learned_from": index.learned_from,
+        "parts": parts,
+    }
+    return json.dumps(table, separators=(",", ":")).encode()
+
+
+def _check_begin(path: Path, begin: bytes) -> None:
+    if len(begin) < _BEGIN.size or not begin.startswith(MAGIC):
+        raise CacheError(f"{path}: is no index of places")
+    version = _BEGIN.unpack(begin)[1]
+    if version != VERSION:
+        raise CacheError(f"{path}: is of version {version}, this program's is {VERSION}")
+
+
+def _read_table(path: Path, file: Any, size: int) -> Dict[str, Any]:
+    short = CacheError(f"{path}: is cut short")
+    if size < _BEGIN.size + _END.size:
+        raise short
+    file.seek(size - _END.size)
+    length, checksum, magic = _END.unpack(file.read(_END.size))
+    if magic != MAGIC or length > size - _BEGIN.size - _END.size:
+        raise short
+    file.seek(size - _END.size - length)
+    text = file.read(length)
+    if zlib.crc32(text) != checksum:
+        raise CacheError(f"{path}: its table is damaged")
+    return json.loads(text)
+
+
+def _checksum(path: Path, begin: int, length: int) -> int:
+    checksum = 0
+    with open(path, "rb") as file:
+        file.seek(begin)
+        while length > 0:
+            chunk = file.read(min(length, _CHUNK))
+            if not chunk:
+                raise CacheError(f"{path}: is cut short")
+            checksum = zlib.crc32(chunk, checksum)
+            length -= len(chunk)
+    return checksum
+
+
+def _index(path: Path, table: Dict[str, Any]) -> PlaceIndex:
+    tuples = ("state", "size")  # JSON has lists
+    photos = [
+        IndexedPhoto(**{**photo, **{name: tuple(photo[name]) for name in tuples}})
+        for photo in table["photos"]
+    ]
+    begin, length, _ = table["parts"]["keypoints"]
+    count = length // 6
+    keypoints = np.memmap(path, np.uint16, "r", begin, (count, 3)) if count else np.zeros((0, 3), np.uint16)
+    descriptors = sextant.DescriptorIndex.read(str(path), table["parts"]["index"][0])
+    settings = IndexSettings(**table["settings"])
+    return PlaceIndex(settings, photos, keypoints, descriptors, table["learned_from"])

@@ -1,0 +1,204 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""What is known of a map's photos: keypoints, and an index of all their descriptors.
+
+Keypoints are stored as 16-bit parts of a photo's longer side.
+"""
+
+import hashlib
+from dataclasses import asdict, dataclass, field
+from functools import partial
+from pathlib import Path
+from typing import Any, Dict, Iterable, List, NamedTuple, Sequence, Tuple
+
+import numpy as np
+
+import sextant
+from sextant.jobs import JobError, run_jobs
+from sextant.places.photo_file import decode_grey
+
+UNIT = 65535  # of a keypoint's coordinates: the longer side of its photo
+SAMPLES = 400_000  # descriptors that an index learns from, at most
+SEED = 1
+NAMED_AT_MOST = 5  # photos in an error
+FEATURE_FIELDS = tuple(name for name in vars(sextant.FeatureParams) if not name.startswith("_"))
+
+
+def default_features() -> Dict[str, Any]:
+    """The fields of sextant.FeatureParams, for a camera that does not roll."""
+    return _fields(sextant.FeatureParams())
+
+
+def plain_features(detector: str, extractor: str) -> Dict[str, Any]:
+    """The fields of sextant.FeatureParams that leave everything to the detector and the extractor."""
+    return _fields(sextant.FeatureParams.plain(detector, extractor))
+
+
+def _fields(params: "sextant.FeatureParams") -> Dict[str, Any]:
+    return {name: getattr(params, name) for name in FEATURE_FIELDS if not callable(getattr(params, name))}
+
+
+@dataclass(frozen=True)
+class IndexSettings:
+    """How photos are described and compared; another setting is another index."""
+
+    features: Dict[str, Any] = field(default_factory=default_features)  # fields of sextant.FeatureParams
+    matcher: str = "faiss"  # any of sextant.matcher_names() that compares what the extractor makes
+
+    def feature_params(self) -> "sextant.FeatureParams":
+        """:raises ValueError: an unknown field or a value out of range"""
+        params = sextant.FeatureParams()
+        for name, value in self.features.items():
+            if name not in default_features():
+                raise ValueError(f"{name}: unknown; known are {', '.join(default_features())}")
+            setattr(params, name, value)
+        params.validate()
+        return params
+
+    def validate(self) -> None:
+        """:raises ValueError: names the first setting that cannot be, and what can"""
+        params = self.feature_params()
+        sextant.validate_matcher(self.matcher, params.extractor, params.orb_wta_k)
+
+    def as_json(self) -> Dict[str, Any]:
+        """What two settings that are the same have in common."""
+        return asdict(self)
+
+
+FileState = Tuple[int, int, int]  # bytes, and nanoseconds of the last change of content and of anything
+
+
+class PhotoFeatures(NamedTuple):
+    """What one photo gives."""
+
+    digest: str  # of the file's content
+    state: FileState
+    size: Tuple[int, int]  # width and height, pixels
+    keypoints: np.ndarray  # uint16 (n, 3): x, y, size in parts of the longer side
+    descriptors: np.ndarray  # float32 or uint8 (n, width)
+
+
+class IndexedPhoto(NamedTuple):
+    """A photo in the index, whichever place it shows."""
+
+    image: str  # as the map names it
+    digest: str
+    state: FileState  # as long as it is the same, so is the digest
+    size: Tuple[int, int]
+    owner: int  # of its descriptors
+    first: int  # row of its keypoints
+    count: int
+
+
+def file_state(path: Path) -> FileState:
+    """Of a photo; raises OSError where it is not there."""
+    status = path.stat()
+    return status.st_size, status.st_mtime_ns, status.st_ctime_ns
+
+
+def content_digest(content: bytes) -> str:
+    """Tells files apart by their content."""
+    return hashlib.blake2b(content, digest_size=16).hexdigest()
+
+
+def photo_features(settings: IndexSettings, path: Path) -> PhotoFeatures:
+    """Reads a photo and describes it.
+
+    :raises OSError: it cannot be read
+    :raises ValueError: it is no picture, or not all of one
+    """
+    params = settings.feature_params()
+    state, content = file_state(path), path.read_bytes()
+    grey = decode_grey(content, path, params.max_side)
+    found = sextant.FeatureExtractor(params).extract(grey)
+    parts = found.keypoints[:, :3] * (UNIT / max(found.size))
+    keypoints = np.clip(np.rint(parts), 0, UNIT).astype(np.uint16)
+    return PhotoFeatures(content_digest(content), state, found.size, keypoints, found.descriptors)
+
+
+def extract_all(
+    settings: IndexSettings, paths: Sequence[Path], jobs: int = 1, scheduler: str = ""
+) -> List[PhotoFeatures]:
+    """Of all photos, with a progress bar.
+
+    :param jobs: scheduler: as in sextant.jobs.run_jobs()
+    :raises ValueError: photos that cannot be used, by name
+    """
+    results = run_jobs(
+        partial(photo_features, settings), paths, jobs, scheduler, return_errors=True, progress="photos"
+    )
+    features = list(results)
+    errors = [each for each in features if isinstance(each, JobError)]
+    if errors:
+        more = f"; and {len(errors) - NAMED_AT_MOST} more" if len(errors) > NAMED_AT_MOST else ""
+        raise ValueError("; ".join(str(error) for error in errors[:NAMED_AT_MOST]) + more)
+    return features
+
+
+class PlaceIndex:
+    """Photos, their keypoints, and the descriptors of all in one index. Searching is thread-safe."""
+
+    def __init__(
+        self,
+        settings: IndexSettings,
+        photos: Iterable[IndexedPhoto],
+        keypoints: np.ndarray,
+        descriptors: "sextant.DescriptorIndex",
+        learned_from: int,
+    ):
+        self.settings = settings
+        self.learned_from = learned_from  # photos, when it was made
+        self.photos = list(photos)
+        self.keypoints = keypoints  # uint16 (all, 3)
+        self.descriptors = descriptors
+
+    @classmethod
+    def built(
+        cls, settings: IndexSettings, images: Sequence[str], features: Sequence[PhotoFeatures]
+    ) -> "PlaceIndex":
+        """:raises ValueError: the photos have nothing to be told apart by"""
+        total = sum(len(each.descriptors) for each in features)
+        if not total:
+            raise ValueError("no keypoint in any photo of the map")
+        descriptors = sextant.DescriptorIndex(settings.matcher, _samples(features, total), total)
+        index = cls(settings, [], np.zeros((0, 3), np.uint16), descriptors, len(features))
+        index.add(images, features)
+        return index
+
+    def add(self, images: Sequence[str], features: Sequence[PhotoFeatures]) -> None:
+        """Photos that are new, with owners from the highest one on."""
+        owner = 1 + max((photo.owner for photo in self.photos), default=-1)
+        first = len(self.keypoints)
+        for image, each in zip(images, features):
+            count = len(each.keypoints)
+            self.photos.append(IndexedPhoto(image, each.digest, each.state, each.size, owner, first, count))
+            self.descriptors.add(owner, each.descriptors)
+            owner, first = owner + 1, first + count
+        self.keypoints = np.concatenate([self.keypoints, *(each.keypoints for each in features)])
+
+    def remove(self, photos: Iterable[IndexedPhoto]) -> None:
+        """Takes photos out; the keypoints of the others move together."""
+        gone = {photo.owner for photo in photos}
+        for owner in gone:
+            self.descriptors.remove(owner)
+        kept = [photo for photo in self.photos if photo.owner not in gone]
+        self.keypoints = np.concatenate([self.keypoints[:0], *(self.keypoints_of(photo) for photo in kept)])
+        firsts = np.cumsum([0, *(photo.count for photo in kept)])
+        self.photos = [photo._replace(first=int(first)) for photo, first in zip(kept, firsts)]
+
+    def keypoints_of(self, photo: IndexedPhoto) -> np.ndarray:
+        """uint16 (n, 3): x, y, size in parts of the longer side."""
+        return self.keypoints[photo.first : photo.first + photo.count]
+
+    @property
+    def bytes(self) -> int:
+        """Of memory that the descriptors and keypoints take."""
+        return self.descriptors.bytes + self.keypoints.nbytes
+
+
+def _samples(features: Sequence[PhotoFeatures], total: int) -> np.ndarray:
+    """Descriptors to learn from: all, or as many as are enough, evenly drawn."""
+    stacked = np.concatenate([each.descriptors for each in features if len(each.descriptors)])
+    if total <= SAMPLES:
+        return stacked
+    return stacked[np.sort(np.random.default_rng(SEED).choice(total, SAMPLES, replace=False))]

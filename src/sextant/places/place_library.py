@@ -1,0 +1,111 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""The index of a map as it is now: from the cache what is still right, the rest from the photos."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Callable, List, Optional
+
+from sextant.places.place_cache import CacheError, cache_path, read_cache, write_cache
+from sextant.places.place_index import (
+    NAMED_AT_MOST,
+    IndexedPhoto,
+    IndexSettings,
+    PhotoFeatures,
+    PlaceIndex,
+    content_digest,
+    extract_all,
+    file_state,
+)
+from sextant.places.place_map import PlaceMap
+
+GROWTH = 4  # an index of more than this many times the photos that it learned from is made anew
+
+Report = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Library:
+    """A map's photos, and who describes them."""
+
+    map_path: Path
+    place_map: PlaceMap
+    settings: IndexSettings
+    jobs: int = 1  # and scheduler: as in sextant.jobs.run_jobs()
+    scheduler: str = ""
+    report: Report = lambda line: None  # gets lines: what is built, and why
+
+    def index(self) -> PlaceIndex:
+        """From the cache beside the map, brought up to date with the photos; the cache, too.
+
+        :raises ValueError: settings or photos that cannot be used, by name
+        """
+        self.settings.validate()
+        images = list(dict.fromkeys(photo.image for photo in self.place_map.photos))
+        self._check_there(images)
+        index = self._cached()
+        if index is None or len(images) > GROWTH * index.learned_from:
+            self.report(f"{self.map_path}: describing {len(images)} photos")
+            index = PlaceIndex.built(self.settings, images, self._describe(images))
+        elif not self._update(index, images):
+            return index
+        self._store(index)
+        return index
+
+    def _check_there(self, images: List[str]) -> None:
+        if not images:
+            raise ValueError(f"{self.map_path}: there is no photo in the map")
+        lacking = [image for image in images if not (self.place_map.folder / image).is_file()]
+        if lacking:
+            raise ValueError(f"{self.map_path}: photos that are not there: {_named(lacking)}")
+
+    def _cached(self) -> Optional[PlaceIndex]:
+        try:
+            index = read_cache(cache_path(self.map_path))
+        except FileNotFoundError:
+            return None
+        except (OSError, CacheError) as error:
+            self.report(f"{error}; building it anew")
+            return None
+        if index.settings.as_json() != self.settings.as_json():
+            self.report(f"{cache_path(self.map_path)}: is of other settings; building it anew")
+            return None
+        return index
+
+    def _update(self, index: PlaceIndex, images: List[str]) -> bool:
+        """Whether anything had to be changed."""
+        wanted = set(images)
+        kept = {photo.image for photo in index.photos if photo.image in wanted and self._is_same(photo)}
+        gone = [photo for photo in index.photos if photo.image not in kept]
+        new = [image for image in images if image not in kept]
+        self._tell("gone or changed", [photo.image for photo in gone])
+        self._tell("to be described", new)
+        features = self._describe(new)
+        index.remove(gone)
+        index.add(new, features)
+        return bool(gone or new)
+
+    def _tell(self, what: str, names: List[str]) -> None:
+        if names:
+            self.report(f"{self.map_path}: {len(names)} photos {what}: {_named(names)}")
+
+    def _is_same(self, photo: IndexedPhoto) -> bool:
+        path = self.place_map.folder / photo.image
+        return file_state(path) == photo.state or content_digest(path.read_bytes()) == photo.digest
+
+    def _describe(self, images: List[str]) -> List[PhotoFeatures]:
+        paths = [self.place_map.folder / image for image in images]
+        return extract_all(self.settings, paths, self.jobs, self.scheduler)
+
+    def _store(self, index: PlaceIndex) -> None:
+        if self.settings.matcher != "faiss":
+            return
+        try:
+            write_cache(cache_path(self.map_path), index)
+        except OSError as error:
+            self.report(f"the index is not stored, every start builds it: {error}")
+
+
+def _named(names: List[str]) -> str:
+    more = f" and {len(names) - NAMED_AT_MOST} more" if len(names) > NAMED_AT_MOST else ""
+    return ", ".join(names[:NAMED_AT_MOST]) + more

@@ -1,0 +1,243 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""The index of a map: found again, brought up to date, and built anew where its cache cannot be used."""
+
+import os
+import shutil
+
+import cv2
+import numpy as np
+import pytest
+from made_photos import picture, shifted, written_photos
+
+import sextant
+from sextant.places.place_cache import VERSION, CacheError, cache_path, read_cache
+from sextant.places.place_index import IndexSettings, default_features, plain_features
+from sextant.places.place_library import Library
+from sextant.places.place_votes import count_votes
+
+SETTINGS = IndexSettings()
+
+
+@pytest.fixture
+def place_map(tmp_path):
+    return written_photos(tmp_path, 6)
+
+
+def index_of(place_map, settings=SETTINGS, **more):
+    lines = []
+    path = place_map.folder / "park.txt"
+    return Library(path, place_map, settings, report=lines.append, **more).index(), lines
+
+
+def image_of(index, seed):
+    """The photo that gets most votes for a picture."""
+    params = index.settings.feature_params()
+    found = sextant.FeatureExtractor(params).extract(shifted(picture(seed), 5, 3))
+    distances, owners, _ = index.descriptors.search(found.descriptors, 2)
+    owner = count_votes(distances, owners, 1, 1).photos[0]
+    return next(photo.image for photo in index.photos if photo.owner == owner)
+
+
+def cache_of(place_map):
+    return cache_path(place_map.folder / "park.txt")
+
+
+def test_a_second_start_describes_nothing(place_map):
+    first, lines = index_of(place_map)
+    assert lines == [f"{place_map.folder / 'park.txt'}: describing 6 photos"]
+    second, lines = index_of(place_map)
+    assert lines == []
+    assert second.photos == first.photos
+    assert np.array_equal(second.keypoints, first.keypoints)
+    queries = sextant.FeatureExtractor(SETTINGS.feature_params()).extract(picture(2)).descriptors
+    for one, other in zip(first.descriptors.search(queries, 8), second.descriptors.search(queries, 8)):
+        assert np.array_equal(one, other)
+
+
+def test_photos_are_found(place_map):
+    index, _ = index_of(place_map)
+    assert [image_of(index, seed) for seed in range(6)] == [f"{seed}.png" for seed in range(6)]
+
+
+def test_photos_come_and_go_without_a_rebuild(place_map):
+    index_of(place_map)
+    changed = written_photos(place_map.folder, 6, first=2)
+    index, lines = index_of(changed)
+    path = place_map.folder / "park.txt"
+    assert lines == [
+        f"{path}: 2 photos gone or changed: 0.png, 1.png",
+        f"{path}: 2 photos to be described: 6.png, 7.png",
+    ]
+    for each in (index, index_of(changed)[0]):
+        assert [image_of(each, seed) for seed in range(2, 8)] == [f"{seed}.png" for seed in range(2, 8)]
+        assert len(each.descriptors) == sum(photo.count for photo in each.photos) == len(each.keypoints)
+
+
+def test_a_photo_that_is_replaced_is_described_again(place_map):
+    index_of(place_map)
+    old = os.stat(place_map.folder / "3.png")
+    cv2.imwrite(str(place_map.folder / "3.png"), picture(33))
+    os.utime(place_map.folder / "3.png", ns=(old.st_atime_ns, old.st_mtime_ns))
+    index, lines = index_of(place_map)
+    assert [line.split(": ", 1)[1] for line in lines] == [
+        "1 photos gone or changed: 3.png",
+        "1 photos to be described: 3.png",
+    ]
+    assert image_of(index, 33) == "3.png"
+
+
+def test_a_copied_map_takes_its_index_along(place_map, tmp_path_factory):
+    index_of(place_map)
+    folder = shutil.copytree(place_map.folder, tmp_path_factory.mktemp("copy") / "park")
+    assert index_of(place_map._replace(folder=folder))[1] == []
+
+
+def test_many_more_photos_make_an_index_anew(place_map):
+    index_of(place_map)
+    many = written_photos(place_map.folder, 25)
+    assert index_of(many)[1] == [f"{place_map.folder / 'park.txt'}: describing 25 photos"]
+
+
+def test_other_settings_are_another_index(place_map):
+    index_of(place_map)
+    other = IndexSettings({**default_features(), "support": 1.5})
+    _, lines = index_of(place_map, other)
+    assert lines[0] == f"{cache_of(place_map)}: is of other settings; building it anew"
+    assert read_cache(cache_of(place_map)).settings == other
+
+
+def cut(path):
+    path.write_bytes(path.read_bytes()[:-100])
+
+
+def empty(path):
+    path.write_bytes(b"")
+
+
+def flipped(at):
+    def flip(path):
+        content = bytearray(path.read_bytes())
+        content[at] ^= 4
+        path.write_bytes(content)
+
+    return flip
+
+
+def aged(path):
+    content = bytearray(path.read_bytes())
+    content[16] = VERSION + 1
+    path.write_bytes(content)
+
+
+@pytest.mark.parametrize(
+    "damage, reason",
+    [
+        (cut, "is cut short"),
+        (empty, "is no index of places"),
+        (flipped(0), "is no index of places"),
+        (flipped(100), "its part 'keypoints' is damaged"),
+        (flipped(-5000), "its part 'index' is damaged"),
+        (flipped(-100), "its table is damaged"),
+        (aged, f"is of version {VERSION + 1}, this program's is {VERSION}"),
+    ],
+)
+def test_a_cache_that_cannot_be_used_is_made_anew(place_map, damage, reason):
+    good, _ = index_of(place_map)
+    damage(cache_of(place_map))
+    with pytest.raises(CacheError, match=reason):
+        read_cache(cache_of(place_map))
+    index, lines = index_of(place_map)
+    assert lines[0] == f"{cache_of(place_map)}: {reason}; building it anew"
+    assert np.array_equal(index.keypoints, good.keypoints)
+    assert index_of(place_map)[1] == []
+
+
+def test_a_build_that_was_killed_leaves_nothing_that_harms(place_map):
+    index_of(place_map)
+    content = cache_of(place_map).read_bytes()
+    cache_of(place_map).unlink()
+    (place_map.folder / f".{cache_of(place_map).name}.x1y2z3").write_bytes(content[: len(content) // 2])
+    assert image_of(index_of(place_map)[0], 4) == "4.png"
+
+
+@pytest.mark.parametrize(
+    "content, reason",
+    [(None, "park.txt: photos that are not there: 3.png"), (b"text", "3.png: is no picture")],
+)
+def test_a_photo_that_cannot_be_used_is_named(place_map, content, reason):
+    index_of(place_map)
+    (place_map.folder / "3.png").unlink()
+    if content:
+        (place_map.folder / "3.png").write_bytes(content)
+    with pytest.raises(ValueError, match=reason):
+        index_of(place_map)
+
+
+def test_a_truncated_photo_is_named(place_map):
+    path = place_map.folder / "3.png"
+    path.write_bytes(path.read_bytes()[:2000])
+    with pytest.raises(ValueError, match="3.png: the picture is damaged"):
+        index_of(place_map)
+
+
+def test_a_folder_that_cannot_be_written_to_is_told(place_map, monkeypatch):
+    def refuse(path, index):
+        raise PermissionError(13, "cannot be written", str(path))
+
+    monkeypatch.setattr("sextant.places.place_library.write_cache", refuse)
+    index, lines = index_of(place_map)
+    assert image_of(index, 1) == "1.png"
+    assert lines[-1].startswith("the index is not stored, every start builds it: ")
+
+
+def test_several_processes_describe_the_same(place_map):
+    one, _ = index_of(place_map)
+    cache_of(place_map).unlink()
+    two, _ = index_of(place_map, jobs=2)
+    assert two.photos == one.photos and np.array_equal(two.keypoints, one.keypoints)
+
+
+@pytest.mark.parametrize(
+    "detector, extractor, matcher",
+    [
+        ("SIFT", "SIFT", "FlannBased"),
+        ("SIFT", "SIFT", "BruteForce-L1"),
+        ("SURF", "SURF", "faiss"),
+        ("ORB", "ORB", "faiss"),
+        ("ORB", "ORB", "BruteForce-Hamming"),
+        ("AKAZE", "AKAZE", "faiss"),
+        ("SIFT", "ORB", "BruteForce-Hamming"),
+        ("ORB", "SIFT", "BruteForce"),
+        ("AKAZE", "SURF", "FlannBased"),
+        ("SURF", "SIFT", "faiss"),
+    ],
+)
+def test_any_pair_finds_photos(place_map, detector, extractor, matcher):
+    settings = IndexSettings(plain_features(detector, extractor), matcher)
+    for _ in range(2):  # built, then as stored
+        index, _ = index_of(place_map, settings)
+        assert [image_of(index, seed) for seed in range(6)] == [f"{seed}.png" for seed in range(6)]
+
+
+def test_an_invalid_pair_is_refused_before_anything_is_read(place_map):
+    with pytest.raises(ValueError, match="extractor AKAZE describes keypoints of detector AKAZE only"):
+        index_of(place_map, IndexSettings(plain_features("SIFT", "AKAZE")))
+    with pytest.raises(
+        ValueError, match="matcher is 'FlannBased'; for what extractor ORB makes it must be one of"
+    ):
+        index_of(place_map, IndexSettings(plain_features("ORB", "ORB"), "FlannBased"))
+    with pytest.raises(ValueError, match="max_sides: unknown; known are detector"):
+        index_of(place_map, IndexSettings({"max_sides": 3}))
+
+
+def test_an_empty_map_is_refused(place_map):
+    with pytest.raises(ValueError, match="park.txt: there is no photo in the map"):
+        index_of(place_map._replace(photos=()))
+
+
+def test_photos_without_a_keypoint_are_refused(tmp_path):
+    place_map = written_photos(tmp_path, 1)
+    cv2.imwrite(str(tmp_path / "0.png"), np.full((100, 100), 128, np.uint8))
+    with pytest.raises(ValueError, match="no keypoint in any photo of the map"):
+        index_of(place_map)
