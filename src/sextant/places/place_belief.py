@@ -1,0 +1,99 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Where the robot may be, carried on from picture to picture: a discrete Bayes filter over a map's places.
+
+One state is "nowhere that the map knows". Between pictures the belief spreads along neighbouring places, or
+as far as odometry says; a small part of it starts anew everywhere, so that a robot that was carried away is
+found again (Thrun, Burgard, Fox: Probabilistic Robotics, 2005, chapters 4.1 and 8.3).
+"""
+
+from dataclasses import dataclass
+from typing import Optional
+
+import numpy as np
+from scipy.sparse import csr_matrix
+from scipy.spatial import cKDTree
+
+
+@dataclass(frozen=True)
+class BeliefParams:
+    """How a robot moves among the places."""
+
+    reach: float = 3.0  # [1, 20]; spacings of places that it may go between two pictures, without odometry
+    restart: float = 0.01  # [0, 1]; probability that it was carried anywhere between two pictures
+    leave: float = 0.02  # [0, 1]; that it left for where the map knows nothing
+    distance_noise: float = 0.1  # [0.001, 1]; deviation of a distance that odometry says, part of it
+
+    def validate(self) -> None:
+        """:raises ValueError: names the first field out of range"""
+        ranges = {"reach": (1, 20), "restart": (0, 1), "leave": (0, 1), "distance_noise": (0.001, 1)}
+        for name, (low, high) in ranges.items():
+            value = getattr(self, name)
+            if not low <= value <= high:
+                raise ValueError(f"{name} is {value}, allowed is [{low}, {high}]")
+
+
+class PlaceBelief:
+    """Probabilities of all places and of nowhere; they sum to 1."""
+
+    def __init__(self, positions: np.ndarray, params: Optional[BeliefParams] = None):
+        """:param positions: (n, 2) of the places, in any unit; that of the distances given to move()"""
+        self._params = params or BeliefParams()
+        self._params.validate()
+        self._positions = np.asarray(positions, float).reshape(-1, 2)
+        self._tree = cKDTree(self._positions)
+        self.spacing = self._spacing()
+        self.reset()
+
+    def reset(self) -> None:
+        """Nothing is known: as likely nowhere as somewhere."""
+        count = len(self._positions)
+        self.places = np.full(count, 0.5 / count)  # (n,)
+        self.nowhere = 0.5
+
+    def move(self, distance: Optional[float] = None) -> None:
+        """Carries the belief on to the next picture.
+
+        :param distance: since the last one, by odometry; None: there is none
+        """
+        params, count = self._params, len(self._positions)
+        moved = self._transition(distance).T @ self.places
+        stay, back = 1 - params.restart - params.leave, params.restart / count
+        self.places = stay * moved + back * (self.places.sum() + self.nowhere)
+        self.nowhere = max(1 - self.places.sum(), 0.0)
+
+    def see(self, log_ratios: np.ndarray) -> None:
+        """Weighs the places by what a picture says.
+
+        :param log_ratios: (n,) log of how much likelier the picture is at each place than nowhere
+        """
+        largest = max(float(np.max(log_ratios, initial=0.0)), 0.0)
+        places = self.places * np.exp(np.asarray(log_ratios, float) - largest)
+        nowhere = self.nowhere * np.exp(-largest)
+        total = places.sum() + nowhere
+        self.places, self.nowhere = places / total, float(nowhere / total)
+
+    def _spacing(self) -> float:
+        """Median distance of a place to the nearest other."""
+        if len(self._positions) < 2:
+            return 1.0
+        nearest = self._tree.query(self._positions, 2)[0][:, 1]
+        apart = nearest[nearest > 0]
+        return float(np.median(apart)) if len(apart) else 1.0
+
+    def _transition(self, distance: Optional[float]) -> csr_matrix:
+        """(n, n): row i holds where a robot at place i is next."""
+        sigma, centre = self.spacing * self._params.reach / 2, 0.0
+        if distance is not None:
+            # half a spacing: a place stands for its surroundings
+            sigma, centre = np.hypot(self.spacing / 2, self._params.distance_noise * distance), distance
+        count = len(self._positions)
+        pairs = self._tree.sparse_distance_matrix(self._tree, centre + 3 * sigma, output_type="coo_matrix")
+        rows = np.concatenate([pairs.row, np.arange(count)])
+        columns = np.concatenate([pairs.col, np.arange(count)])
+        distances = np.concatenate([pairs.data, np.zeros(count)])
+        off_diagonal_or_own = np.concatenate([pairs.row != pairs.col, np.ones(count, bool)])
+        rows, columns, distances = (each[off_diagonal_or_own] for each in (rows, columns, distances))
+        weights = np.exp(-0.5 * ((distances - centre) / sigma) ** 2) + 1e-9
+        matrix = csr_matrix((weights, (rows, columns)), (count, count))
+        return matrix.multiply(1 / matrix.sum(axis=1)).tocsr()

@@ -1,0 +1,111 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""The filter over places, against Bayes' rule by hand and walks whose truth is known."""
+
+import numpy as np
+import pytest
+
+from sextant.places.place_belief import BeliefParams, PlaceBelief
+
+LINE = np.c_[np.arange(20.0), np.zeros(20)]
+
+
+def saying(place, strength=3.0, count=20):
+    ratios = np.zeros(count)
+    ratios[place] = strength
+    return ratios
+
+
+def test_a_picture_weighs_by_bayes_rule():
+    belief = PlaceBelief(LINE)
+    belief.see(saying(7, np.log(5.0)))
+    # prior: 0.5 nowhere, 0.025 each place; one of them five times as likely
+    total = 0.5 + 0.025 * 19 + 0.125
+    assert belief.places[7] == pytest.approx(0.125 / total)
+    assert belief.places[3] == pytest.approx(0.025 / total)
+    assert belief.nowhere == pytest.approx(0.5 / total)
+
+
+@pytest.mark.parametrize("distance", [None, 0.0, 1.0, 30.0])
+def test_probabilities_sum_to_one(distance):
+    belief = PlaceBelief(LINE)
+    rng = np.random.default_rng(1)
+    for _ in range(20):
+        belief.move(distance)
+        belief.see(rng.normal(0, 5, 20))
+        assert belief.places.sum() + belief.nowhere == pytest.approx(1)
+        assert np.all(belief.places >= 0) and belief.nowhere >= 0
+
+
+def test_a_sequence_decides_what_a_picture_cannot():
+    belief = PlaceBelief(LINE)
+    for place in range(3, 12):
+        both = saying(place)
+        both[(place * 7) % 20] = 3.0  # a place that looks alike, another one every time
+        belief.move()
+        belief.see(both)
+    assert belief.places.argmax() == 11 and belief.places[10:13].sum() > 0.8
+
+
+def test_odometry_moves_it_as_far_as_it_says():
+    sure = BeliefParams(restart=0.0, leave=0.0)
+    belief = PlaceBelief(LINE, sure)
+    belief.see(saying(10, 30.0))
+    belief.move(4.0)
+    assert belief.places[[6, 14]] == pytest.approx([0.5, 0.5], abs=0.2)
+    assert belief.places[10] < 1e-3
+    belief.move(0.0)
+    assert belief.places[10] < 1e-2
+
+
+def test_without_odometry_it_spreads_to_neighbours():
+    belief = PlaceBelief(LINE, BeliefParams(restart=0.0, leave=0.0))
+    belief.see(saying(10, 30.0))
+    belief.move()
+    assert belief.places[8:13].sum() > 0.9 and belief.places[10] == belief.places.max()
+
+
+def test_a_robot_that_was_carried_away_is_found_again():
+    belief = PlaceBelief(LINE)
+    for _ in range(5):
+        belief.move()
+        belief.see(saying(2))
+    assert belief.places[1:4].sum() > 0.8
+    pictures = 0
+    while belief.places[15:18].sum() < 0.5:
+        belief.move()
+        belief.see(saying(16))
+        pictures += 1
+        assert pictures < 10
+    assert pictures >= 2  # not by one
+
+
+def test_pictures_of_nowhere_make_it_say_nowhere():
+    belief = PlaceBelief(LINE)
+    for _ in range(5):
+        belief.move()
+        belief.see(saying(2))
+    for _ in range(10):
+        belief.move()
+        belief.see(np.full(20, -2.0))
+    assert belief.nowhere > 0.95
+
+
+def test_a_map_of_one_place_works():
+    belief = PlaceBelief(np.zeros((1, 2)))
+    belief.move(3.0)
+    belief.see(np.array([4.0]))
+    assert belief.places[0] > 0.9
+
+
+def test_photos_at_one_spot_do_not_make_the_spacing_zero():
+    assert PlaceBelief(np.array([[0, 0], [0, 0], [2, 0], [4, 0]])).spacing == 2.0
+
+
+@pytest.mark.parametrize(
+    "changed, reason",
+    [({"reach": 0.5}, r"reach is 0.5, allowed is \[1, 20\]"), ({"restart": float("nan")}, "restart is nan")],
+)
+def test_parameters_out_of_range_are_refused(changed, reason):
+    with pytest.raises(ValueError, match=reason):
+        PlaceBelief(LINE, BeliefParams(**changed))

@@ -1,0 +1,59 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Figures of a recognition, on answers whose figures can be told by hand."""
+
+import numpy as np
+import pytest
+
+from sextant.places.place_metrics import (
+    calibration_error,
+    perfect_calibration_error,
+    precision_recall,
+    recall_at,
+    reliability,
+)
+
+
+def test_recall_counts_queries_by_the_rank_of_their_first_right_answer():
+    ranks = [1, 2, 5, np.inf]
+    assert [recall_at(n, ranks) for n in (1, 2, 4, 5)] == [0.25, 0.5, 0.5, 0.75]
+
+
+def test_the_area_of_right_answers_only_is_one():
+    curve = precision_recall([0.1, 0.9, 0.5], [True, True, True])
+    assert curve.area == pytest.approx(1.0)
+
+
+def test_the_area_is_that_of_the_trapezoids():
+    curve = precision_recall([0.9, 0.8, 0.7, 0.6], [True, False, True, False])
+    assert curve.precision == pytest.approx([1, 1 / 2, 2 / 3, 1 / 2])
+    assert curve.recall == pytest.approx([1 / 4, 1 / 4, 2 / 4, 2 / 4])
+    assert curve.area == pytest.approx(1 / 4 + 1 / 4 * (1 / 2 + 2 / 3) / 2)
+
+
+def test_the_order_of_equal_confidences_does_not_matter():
+    one, other = (precision_recall([1, 1, 0], right) for right in ([True, False, True], [False, True, True]))
+    assert one.precision.tolist() == other.precision.tolist()
+    assert one.area == other.area
+
+
+def test_bins_have_equal_mass():
+    bins = reliability([0.1, 0.2, 0.3, 0.9], [0, 0, 1, 1], 2)
+    assert [tuple(each) for each in bins] == [
+        pytest.approx((0.15, 0.0, 2)),
+        pytest.approx((0.6, 1.0, 2)),
+    ]
+    assert calibration_error([0.1, 0.2, 0.3, 0.9], [0, 0, 1, 1], 2) == pytest.approx((0.15 + 0.4) / 2)
+
+
+def test_a_perfect_forecaster_stays_below_its_bound_in_19_of_20_cases():
+    rng = np.random.default_rng(3)
+    p = rng.uniform(size=400)
+    bound = perfect_calibration_error(p)
+    below = [calibration_error(p, rng.random(400) < p) <= bound for _ in range(400)]
+    assert 0.92 < np.mean(below) < 0.98
+    assert calibration_error(p, rng.random(400) < p**3) > bound
+
+
+def test_few_answers_leave_bins_out():
+    assert len(reliability([0.5, 0.6], [1, 0], 10)) == 2

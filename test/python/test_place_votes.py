@@ -1,0 +1,60 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Votes of neighbours that are counted by hand."""
+
+import numpy as np
+import pytest
+
+from sextant.places.place_votes import count_votes, lnbnn_scores, lnbnn_weights, match_statistics
+
+#        nearest two neighbours of five descriptors
+DISTANCES = np.array([[1.0, 4.0], [2.0, 4.0], [3.0, 5.0], [2.0, 3.0], [12.0, 13.0]])
+OWNERS = np.array([[7, 2], [7, 7], [2, 7], [7, 2], [1, 2]])
+
+
+def test_matches_farther_than_the_mean_have_no_vote():
+    photos, probabilities = count_votes(DISTANCES, OWNERS, 1, 10)  # the mean is 4
+    assert photos.tolist() == [7, 2]
+    assert probabilities == pytest.approx([3 / 4, 1 / 4])
+
+
+def test_only_the_best_are_told():
+    photos, probabilities = count_votes(DISTANCES, OWNERS, 1, 1)
+    assert photos.tolist() == [7] and probabilities == pytest.approx([0.75])
+
+
+def test_the_only_one_has_them_all():
+    photos, probabilities = count_votes(DISTANCES[:2], OWNERS[:2], 1, 10)
+    assert photos.tolist() == [7] and probabilities == pytest.approx([1.0])
+
+
+@pytest.mark.parametrize("count", [0, 3])
+def test_too_few_votes_are_none(count):
+    assert len(count_votes(DISTANCES[:count], OWNERS[:count], 4, 10).photos) == 0
+
+
+def test_descriptors_without_a_neighbour_do_not_vote():
+    assert len(count_votes(DISTANCES, np.full_like(OWNERS, -1), 1, 10).photos) == 0
+
+
+def test_statistics_are_those_of_the_nearest():
+    assert match_statistics(DISTANCES, OWNERS) == (5, 5, 4, 1.0, 4.0, 12.0, 20.0)
+    assert match_statistics(DISTANCES[:0], OWNERS[:0]) == (0, 0, 0, 0.0, 0.0, 0.0, 0.0)
+
+
+def test_a_weight_is_what_a_neighbour_is_nearer_than_the_last():
+    distances = np.array([[1.0, 2.0, 5.0], [1.0, 1.5, 2.0]])
+    owners = np.array([[0, 1, 2], [1, 1, -1]])
+    assert lnbnn_weights(distances, owners).tolist() == [[4.0, 3.0, 0.0], [1.0, 0.0, 0.0]]
+
+
+def test_scores_are_sums_for_the_size_of_the_photo():
+    weights = np.array([[4.0, 3.0, 0.0], [1.0, 0.0, 0.0]])
+    owners = np.array([[0, 1, 2], [1, 1, -1]])
+    scores = lnbnn_scores(weights, owners, np.array([4, 16, 1]), 0.5)
+    assert scores.tolist() == [2.0, 1.0, 0.0]
+
+
+def test_a_picture_without_descriptors_scores_nothing():
+    none = np.zeros((0, 3)), np.zeros((0, 3), int)
+    assert lnbnn_scores(lnbnn_weights(*none), none[1], np.array([4, 16]), 0.5).tolist() == [0.0, 0.0]
