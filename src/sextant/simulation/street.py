@@ -1,0 +1,165 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""A simulated walk around a block: houses, trees and cars along a loop, at a season and in a light.
+
+Metres, x and y on the ground, z up. The walk goes counterclockwise; its arc length begins at 0.
+"""
+
+from dataclasses import dataclass
+from typing import List, NamedTuple, Optional, Tuple
+
+import cv2
+import numpy as np
+
+from sextant.simulation.street_textures import SEASONS, SNOW, TEXELS, Texture, car, facade, noise, tree
+
+LENGTH, WIDTH, CORNER = 120.0, 70.0, 12.0  # of the block, and the radius of its corners
+GROUND_SIDE, GROUND_TEXELS = 1024, 12.0  # of the ground's texture, which repeats; texels a metre
+
+
+@dataclass(frozen=True)
+class StreetConditions:
+    """What changes between two walks along the same street."""
+
+    season: str = "summer"  # one of SEASONS
+    look: int = 0  # which blinds, posters, leaves and cars there are
+    sun: float = 0.6  # direction of the light, radians from x
+    direct: float = 0.35  # [0, 1]; share of light that has a direction
+    exposure: float = 1.0  # (0, 4]
+    noise: float = 3.0  # [0, 50]; grey levels of the camera
+
+    def validate(self) -> None:
+        """:raises ValueError: names the first field out of range"""
+        if self.season not in SEASONS:
+            raise ValueError(f"season is '{self.season}', it must be one of {', '.join(SEASONS)}")
+        for name, low, high in (("direct", 0, 1), ("exposure", 1e-3, 4), ("noise", 0, 50)):
+            if not low <= getattr(self, name) <= high:
+                raise ValueError(f"{name} is {getattr(self, name)}, allowed is [{low:g}, {high:g}]")
+
+
+CONDITIONS = {
+    "summer": StreetConditions(),
+    "evening": StreetConditions("summer", 1, 2.4, 0.55, 0.7),
+    "autumn": StreetConditions("autumn", 2, 1.2, 0.3, 0.9),
+    "winter": StreetConditions("winter", 3, -0.6, 0.1, 1.05),
+    "dusk": StreetConditions("winter", 4, 2.9, 0.6, 0.35, 6.0),
+}
+
+
+class Upright(NamedTuple):
+    """A texture that stands on the ground between two points, as it is lit."""
+
+    left: np.ndarray  # (2,) as seen from the street
+    right: np.ndarray
+    height: float
+    grey: np.ndarray  # uint8
+    mask: Optional[np.ndarray]
+
+
+class Street:
+    """What stands along the loop, the same for a seed in all conditions but for what they change."""
+
+    def __init__(self, seed: int = 1, conditions: StreetConditions = CONDITIONS["summer"]):
+        """:raises ValueError: as StreetConditions.validate()"""
+        conditions.validate()
+        self.seed, self.conditions = seed, conditions
+        self._corners, self._arc = _loop()
+        self.length = float(self._arc[-1])  # of the walk
+        self.uprights: List[Upright] = []
+        for side in (-1, 1):
+            self._line(np.random.default_rng([seed, side + 1]), side)
+        self._park(np.random.default_rng([seed, 2, conditions.look]))
+        self.ground = _ground(seed, conditions)
+
+    def pose(self, arc: float, aside: float = 0.0, turn: float = 0.0) -> np.ndarray:
+        """(x, y, yaw) of a walker at an arc length, aside metres to the left, turned by radians."""
+        along = self._point(arc + 0.5) - self._point(arc - 0.5)
+        along /= np.linalg.norm(along)
+        x, y = self._point(arc) + aside * np.array([-along[1], along[0]])
+        return np.array([x, y, np.arctan2(along[1], along[0]) + turn])
+
+    def _point(self, arc: float) -> np.ndarray:
+        return np.array([np.interp(arc % self.length, self._arc, self._corners[:, axis]) for axis in (0, 1)])
+
+    def _line(self, rng: np.random.Generator, side: int) -> None:
+        arc = 0.0
+        while arc < self.length:
+            width, height, back = rng.uniform(6, 14), rng.uniform(4, 11), rng.uniform(6, 9)
+            seed, kind, turn = int(rng.integers(1 << 30)), rng.random(), rng.normal(0, 0.04)
+            at, near, has_tree = arc + rng.uniform(0, width), rng.uniform(3.8, 5.5), rng.random()
+            if kind < 0.75:
+                self._stand(
+                    arc + width / 2, side * back, facade(seed, width, height, self.conditions.look), turn
+                )
+            if kind > 0.5 or has_tree < 0.3:
+                self._stand(at, side * near, tree(seed + 1, self.conditions.season, self.conditions.look))
+            arc += 1.02 * width
+
+    def _park(self, rng: np.random.Generator) -> None:
+        for arc in np.arange(0, self.length, 14):
+            where, side, seed = arc + rng.uniform(0, 8), rng.choice([-1, 1]), int(rng.integers(1 << 30))
+            if rng.random() < 0.4:
+                self._stand(where, 3.6 * side, car(seed))
+
+    def _stand(self, arc: float, aside: float, texture: Texture, turn: float = 0.0) -> None:
+        x, y, yaw = self.pose(arc, aside, turn)
+        half = 0.5 * texture.width * np.array([np.cos(yaw), np.sin(yaw)])
+        left, right = np.array([x, y]) - half, np.array([x, y]) + half
+        if aside < 0:  # from the street, what comes later is at the left
+            left, right = right, left
+        grey = self._lit(texture, left, right)
+        self.uprights.append(Upright(left, right, texture.height, grey, texture.mask))
+
+    def _lit(self, texture: Texture, left: np.ndarray, right: np.ndarray) -> np.ndarray:
+        light, along = self.conditions, (right - left) / np.linalg.norm(right - left)
+        facing = abs(along[0] * np.sin(light.sun) - along[1] * np.cos(light.sun))
+        grey = texture.grey * (1 - light.direct + light.direct * 1.6 * facing)
+        if texture.mask is None:
+            self._shade(grey, left)
+            if light.season == "winter":
+                grey[: int(0.3 * TEXELS)] = SNOW
+        return np.clip(grey * light.exposure, 0, 255).astype(np.uint8)
+
+    def _shade(self, grey: np.ndarray, left: np.ndarray) -> None:
+        """Shadows of what stands somewhere before it, which go with the sun."""
+        where = np.abs(np.rint([100 * left[0], 100 * left[1], 50 * self.conditions.sun])).astype(int)
+        rng = np.random.default_rng([self.seed, *where])
+        rows, columns = grey.shape
+        for _ in range(int(rng.integers(0, 3))):
+            x, y = rng.uniform(0, columns, 3), rng.uniform(0, rows)
+            corners = np.array([[x[0], rows], [x[1], rows], [x[2], y]], np.int32)
+            shadow = np.zeros(grey.shape, np.uint8)
+            cv2.fillPoly(shadow, [corners], 255)
+            grey[shadow > 0] *= 1 - 0.7 * self.conditions.direct
+
+
+def _loop() -> Tuple[np.ndarray, np.ndarray]:
+    """Points of a rectangle with round corners, closed, and their arc lengths."""
+    centres = [
+        (LENGTH - CORNER, CORNER, -90),
+        (LENGTH - CORNER, WIDTH - CORNER, 0),
+        (CORNER, WIDTH - CORNER, 90),
+        (CORNER, CORNER, 180),
+    ]
+    points = [
+        (x + CORNER * np.cos(angle), y + CORNER * np.sin(angle))
+        for x, y, begin in centres
+        for angle in np.deg2rad(np.arange(begin, begin + 91, 5))
+    ]
+    closed = np.array([*points, points[0]])
+    return closed, np.append(0.0, np.cumsum(np.linalg.norm(np.diff(closed, axis=0), axis=1)))
+
+
+def _ground(seed: int, conditions: StreetConditions) -> np.ndarray:
+    rng = np.random.default_rng([seed, 5])
+    side = GROUND_SIDE // 2
+    grey = 105 + 14 * noise(rng, side, side, 3) + 18 * noise(rng, side, side, 30)
+    if conditions.season == "winter":
+        grey = 205 + 8 * noise(rng, side, side, 25) + 3 * noise(rng, side, side, 4)
+    if conditions.season == "autumn":
+        leaves = noise(np.random.default_rng([seed, 6, conditions.look]), side, side, 2)
+        grey += 30 * (leaves > 1.2)
+    quarter = np.clip(grey * conditions.exposure, 0, 255).astype(np.uint8)
+    return np.block(
+        [[quarter, quarter[:, ::-1]], [quarter[::-1], quarter[::-1, ::-1]]]
+    )  # repeats without a seam

@@ -1,0 +1,110 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""The simulated street: what stands where, what changes, and that it is seen where a pinhole shows it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from sextant.simulation.street import CONDITIONS, LENGTH, WIDTH, Street, StreetConditions, Upright
+from sextant.simulation.street_view import EYE, street_view
+
+STILL = replace(CONDITIONS["summer"], noise=0.0)
+SIZE = (320, 240)
+F = 0.5 * SIZE[0] / np.tan(np.deg2rad(31.0))  # pixels, of 62 degrees
+
+
+def board(left, right, height, tone):
+    return Upright(np.array(left), np.array(right), height, np.full((400, 400), tone, np.uint8), None)
+
+
+@pytest.fixture
+def empty():
+    street = Street(1, STILL)
+    street.uprights = []
+    return street
+
+
+def changed_box(street, before, pose):
+    """First and last column and row that differ from a picture before."""
+    rows, columns = np.nonzero(np.abs(street_view(street, pose, SIZE).astype(int) - before) > 20)
+    return columns.min(), columns.max(), rows.min(), rows.max()
+
+
+@pytest.mark.parametrize("yaw", [0.0, 2.0])
+def test_a_board_is_seen_where_a_pinhole_shows_it(empty, yaw):
+    pose = np.array([40.0, 30.0, yaw])
+    before = street_view(empty, pose, SIZE).astype(int)
+    ahead, left = np.array([np.cos(yaw), np.sin(yaw)]), np.array([-np.sin(yaw), np.cos(yaw)])
+    depth, height = 8.0, 3.0
+    corners = [pose[:2] + depth * ahead + aside * left for aside in (1.0, -2.0)]
+    empty.uprights = [board(*corners, height, 10)]
+    u = [159.5 - F * 1.0 / depth, 159.5 + F * 2.0 / depth]
+    v = [119.5 - F * (height - EYE) / depth, 119.5 + F * EYE / depth]
+    assert changed_box(empty, before, pose) == pytest.approx((*u, *v), abs=1.5)
+
+
+def test_a_board_beside_the_camera_is_cut_off(empty):
+    pose = np.array([40.0, 30.0, 0.0])
+    before = street_view(empty, pose, SIZE).astype(int)
+    empty.uprights = [board((30.0, 32.0), (50.0, 32.0), 3.0, 10)]  # begins behind
+    box = changed_box(empty, before, pose)
+    assert box[0] == 0 and box[1] == pytest.approx(159.5 - F * 2.0 / 10.0, abs=1.5)
+
+
+def test_the_nearer_hides_the_farther(empty):
+    pose = np.array([40.0, 30.0, 0.0])
+    empty.uprights = [board((46.0, 31.0), (46.0, 29.0), 3.0, 10), board((52.0, 35.0), (52.0, 25.0), 3.0, 240)]
+    image = street_view(empty, pose, SIZE)
+    assert image[110, 160] < 40 < 180 < image[110, 40]
+
+
+def test_the_walk_goes_around_the_block():
+    street = Street(1, STILL)
+    poses = np.array([street.pose(arc) for arc in np.linspace(0, street.length, 200)])
+    assert poses[0] == pytest.approx(poses[-1], abs=1e-6)
+    assert poses[:, :2].min() == pytest.approx(0, abs=0.1)
+    assert poses[:, :2].max(axis=0) == pytest.approx([LENGTH, WIDTH], abs=0.1)
+    steps = np.linalg.norm(np.diff(poses[:, :2], axis=0), axis=1)
+    assert steps == pytest.approx(np.full(199, street.length / 199), rel=0.02)
+    x, y, yaw = street.pose(30.0, aside=2.0, turn=0.1)
+    straight = street.pose(30.0)
+    assert np.hypot(x - straight[0], y - straight[1]) == pytest.approx(2.0) and yaw == pytest.approx(
+        straight[2] + 0.1
+    )
+
+
+def test_a_seed_makes_the_same_street():
+    pictures = [street_view(Street(seed, STILL), Street(seed, STILL).pose(20.0), SIZE) for seed in (1, 1, 2)]
+    assert np.array_equal(pictures[0], pictures[1])
+    assert not np.array_equal(pictures[0], pictures[2])
+
+
+@pytest.mark.parametrize("name", [name for name in CONDITIONS if name != "summer"])
+def test_conditions_change_the_picture_but_not_where_houses_stand(name):
+    usual, other = Street(1, STILL), Street(1, replace(CONDITIONS[name], noise=0.0))
+    assert not np.array_equal(
+        street_view(usual, usual.pose(20.0), SIZE), street_view(other, other.pose(20.0), SIZE)
+    )
+    houses = [
+        {
+            (*upright.left, *upright.right, upright.height)
+            for upright in street.uprights
+            if upright.mask is None
+        }
+        for street in (usual, other)
+    ]
+    assert houses[0] == houses[1] and len(houses[0]) > 20
+
+
+@pytest.mark.parametrize(
+    "changed, reason",
+    [
+        ({"season": "spring"}, "season is 'spring', it must be one of summer, autumn, winter"),
+        ({"direct": 2}, "direct is 2"),
+    ],
+)
+def test_conditions_that_cannot_be_are_refused(changed, reason):
+    with pytest.raises(ValueError, match=reason):
+        Street(1, StreetConditions(**changed))
