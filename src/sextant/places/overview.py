@@ -1,0 +1,88 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Overview pictures: drawn from where photos were taken, or taken from a map_server YAML."""
+
+import math
+from pathlib import Path
+from typing import Any, List, NamedTuple, Sequence, Tuple
+
+import numpy as np
+import yaml
+from PIL import Image, ImageDraw
+
+from sextant.places.photo_file import photo_size
+from sextant.places.place_map import MetricFrame, Overview
+
+LARGEST_SIDE = 2000  # pixels of a drawn overview
+PAPER, LINES, PATH, WORDS = "#fbfaf7", "#e2ded4", "#b9c7d6", "#8a857a"
+GRID_LINES = 12  # at most, across the longer side
+
+
+class Drawing(NamedTuple):
+    """A drawn overview and how large its pixels are."""
+
+    image: Image.Image
+    metres_a_pixel: float
+
+
+def draw_overview(path: Sequence[Tuple[float, float]], width: float, height: float) -> Drawing:
+    """A sheet with a grid in metres and the path that was walked.
+
+    :param path: metres from the left and from the top edge
+    :param width: height: metres of the sheet
+    :raises ValueError: it has no extent
+    """
+    if not (width > 0 and height > 0 and math.isfinite(width * height)):
+        raise ValueError(f"an overview of {width:g} x {height:g} m cannot be drawn")
+    scale = LARGEST_SIDE / max(width, height)  # pixels a metre
+    size = (max(1, round(width * scale)), max(1, round(height * scale)))
+    image = Image.new("RGB", size, PAPER)
+    draw = ImageDraw.Draw(image)
+    step = grid_step(max(width, height))
+    for i in range(1, math.ceil(max(width, height) / step)):
+        at = i * step * scale
+        draw.line([(at, 0), (at, size[1])], LINES, 2)
+        draw.line([(0, at), (size[0], at)], LINES, 2)
+    draw.text((8, 8), f"{step:g} m a square", WORDS)
+    points = [(x * scale, y * scale) for x, y in path]
+    if len(points) > 1:
+        draw.line(points, PATH, 6, joint="curve")
+    return Drawing(image, 1 / scale)
+
+
+def grid_step(longer_side: float) -> float:
+    """1, 2 or 5 times a power of ten, so that there are at most GRID_LINES lines; metres."""
+    least = longer_side / GRID_LINES
+    power = 10.0 ** math.floor(math.log10(least))
+    return next(factor * power for factor in (1, 2, 5, 10) if factor * power >= least * (1 - 1e-9))
+
+
+def map_server_frame(path: Path, frame: str) -> Tuple[Path, MetricFrame, Overview]:
+    """The picture of a map_server YAML, and where it lies.
+
+    :param frame: tf frame of that map; the YAML does not say it
+    :returns: the picture's file; its place; its name and size
+    :raises OSError: a file cannot be read
+    :raises ValueError: it is no such YAML, or its picture is none
+    """
+    try:
+        values = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        raise ValueError(f"{path}: is no YAML: {str(error).splitlines()[0]}") from None
+    lacking = [
+        name
+        for name in ("image", "resolution", "origin")
+        if not isinstance(values, dict) or name not in values
+    ]
+    if lacking:
+        raise ValueError(f"{path}: is no map of map_server, it lacks {', '.join(lacking)}")
+    picture = path.parent / str(values["image"])
+    try:
+        resolution, (x, y, yaw) = float(values["resolution"]), _numbers(values["origin"])
+    except (TypeError, ValueError):
+        raise ValueError(f"{path}: resolution has to be a number, origin [x, y, yaw]") from None
+    return picture, MetricFrame(frame, resolution, (x, y, yaw)), Overview(picture.name, *photo_size(picture))
+
+
+def _numbers(values: Any) -> List[float]:
+    return np.asarray(values, float).tolist()
