@@ -42,10 +42,11 @@ def test_statistics_are_those_of_the_nearest():
     assert match_statistics(DISTANCES[:0], OWNERS[:0]) == (0, 0, 0, 0.0, 0.0, 0.0, 0.0)
 
 
-def test_a_weight_is_what_a_neighbour_is_nearer_than_the_last():
-    distances = np.array([[1.0, 2.0, 5.0], [1.0, 1.5, 2.0]])
-    owners = np.array([[0, 1, 2], [1, 1, -1]])
-    assert lnbnn_weights(distances, owners).tolist() == [[4.0, 3.0, 0.0], [1.0, 0.0, 0.0]]
+def test_a_weight_is_the_part_that_a_neighbour_is_nearer_than_the_last():
+    distances = np.array([[1.0, 2.0, 4.0], [1.0, 1.5, 2.0], [1.0, 4.0, 0.0], [0.0, 0.0, 0.0]])
+    owners = np.array([[0, 1, 2], [1, 1, 0], [2, 1, -1], [-1, -1, -1]])  # the last two: there are no more
+    weights = [[0.75, 0.5, 0.0], [0.5, 0.0, 0.0], [0.75, 0.0, 0.0], [0.0, 0.0, 0.0]]
+    assert lnbnn_weights(distances, owners).tolist() == weights
 
 
 def test_scores_are_sums_for_the_size_of_the_photo():

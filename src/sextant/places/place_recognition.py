@@ -23,7 +23,6 @@ class RecognitionParams:
     neighbours: int = 16  # [2, 128]; of a descriptor; the last stands for everywhere else
     hub_exponent: float = 0.5  # [0, 1]; of a photo's number of descriptors, which its votes are divided by
     arrangement: float = 2.0  # [0, 100]; weight of the votes that agree in their displacement
-    candidates: int = 50  # [1, 1000]; best photos whose arrangement is looked at
     evidence_slope: float = 1.0  # (0, 100]; log of a likelihood ratio a deviation of the score
     evidence_offset: float = 6.0  # [0, 100]; deviations at which a picture speaks for no side
     evidence_limit: float = 12.0  # (0, 100]; of the log of a likelihood ratio
@@ -34,7 +33,6 @@ class RecognitionParams:
             "neighbours": (2, 128),
             "hub_exponent": (0, 1),
             "arrangement": (0, 100),
-            "candidates": (1, 1000),
             "evidence_slope": (1e-6, 100),
             "evidence_offset": (0, 100),
             "evidence_limit": (1e-6, 100),
@@ -78,7 +76,7 @@ class PlaceRecognizer:
         self._extractor = sextant.FeatureExtractor(index.settings.feature_params())
         self._photos, self._indexed, self._place_of = _arranged(place_map, index)
         self._counts = np.array([photo.count for photo in self._indexed])
-        self._xy = [index.keypoints_of(photo)[:, :2] / UNIT for photo in self._indexed]
+        self._first = np.array([photo.first for photo in self._indexed])
         owners = 1 + max(photo.owner for photo in index.photos)
         self._number_of_owner = np.full(owners + 1, -1)  # the last one: of no owner
         for number, photo in enumerate(self._indexed):
@@ -94,32 +92,25 @@ class PlaceRecognizer:
         weights = lnbnn_weights(distances, numbers)
         scores = lnbnn_scores(weights, numbers, self._counts, self._params.hub_exponent)
         picture_xy = features.keypoints[:, :2] / max(features.size)
-        scores += self._params.arrangement * self._agreement(picture_xy, weights, numbers, rows, scores)
+        scores += self._params.arrangement * self._agreement(picture_xy, weights, numbers, rows)
         return self._by_place(
             scores, picture_xy, weights, numbers, rows, match_statistics(distances, numbers)
         )
 
     def _agreement(
-        self,
-        picture_xy: np.ndarray,
-        weights: np.ndarray,
-        numbers: np.ndarray,
-        rows: np.ndarray,
-        scores: np.ndarray,
+        self, picture_xy: np.ndarray, weights: np.ndarray, numbers: np.ndarray, rows: np.ndarray
     ) -> np.ndarray:
-        """(photos,) the score of the matches that agree in their displacement, of the best photos."""
-        candidates = np.argsort(-scores, kind="stable")[: self._params.candidates]
-        group = np.full(len(scores) + 1, -1)
-        group[candidates] = np.arange(len(candidates))
-        at, neighbour = np.nonzero((weights > 0) & (group[numbers] >= 0))
+        """(photos,) the score of the matches that agree in their displacement."""
+        at, neighbour = np.nonzero(weights > 0)
         mine = numbers[at, neighbour]
-        photo_xy = np.array([self._xy[n][r] for n, r in zip(mine, rows[at, neighbour])]).reshape(-1, 2)
-        support = displacement_support(
-            picture_xy[at], photo_xy, weights[at, neighbour], group[mine], len(candidates)
-        )
-        agreement = np.zeros(len(scores))
-        agreement[candidates] = support / np.maximum(self._counts[candidates], 1) ** self._params.hub_exponent
-        return agreement
+        photo_xy = self._photo_xy(mine, rows[at, neighbour])
+        count = len(self._photos)
+        support = displacement_support(picture_xy[at], photo_xy, weights[at, neighbour], mine, count)
+        return support / np.maximum(self._counts, 1) ** self._params.hub_exponent
+
+    def _photo_xy(self, numbers: np.ndarray, rows: np.ndarray) -> np.ndarray:
+        """(m, 2) keypoints by the number of their photo and their row in it, in longer sides of the photo."""
+        return self._index.keypoints[self._first[numbers] + rows, :2] / UNIT
 
     def _by_place(
         self,
@@ -139,7 +130,7 @@ class PlaceRecognizer:
         match = MatchedPhoto(
             self._photos[int(scores.argmax())],
             picture_xy[at],
-            self._xy[int(scores.argmax())][rows[at, neighbour]],
+            self._photo_xy(np.full(len(at), scores.argmax()), rows[at, neighbour]),
             weights[at, neighbour],
         )
         return Recognition(

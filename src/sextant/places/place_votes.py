@@ -66,12 +66,14 @@ def count_votes(distances: np.ndarray, owners: np.ndarray, min_matches: int, max
 
 
 def lnbnn_weights(distances: np.ndarray, owners: np.ndarray) -> np.ndarray:
-    """How much nearer each neighbour is than the last one, which stands for everywhere else; (n, k).
+    """By what part each neighbour is nearer than the last one, which stands for everywhere else; (n, k).
 
     Local naive Bayes nearest neighbour: S. McCann, D. Lowe, CVPR 2012. Of several neighbours of one owner
     only the nearest counts.
     """
-    weights = np.where(owners >= 0, distances[:, -1:] - distances, 0.0)
+    there = owners >= 0
+    last = np.max(distances, axis=1, where=there, initial=0.0, keepdims=True)
+    weights = np.where(there, 1 - distances / np.maximum(last, np.finfo(np.float32).tiny), 0.0)
     rows = np.repeat(np.arange(len(owners)), owners.shape[1])
     pairs = rows * (int(owners.max(initial=0)) + 2) + owners.ravel() + 1
     _, first = np.unique(pairs, return_index=True)
