@@ -33,6 +33,10 @@ class GlobalDescriptorSettings:
     mean: Tuple[float, ...] = IMAGENET_MEAN  # [-1000, 1000]; one a channel
     std: Tuple[float, ...] = IMAGENET_STD  # [1e-6, 1000]; one a channel
 
+    def __post_init__(self) -> None:
+        for name in ("mean", "std"):  # lists have no hash
+            object.__setattr__(self, name, tuple(getattr(self, name)))
+
     def validate(self) -> None:
         """:raises ValueError: names the first field that cannot be, and what can"""
         if not self.model:
