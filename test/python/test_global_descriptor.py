@@ -2,8 +2,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Vectors of whole pictures, by networks whose answer has a closed form."""
 
+import dataclasses
 import importlib.util
+import re
 import sys
+from pathlib import Path
 
 import cv2
 import numpy as np
@@ -230,3 +233,10 @@ def test_without_onnxruntime_opencv_is_taken(pooling, monkeypatch):
     assert len(GlobalDescriptor(GlobalDescriptorSettings(pooling)).describe(noise())) == 3 * CELLS * CELLS
     with pytest.raises(ValueError, match="backend is onnxruntime: .*; install onnxruntime: pip install"):
         GlobalDescriptor(GlobalDescriptorSettings(pooling, "onnxruntime"))
+
+
+def test_the_page_names_every_setting():
+    page = (Path(__file__).resolve().parents[2] / "doc/place_networks.md").read_text()
+    table = page.partition("| field |")[2].partition("\n\n")[0]
+    named = [name for line in table.splitlines()[2:] for name in re.findall(r"`(\w+)`", line.split("|")[1])]
+    assert named == [field.name for field in dataclasses.fields(GlobalDescriptorSettings)]
