@@ -8,6 +8,8 @@ from typing import Dict, List, NamedTuple, Optional, Tuple
 import numpy as np
 
 import sextant
+from sextant.places.global_descriptor import GlobalDescriptor
+from sextant.places.place_fusion import fused_scores
 from sextant.places.place_index import UNIT, IndexedPhoto, PlaceIndex
 from sextant.places.place_map import Photo, PlaceMap
 from sextant.places.place_verification import displacement_support
@@ -24,6 +26,7 @@ class RecognitionParams:
     hub_exponent: float = 0.5  # [0, 1]; of a photo's number of descriptors, which its votes are divided by
     arrangement: float = 2.0  # [0, 100]; weight of the votes that agree in their displacement
     candidates: int = 50  # [1, 1000]; best photos whose arrangement is looked at
+    global_weight: float = 1.0  # [0, 100]; of the index's global descriptor; 0: it is not used
     evidence_slope: float = 1.0  # (0, 100]; log of a likelihood ratio a deviation of the score
     evidence_offset: float = 6.0  # [0, 100]; deviations at which a picture speaks for no side
     evidence_limit: float = 12.0  # (0, 100]; of the log of a likelihood ratio
@@ -35,6 +38,7 @@ class RecognitionParams:
             "hub_exponent": (0, 1),
             "arrangement": (0, 100),
             "candidates": (1, 1000),
+            "global_weight": (0, 100),
             "evidence_slope": (1e-6, 100),
             "evidence_offset": (0, 100),
             "evidence_limit": (1e-6, 100),
@@ -57,7 +61,7 @@ class MatchedPhoto(NamedTuple):
 class Recognition(NamedTuple):
     """Of one picture, place by place in the order of PlaceMap.places()."""
 
-    scores: np.ndarray  # (places,); above 0, larger is better
+    scores: np.ndarray  # (places,); larger is better; above 0 without a global descriptor
     log_ratios: (
         np.ndarray
     )  # (places,) how much likelier the picture is there than where the map knows nothing
@@ -72,13 +76,18 @@ class PlaceRecognizer:
     def __init__(
         self, place_map: PlaceMap, index: PlaceIndex, params: Optional[RecognitionParams] = None
     ):
-        """:raises ValueError: a parameter out of range, or a photo that is not in the index"""
+        """:raises OSError: the global descriptor's model cannot be read
+        :raises ValueError: a parameter out of range, or a photo that is not in the index
+        """
         self._params, self._index = params or RecognitionParams(), index
         self._params.validate()
         self._extractor = sextant.FeatureExtractor(index.settings.feature_params())
         self._photos, self._indexed, self._place_of = _arranged(place_map, index)
         self._counts = np.array([photo.count for photo in self._indexed])
         self._xy = [index.keypoints_of(photo)[:, :2] / UNIT for photo in self._indexed]
+        rows = {photo.owner: row for row, photo in enumerate(index.photos)}
+        self._rows = [rows[photo.owner] for photo in self._indexed]
+        self._descriptor = self._global_descriptor()
         owners = 1 + max(photo.owner for photo in index.photos)
         self._number_of_owner = np.full(owners + 1, -1)  # the last one: of no owner
         for number, photo in enumerate(self._indexed):
@@ -95,9 +104,20 @@ class PlaceRecognizer:
         scores = lnbnn_scores(weights, numbers, self._counts, self._params.hub_exponent)
         picture_xy = features.keypoints[:, :2] / max(features.size)
         scores += self._params.arrangement * self._agreement(picture_xy, weights, numbers, rows, scores)
+        scores = self._fused(image, scores)
         return self._by_place(
             scores, picture_xy, weights, numbers, rows, match_statistics(distances, numbers)
         )
+
+    def _global_descriptor(self) -> Optional[GlobalDescriptor]:
+        settings = self._index.settings.global_descriptor
+        return GlobalDescriptor(settings) if settings and self._params.global_weight else None
+
+    def _fused(self, image: np.ndarray, scores: np.ndarray) -> np.ndarray:
+        if self._descriptor is None:
+            return scores
+        similarities = (self._index.vectors @ self._descriptor.describe(image))[self._rows]
+        return fused_scores(scores, similarities, self._params.global_weight)
 
     def _agreement(
         self,
