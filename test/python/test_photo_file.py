@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from sextant.places.photo_file import geo_position, photo_size, read_grey
+from sextant.places.photo_file import decode_colour, geo_position, photo_size, read_grey
 
 ORIENTATION, GPS = 0x0112, 0x8825
 LUND = Path(__file__).resolve().parents[3] / "shared" / "data" / "places" / "lund"
@@ -86,6 +86,19 @@ def test_a_large_jpeg_is_read_smaller_but_not_too_small(tmp_path):
 def test_a_colour_picture_becomes_grey(tmp_path):
     Image.new("RGB", (8, 8), (255, 0, 0)).save(tmp_path / "a.png")
     assert read_grey(tmp_path / "a.png").tolist() == [[76] * 8] * 8  # ITU-R BT.601
+
+
+def test_colours_are_blue_green_red(tmp_path):
+    path = tmp_path / "a.png"
+    for colour, expected in (((255, 128, 0), [0, 128, 255]), (90, [90, 90, 90])):
+        Image.new("L" if isinstance(colour, int) else "RGB", (8, 6), colour).save(path)
+        image = decode_colour(path.read_bytes(), path)
+        assert image.shape == (6, 8, 3) and image.flags.c_contiguous and image[2, 3].tolist() == expected
+
+
+def test_a_large_jpeg_in_colour_is_read_smaller_too(tmp_path):
+    path = written(tmp_path / "a.jpg", size=(2048, 1536), orientation=6)
+    assert decode_colour(path.read_bytes(), path, 320).shape == (512, 384, 3)
 
 
 @pytest.mark.parametrize("name", ["a.jpg", "a.png"])

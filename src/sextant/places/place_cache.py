@@ -2,11 +2,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The index of a map's photos in one binary file beside the map, so that a second start takes no build.
 
-  magic and version | keypoints | index | table, JSON | length and checksum of the table, magic
+  magic and version | vectors | keypoints | index | table, JSON | length and checksum of the table, magic
 
 The table at the end names settings, photos, and where the other parts lie, with their checksums. The index
-is faiss's own format, mapped into memory where it lies. Nothing in the file is run; a file of another
-version, cut short, or with a flipped bit is not read at all.
+is faiss's own format; it, the vectors and the keypoints are mapped into memory where they lie. Nothing in the
+file is run; a file of another version, cut short, or with a flipped bit is not read at all.
 """
 
 import json
@@ -22,7 +22,8 @@ from sextant.atomic_file import atomic_file
 from sextant.places.place_index import IndexedPhoto, IndexSettings, PlaceIndex
 
 MAGIC = b"SEXTANT PLACES\n\0"
-VERSION = 1
+VERSION = 2
+_MAPPED = {"vectors": np.float32, "keypoints": np.uint16}  # vectors first: their place is a multiple of 4
 _BEGIN = struct.Struct("<16sI")
 _END = struct.Struct("<QI16s")  # length and checksum of the table, magic
 _CHUNK = 1 << 22
@@ -44,8 +45,11 @@ def write_cache(path: Path, index: PlaceIndex) -> None:
     """
     with atomic_file(path, "wb") as file:
         file.write(_BEGIN.pack(MAGIC, VERSION))
-        parts = {"keypoints": (file.tell(), index.keypoints.nbytes)}
-        file.write(index.keypoints.tobytes())
+        parts = {}
+        for name in _MAPPED:
+            values = getattr(index, name)
+            parts[name] = (file.tell(), values.nbytes)
+            file.write(np.ascontiguousarray(values).data)
         file.flush()
         begin = file.tell()
         try:
@@ -64,21 +68,23 @@ def write_cache(path: Path, index: PlaceIndex) -> None:
         file.write(_END.pack(len(table), zlib.crc32(table), MAGIC))
 
 
-def read_cache(path: Path) -> PlaceIndex:
-    """What write_cache() wrote.
+def read_cache(path: Path, settings: IndexSettings) -> PlaceIndex:
+    """What write_cache() wrote of an index with these settings.
 
     :raises OSError: it cannot be read
-    :raises CacheError: it is no cache, or not all of one, or of another version
+    :raises CacheError: it is no cache, or not all of one, or of another version or other settings
     """
     size = path.stat().st_size
     with open(path, "rb") as file:
         _check_begin(path, file.read(_BEGIN.size))
         table = _read_table(path, file, size)
     try:
+        if table["settings"] != settings.as_json():
+            raise CacheError(f"{path}: is of other settings")
         for name, (begin, length, checksum) in table["parts"].items():
             if _checksum(path, begin, length) != checksum:
                 raise CacheError(f"{path}: its part '{name}' is damaged")
-        return _index(path, table)
+        return _index(path, table, settings)
     except (KeyError, TypeError, ValueError, RuntimeError) as error:
         if isinstance(error, CacheError):
             raise
@@ -131,15 +137,20 @@ def _checksum(path: Path, begin: int, length: int) -> int:
     return checksum
 
 
-def _index(path: Path, table: Dict[str, Any]) -> PlaceIndex:
+def _index(path: Path, table: Dict[str, Any], settings: IndexSettings) -> PlaceIndex:
     tuples = ("state", "size")  # JSON has lists
     photos = [
         IndexedPhoto(**{**photo, **{name: tuple(photo[name]) for name in tuples}})
         for photo in table["photos"]
     ]
-    begin, length, _ = table["parts"]["keypoints"]
-    count = length // 6
-    keypoints = np.memmap(path, np.uint16, "r", begin, (count, 3)) if count else np.zeros((0, 3), np.uint16)
+    keypoints = _mapped(path, table, "keypoints").reshape(-1, 3)
+    vectors = _mapped(path, table, "vectors").reshape(len(photos), -1)
     descriptors = sextant.DescriptorIndex.read(str(path), table["parts"]["index"][0])
-    settings = IndexSettings(**table["settings"])
-    return PlaceIndex(settings, photos, keypoints, descriptors, table["learned_from"])
+    return PlaceIndex(settings, photos, keypoints, descriptors, table["learned_from"], vectors)
+
+
+def _mapped(path: Path, table: Dict[str, Any], name: str) -> np.ndarray:
+    begin, length, _ = table["parts"][name]
+    if not length:  # nothing cannot be mapped
+        return np.zeros(0, _MAPPED[name])
+    return np.memmap(path, _MAPPED[name], "r", begin, length // np.dtype(_MAPPED[name]).itemsize)

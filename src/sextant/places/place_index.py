@@ -1,21 +1,24 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""What is known of a map's photos: keypoints, and an index of all their descriptors.
+"""What is known of a map's photos: keypoints, an index of all their descriptors, vectors of whole photos.
 
 Keypoints are stored as 16-bit parts of a photo's longer side.
 """
 
 import hashlib
+import json
 from dataclasses import asdict, dataclass, field
-from functools import partial
+from functools import lru_cache, partial
 from pathlib import Path
-from typing import Any, Dict, Iterable, List, NamedTuple, Sequence, Tuple
+from typing import Any, Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
 
+import cv2
 import numpy as np
 
 import sextant
 from sextant.jobs import JobError, run_jobs
-from sextant.places.photo_file import decode_grey
+from sextant.places.global_descriptor import GlobalDescriptor, GlobalDescriptorSettings
+from sextant.places.photo_file import decode_colour, decode_grey
 
 UNIT = 65535  # of a keypoint's coordinates: the longer side of its photo
 SAMPLES = 400_000  # descriptors that an index learns from, at most
@@ -44,6 +47,7 @@ class IndexSettings:
 
     features: Dict[str, Any] = field(default_factory=default_features)  # fields of sextant.FeatureParams
     matcher: str = "faiss"  # any of sextant.matcher_names() that compares what the extractor makes
+    global_descriptor: Optional[GlobalDescriptorSettings] = None  # None: photos have keypoints only
 
     def feature_params(self) -> "sextant.FeatureParams":
         """:raises ValueError: an unknown field or a value out of range"""
@@ -56,15 +60,28 @@ class IndexSettings:
         return params
 
     def validate(self) -> None:
-        """:raises ValueError: names the first setting that cannot be, and what can"""
+        """:raises OSError: the global descriptor's model cannot be read
+        :raises ValueError: names the first setting that cannot be, and what can
+        """
         params = self.feature_params()
         sextant.validate_matcher(self.matcher, params.extractor, params.orb_wta_k)
+        if self.global_descriptor:
+            _descriptor_of(self.global_descriptor)
 
     def as_json(self) -> Dict[str, Any]:
-        """What two settings that are the same have in common."""
-        return asdict(self)
+        """What two settings that are the same have in common: of a model its content, wherever it lies.
+
+        :raises OSError: the model cannot be read
+        """
+        described = asdict(self)
+        if self.global_descriptor:
+            content = Path(self.global_descriptor.model).read_bytes()
+            described["global_descriptor"]["model"] = content_digest(content)
+            del described["global_descriptor"]["backend"]  # they differ by rounding only
+        return json.loads(json.dumps(described))  # JSON has lists
 
 
+NO_VECTOR = np.zeros(0, np.float32)
 FileState = Tuple[int, int, int]  # bytes, and nanoseconds of the last change of content and of anything
 
 
@@ -76,6 +93,7 @@ class PhotoFeatures(NamedTuple):
     size: Tuple[int, int]  # width and height, pixels
     keypoints: np.ndarray  # uint16 (n, 3): x, y, size in parts of the longer side
     descriptors: np.ndarray  # float32 or uint8 (n, width)
+    vector: np.ndarray = NO_VECTOR  # float32 (d,) of GlobalDescriptor.describe(); d is 0 without one
 
 
 class IndexedPhoto(NamedTuple):
@@ -109,11 +127,26 @@ def photo_features(settings: IndexSettings, path: Path) -> PhotoFeatures:
     """
     params = settings.feature_params()
     state, content = file_state(path), path.read_bytes()
-    grey = decode_grey(content, path, params.max_side)
-    found = sextant.FeatureExtractor(params).extract(grey)
+    if settings.global_descriptor:
+        descriptor = _descriptor_of(settings.global_descriptor)
+        image = decode_colour(content, path, params.max_side and max(params.max_side, *descriptor.size))
+        vector = descriptor.describe(image)
+    else:
+        image, vector = decode_grey(content, path, params.max_side), NO_VECTOR
+    found = sextant.FeatureExtractor(params).extract(image)
     parts = found.keypoints[:, :3] * (UNIT / max(found.size))
     keypoints = np.clip(np.rint(parts), 0, UNIT).astype(np.uint16)
-    return PhotoFeatures(content_digest(content), state, found.size, keypoints, found.descriptors)
+    return PhotoFeatures(content_digest(content), state, found.size, keypoints, found.descriptors, vector)
+
+
+def _descriptor_of(settings: GlobalDescriptorSettings) -> GlobalDescriptor:
+    """The one of this process, loaded once."""
+    return _loaded(settings, file_state(Path(settings.model)), cv2.getNumThreads())
+
+
+@lru_cache(maxsize=1)
+def _loaded(settings: GlobalDescriptorSettings, _state: FileState, threads: int) -> GlobalDescriptor:
+    return GlobalDescriptor(settings, threads)
 
 
 def extract_all(
@@ -136,7 +169,7 @@ def extract_all(
 
 
 class PlaceIndex:
-    """Photos, their keypoints, and the descriptors of all in one index. Searching is thread-safe."""
+    """Photos, their keypoints and vectors, descriptors of all in one index. Searching is thread-safe."""
 
     def __init__(
         self,
@@ -145,12 +178,15 @@ class PlaceIndex:
         keypoints: np.ndarray,
         descriptors: "sextant.DescriptorIndex",
         learned_from: int,
+        vectors: Optional[np.ndarray] = None,
     ):
         self.settings = settings
         self.learned_from = learned_from  # photos, when it was made
         self.photos = list(photos)
         self.keypoints = keypoints  # uint16 (all, 3)
         self.descriptors = descriptors
+        # float32 (photos, d): of every photo a unit vector; d is 0 without a global descriptor
+        self.vectors = np.zeros((len(self.photos), 0), np.float32) if vectors is None else vectors
 
     @classmethod
     def built(
@@ -161,12 +197,16 @@ class PlaceIndex:
         if not total:
             raise ValueError("no keypoint in any photo of the map")
         descriptors = sextant.DescriptorIndex(settings.matcher, _samples(features, total), total)
-        index = cls(settings, [], np.zeros((0, 3), np.uint16), descriptors, len(features))
+        keypoints = np.zeros((0, 3), np.uint16)
+        vectors = np.zeros((0, len(features[0].vector)), np.float32)
+        index = cls(settings, [], keypoints, descriptors, len(features), vectors)
         index.add(images, features)
         return index
 
     def add(self, images: Sequence[str], features: Sequence[PhotoFeatures]) -> None:
         """Photos that are new, with owners from the highest one on."""
+        if not images:  # what is mapped stays so
+            return
         owner = 1 + max((photo.owner for photo in self.photos), default=-1)
         first = len(self.keypoints)
         for image, each in zip(images, features):
@@ -175,12 +215,16 @@ class PlaceIndex:
             self.descriptors.add(owner, each.descriptors)
             owner, first = owner + 1, first + count
         self.keypoints = np.concatenate([self.keypoints, *(each.keypoints for each in features)])
+        self.vectors = np.concatenate([self.vectors, *(each.vector[np.newaxis] for each in features)])
 
     def remove(self, photos: Iterable[IndexedPhoto]) -> None:
         """Takes photos out; the keypoints of the others move together."""
         gone = {photo.owner for photo in photos}
         for owner in gone:
             self.descriptors.remove(owner)
+        if not gone:  # what is mapped stays so
+            return
+        self.vectors = self.vectors[[photo.owner not in gone for photo in self.photos]]
         kept = [photo for photo in self.photos if photo.owner not in gone]
         self.keypoints = np.concatenate([self.keypoints[:0], *(self.keypoints_of(photo) for photo in kept)])
         firsts = np.cumsum([0, *(photo.count for photo in kept)])
@@ -192,8 +236,8 @@ class PlaceIndex:
 
     @property
     def bytes(self) -> int:
-        """Of memory that the descriptors and keypoints take."""
-        return self.descriptors.bytes + self.keypoints.nbytes
+        """Of memory that descriptors, keypoints and vectors take."""
+        return self.descriptors.bytes + self.keypoints.nbytes + self.vectors.nbytes
 
 
 def _samples(features: Sequence[PhotoFeatures], total: int) -> np.ndarray:

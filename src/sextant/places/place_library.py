@@ -38,6 +38,7 @@ class Library:
     def index(self) -> PlaceIndex:
         """From the cache beside the map, brought up to date with the photos; the cache, too.
 
+        :raises OSError: the global descriptor's model cannot be read
         :raises ValueError: settings or photos that cannot be used, by name
         """
         self.settings.validate()
@@ -61,16 +62,12 @@ class Library:
 
     def _cached(self) -> Optional[PlaceIndex]:
         try:
-            index = read_cache(cache_path(self.map_path))
+            return read_cache(cache_path(self.map_path), self.settings)
         except FileNotFoundError:
             return None
         except (OSError, CacheError) as error:
             self.report(f"{error}; building it anew")
             return None
-        if index.settings.as_json() != self.settings.as_json():
-            self.report(f"{cache_path(self.map_path)}: is of other settings; building it anew")
-            return None
-        return index
 
     def _update(self, index: PlaceIndex, images: List[str]) -> bool:
         """Whether anything had to be changed."""

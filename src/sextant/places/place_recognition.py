@@ -2,18 +2,26 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Which places of a map a picture may show: votes of descriptors, their arrangement, what both are worth."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Dict, List, NamedTuple, Optional, Tuple
 
 import numpy as np
 
 import sextant
+from sextant.places.global_descriptor import GlobalDescriptor
+from sextant.places.place_evidence import EvidenceParams, absolute_log_ratios, relative_log_ratios
 from sextant.places.place_index import UNIT, IndexedPhoto, PlaceIndex
 from sextant.places.place_map import Photo, PlaceMap
 from sextant.places.place_verification import displacement_support
 from sextant.places.place_votes import MatchStatistics, lnbnn_scores, lnbnn_weights, match_statistics
 
-MAD_TO_DEVIATION = 1.4826  # of a normal distribution
+# how scores by votes become evidence
+EVIDENCE = {
+    "absolute": absolute_log_ratios,
+    "relative": lambda scores, params: relative_log_ratios(scores, params.shift),
+}
+
+LEAST = 500.0  # below the largest log ratio: that its exponential is not 0
 
 
 @dataclass(frozen=True)
@@ -23,9 +31,10 @@ class RecognitionParams:
     neighbours: int = 16  # [2, 128]; of a descriptor; the last stands for everywhere else
     hub_exponent: float = 0.5  # [0, 1]; of a photo's number of descriptors, which its votes are divided by
     arrangement: float = 2.0  # [0, 100]; weight of the votes that agree in their displacement
-    evidence_slope: float = 1.0  # (0, 100]; log of a likelihood ratio a deviation of the score
-    evidence_offset: float = 6.0  # [0, 100]; deviations at which a picture speaks for no side
-    evidence_limit: float = 12.0  # (0, 100]; of the log of a likelihood ratio
+    min_keypoints: int = 10  # [1, 100000]; a picture with fewer says nothing by votes
+    evidence: str = "absolute"  # absolute, relative; relative is for sequences
+    evidence_params: EvidenceParams = field(default_factory=EvidenceParams)
+    global_weight: float = 1.0  # [0, 100]; deviations that a right photo's vector is nearer by; 0: not used
 
     def validate(self) -> None:
         """:raises ValueError: names the first field out of range"""
@@ -33,14 +42,16 @@ class RecognitionParams:
             "neighbours": (2, 128),
             "hub_exponent": (0, 1),
             "arrangement": (0, 100),
-            "evidence_slope": (1e-6, 100),
-            "evidence_offset": (0, 100),
-            "evidence_limit": (1e-6, 100),
+            "min_keypoints": (1, 100000),
+            "global_weight": (0, 100),
         }
         for name, (low, high) in ranges.items():
             value = getattr(self, name)
             if not low <= value <= high:
                 raise ValueError(f"{name} is {value}, allowed is [{low:g}, {high:g}]")
+        if self.evidence not in EVIDENCE:
+            raise ValueError(f"evidence is '{self.evidence}', allowed is one of {', '.join(EVIDENCE)}")
+        self.evidence_params.validate()
 
 
 class MatchedPhoto(NamedTuple):
@@ -55,58 +66,76 @@ class MatchedPhoto(NamedTuple):
 class Recognition(NamedTuple):
     """Of one picture, place by place in the order of PlaceMap.places()."""
 
-    scores: np.ndarray  # (places,); above 0, larger is better
+    scores: np.ndarray  # (places,) by votes; above 0, larger is better
     log_ratios: (
         np.ndarray
-    )  # (places,) how much likelier the picture is there than where the map knows nothing
-    best_photos: List[Photo]  # (places,) which photo of each place scores most
+    )  # (places,) log of how much likelier there than where nothing is known
+    best_photos: List[Photo]  # (places,) which photo of each place is likeliest
+    usable: bool  # whether the picture shows enough to say anything
     statistics: MatchStatistics
-    match: MatchedPhoto  # of the best photo of all
+    match: MatchedPhoto  # of the likeliest photo of all
+
+
+class _Matches(NamedTuple):
+    """Neighbours of a picture's n descriptors; (n, k) but for picture_xy."""
+
+    picture_xy: np.ndarray  # (n, 2) in longer sides of the picture
+    numbers: np.ndarray  # photos, in the order of the map; -1: none
+    rows: np.ndarray  # which of its photo's keypoints
+    weights: np.ndarray
+
+    def of(self, number: int) -> Tuple[np.ndarray, np.ndarray]:
+        """Descriptors that have one of a photo's for a neighbour, and which of their neighbours it is."""
+        return np.nonzero((self.numbers == number) & (self.weights > 0))
 
 
 class PlaceRecognizer:
     """Recognizes pictures with a map and the index of its photos. Not thread-safe."""
 
-    def __init__(
-        self, place_map: PlaceMap, index: PlaceIndex, params: Optional[RecognitionParams] = None
-    ):
+    def __init__(self, place_map: PlaceMap, index: PlaceIndex, params: Optional[RecognitionParams] = None):
         """:raises ValueError: a parameter out of range, or a photo that is not in the index"""
         self._params, self._index = params or RecognitionParams(), index
         self._params.validate()
         self._extractor = sextant.FeatureExtractor(index.settings.feature_params())
-        self._photos, self._indexed, self._place_of = _arranged(place_map, index)
-        self._counts = np.array([photo.count for photo in self._indexed])
-        self._first = np.array([photo.first for photo in self._indexed])
-        owners = 1 + max(photo.owner for photo in index.photos)
-        self._number_of_owner = np.full(owners + 1, -1)  # the last one: of no owner
-        for number, photo in enumerate(self._indexed):
-            self._number_of_owner[photo.owner] = number
+        self._photos, indexed, self._place_of = _arranged(place_map, index)
+        self._counts = np.array([photo.count for photo in indexed])
+        self._first = np.array([photo.first for photo in indexed])
+        row_of = {photo.owner: row for row, photo in enumerate(index.photos)}
+        self._rows = [row_of[photo.owner] for photo in indexed]
+        self._number_of_owner = np.full(2 + max(row_of), -1)  # the last one: of no owner
+        self._number_of_owner[[photo.owner for photo in indexed]] = np.arange(len(indexed))
+        settings = index.settings.global_descriptor
+        self._descriptor = GlobalDescriptor(settings) if settings and self._params.global_weight else None
 
     def recognize(self, image: np.ndarray) -> Recognition:
         """:param image: uint8, (height, width) grey or (height, width, 3) BGR"""
         features = self._extractor.extract(image)
-        distances, owners, rows = self._index.descriptors.search(
-            features.descriptors, self._params.neighbours
-        )
+        found = self._index.descriptors.search(features.descriptors, self._params.neighbours)
+        distances, owners, rows = found
         numbers = self._number_of_owner[owners]
-        weights = lnbnn_weights(distances, numbers)
-        scores = lnbnn_scores(weights, numbers, self._counts, self._params.hub_exponent)
         picture_xy = features.keypoints[:, :2] / max(features.size)
-        scores += self._params.arrangement * self._agreement(picture_xy, weights, numbers, rows)
-        return self._by_place(
-            scores, picture_xy, weights, numbers, rows, match_statistics(distances, numbers)
-        )
+        matches = _Matches(picture_xy, numbers, rows, lnbnn_weights(distances, numbers))
+        enough = len(picture_xy) >= self._params.min_keypoints
+        scores = self._scores(matches)
+        ratios = self._voted(scores) if enough else np.zeros(len(scores))
+        if self._descriptor is not None:
+            similarities = (self._index.vectors @ self._descriptor.describe(image))[self._rows]
+            ratios = ratios + relative_log_ratios(similarities, self._params.global_weight)
+        usable = enough or self._descriptor is not None
+        return self._by_place(scores, ratios, matches, usable, match_statistics(distances, numbers))
 
-    def _agreement(
-        self, picture_xy: np.ndarray, weights: np.ndarray, numbers: np.ndarray, rows: np.ndarray
-    ) -> np.ndarray:
-        """(photos,) the score of the matches that agree in their displacement."""
-        at, neighbour = np.nonzero(weights > 0)
-        mine = numbers[at, neighbour]
-        photo_xy = self._photo_xy(mine, rows[at, neighbour])
-        count = len(self._photos)
-        support = displacement_support(picture_xy[at], photo_xy, weights[at, neighbour], mine, count)
-        return support / np.maximum(self._counts, 1) ** self._params.hub_exponent
+    def _voted(self, scores: np.ndarray) -> np.ndarray:
+        return EVIDENCE[self._params.evidence](scores, self._params.evidence_params)
+
+    def _scores(self, matches: _Matches) -> np.ndarray:
+        """(photos,) by votes, and by those that agree in their displacement."""
+        exponent = self._params.hub_exponent
+        scores = lnbnn_scores(matches.weights, matches.numbers, self._counts, exponent)
+        at, neighbour = np.nonzero(matches.weights > 0)
+        numbers, weights = matches.numbers[at, neighbour], matches.weights[at, neighbour]
+        photo_xy = self._photo_xy(numbers, matches.rows[at, neighbour])
+        support = displacement_support(matches.picture_xy[at], photo_xy, weights, numbers, len(scores))
+        return scores + self._params.arrangement * support / np.maximum(self._counts, 1) ** exponent
 
     def _photo_xy(self, numbers: np.ndarray, rows: np.ndarray) -> np.ndarray:
         """(m, 2) keypoints by the number of their photo and their row in it, in longer sides of the photo."""
@@ -115,46 +144,31 @@ class PlaceRecognizer:
     def _by_place(
         self,
         scores: np.ndarray,
-        picture_xy: np.ndarray,
-        weights: np.ndarray,
-        numbers: np.ndarray,
-        rows: np.ndarray,
+        ratios: np.ndarray,
+        matches: _Matches,
+        usable: bool,
         statistics: MatchStatistics,
     ) -> Recognition:
-        places = 1 + max(self._place_of)
-        best = np.full(places, -1)
-        for number in np.argsort(scores, kind="stable"):
-            best[self._place_of[number]] = number
-        place_scores = scores[best]
-        at, neighbour = np.nonzero((numbers == scores.argmax()) & (weights > 0))
-        match = MatchedPhoto(
-            self._photos[int(scores.argmax())],
-            picture_xy[at],
-            self._photo_xy(np.full(len(at), scores.argmax()), rows[at, neighbour]),
-            weights[at, neighbour],
-        )
-        return Recognition(
-            place_scores,
-            self._log_ratios(place_scores),
-            [self._photos[number] for number in best],
-            statistics,
-            match,
-        )
+        order = np.lexsort((scores, ratios))
+        best = np.zeros(1 + self._place_of.max(), int)
+        best[self._place_of[order]] = order  # the last one stays
+        winner = int(order[-1])
+        at, neighbour = matches.of(winner)
+        photo_xy = self._photo_xy(np.full(len(at), winner), matches.rows[at, neighbour])
+        weights = matches.weights[at, neighbour]
+        match = MatchedPhoto(self._photos[winner], matches.picture_xy[at], photo_xy, weights)
+        photos = [self._photos[number] for number in best]
+        return Recognition(scores[best], self._of_places(ratios), photos, usable, statistics, match)
 
-    def _log_ratios(self, scores: np.ndarray) -> np.ndarray:
-        """Deviations of the scores from those of most places, which are wrong, as evidence."""
-        centre = np.median(scores)
-        deviation = MAD_TO_DEVIATION * np.median(np.abs(scores - centre))
-        if not deviation > 0:
-            return np.zeros(len(scores))
-        evidence = self._params.evidence_slope * (
-            (scores - centre) / deviation - self._params.evidence_offset
-        )
-        return np.clip(evidence, -self._params.evidence_limit, self._params.evidence_limit)
+    def _of_places(self, ratios: np.ndarray) -> np.ndarray:
+        """A picture of a place is as likely as it is on the mean of the place's photos."""
+        top = ratios.max()
+        sums = np.bincount(self._place_of, np.exp(np.maximum(ratios - top, -LEAST)))
+        return top + np.log(sums / np.bincount(self._place_of))
 
 
-def _arranged(place_map: PlaceMap, index: PlaceIndex) -> Tuple[List[Photo], List[IndexedPhoto], List[int]]:
-    """The map's photos, their part of the index, and their places."""
+def _arranged(place_map: PlaceMap, index: PlaceIndex) -> Tuple[List[Photo], List[IndexedPhoto], np.ndarray]:
+    """The map's photos, their part of the index, and the numbers of their places."""
     by_image: Dict[str, IndexedPhoto] = {photo.image: photo for photo in index.photos}
     photos, indexed, place_of = [], [], []
     for number, place in enumerate(place_map.places()):
@@ -164,4 +178,4 @@ def _arranged(place_map: PlaceMap, index: PlaceIndex) -> Tuple[List[Photo], List
             photos.append(photo)
             indexed.append(by_image[photo.image])
             place_of.append(number)
-    return photos, indexed, place_of
+    return photos, indexed, np.array(place_of)

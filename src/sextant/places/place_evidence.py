@@ -1,0 +1,74 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""What scores of a map's photos are worth as evidence: logs of likelihood ratios.
+
+The ratio is between a picture that was taken where the photo was, and one taken where the map knows nothing.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+MAD_TO_DEVIATION = 1.4826  # of a normal distribution
+REFERENCE = 100  # best photos that tell how much the scores of wrong ones differ
+ROUNDING = 1e-6  # of the largest score: what single precision leaves
+LEAST_DEVIATION = 0.1  # of the median, in absolute evidence
+HIGHEST = 30.0  # deviations, in absolute evidence; more say no more
+HIGHEST_RELATIVE = 6.0  # in relative evidence, which has to bear that one picture is wrong
+
+
+@dataclass(frozen=True)
+class EvidenceParams:
+    """How scores by votes become evidence; `benchmark/places.py --only calibration` fits the first four.
+
+    log ratio = deviation * z + score * ln(s) + size * ln(n) - offset  for score s, its deviations() z, n photos
+    """
+
+    deviation: float = 0.216  # [0, 100]
+    score: float = 4.98  # [0, 100]
+    size: float = 3.63  # [0, 100]
+    offset: float = 13.05  # [-100, 100]
+    limit: float = 12.0  # (0, 100]; of a log ratio: more is never believed of one picture
+    shift: float = 1.0  # [0, 100]; deviations that a right photo scores higher by, in relative evidence
+
+    def validate(self) -> None:
+        """:raises ValueError: names the first field out of range"""
+        ranges = {name: (0, 100) for name in ("deviation", "score", "size", "shift")}
+        for name, (low, high) in {**ranges, "offset": (-100, 100), "limit": (1e-6, 100)}.items():
+            if not low <= getattr(self, name) <= high:
+                raise ValueError(f"{name} is {getattr(self, name)}, allowed is [{low:g}, {high:g}]")
+
+
+def deviations(scores: np.ndarray, least: float = 0.0) -> np.ndarray:
+    """(n,) how far each score is above the median, in 1.4826 median absolute deviations; 0: all are the same.
+
+    Of a large map only the best photos tell what a wrong one scores. Those that equal the median do not count
+    in the deviation: with most photos out of reach of any vote it would be 0.
+
+    :param least: deviation, as part of the median: what few photos say by chance is not trusted beyond it
+    """
+    best = -np.sort(-scores)[:REFERENCE]
+    centre = np.median(best)
+    away = np.abs(best - centre)
+    apart = away[away > ROUNDING * np.abs(best).max()]
+    if not len(apart):
+        return np.zeros(len(scores))
+    deviation = max(MAD_TO_DEVIATION * np.median(apart), least * centre)
+    return (scores - centre) / deviation
+
+
+def absolute_log_ratios(scores: np.ndarray, params: EvidenceParams) -> np.ndarray:
+    """(n,) of the scores by votes. A picture can speak against all photos."""
+    z = np.minimum(deviations(scores, LEAST_DEVIATION), HIGHEST)
+    with np.errstate(divide="ignore"):
+        logs = params.score * np.log(scores) + params.size * np.log(min(len(scores), REFERENCE))
+    return np.clip(params.deviation * z + logs - params.offset, -params.limit, params.limit)
+
+
+def relative_log_ratios(scores: np.ndarray, shift: float) -> np.ndarray:
+    """(n,) of scores of which a right photo's is `shift` deviations higher, with normal noise.
+
+    A picture says which photos are likelier than others, and little of whether it is any of them.
+    """
+    z = np.clip(deviations(scores), -HIGHEST_RELATIVE, HIGHEST_RELATIVE)
+    return shift * z - 0.5 * shift**2
