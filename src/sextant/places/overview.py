@@ -25,10 +25,10 @@ class Drawing(NamedTuple):
     metres_a_pixel: float
 
 
-def draw_overview(path: Sequence[Tuple[float, float]], width: float, height: float) -> Drawing:
-    """A sheet with a grid in metres and the path that was walked.
+def draw_overview(paths: Sequence[np.ndarray], width: float, height: float) -> Drawing:
+    """A sheet with a grid in metres and the paths that were walked.
 
-    :param path: metres from the left and from the top edge
+    :param paths: each (n, 2), metres from the left and from the top edge
     :param width: height: metres of the sheet
     :raises ValueError: it has no extent
     """
@@ -44,10 +44,26 @@ def draw_overview(path: Sequence[Tuple[float, float]], width: float, height: flo
         draw.line([(at, 0), (at, size[1])], LINES, 2)
         draw.line([(0, at), (size[0], at)], LINES, 2)
     draw.text((8, 8), f"{step:g} m a square", WORDS)
-    points = [(x * scale, y * scale) for x, y in path]
-    if len(points) > 1:
-        draw.line(points, PATH, 6, joint="curve")
-    return Drawing(image, 1 / scale)
+    for path in paths:
+        if len(path) > 1:
+            points = [(x * scale, y * scale) for x, y in path]
+            draw.line(points, PATH, 6, joint="curve")
+    return Drawing(image, max(width, height) / LARGEST_SIDE)
+
+
+def draw_paths(paths: Sequence[np.ndarray], frame: str, margin: float) -> Tuple[Image.Image, MetricFrame]:
+    """A sheet that shows all of the paths and margin metres around them, and where it lies.
+
+    :param paths: each (n, 2), metres in the tf frame; together at least one point
+    """
+    points = np.vstack(paths)
+    left, bottom = np.floor(10 * (points.min(axis=0) - margin)) / 10  # whole decimetres
+    right, top = np.ceil(10 * (points.max(axis=0) + margin)) / 10
+    on_sheet = [(path - (left, top)) * (1, -1) for path in paths]
+    image, resolution = draw_overview(on_sheet, right - left, top - bottom)
+    bottom = top - image.height * resolution  # of whole pixels
+    origin = (round(float(left), 6), round(float(bottom), 6), 0.0)
+    return image, MetricFrame(frame, resolution, origin)
 
 
 def grid_step(longer_side: float) -> float:

@@ -55,7 +55,16 @@ class MetricFrame(NamedTuple):
 
     def yaw(self, yaw: float) -> float:
         """A photo's yaw in the frame, in (-pi, pi]."""
-        return math.pi - (math.pi - yaw - self.origin[2]) % (2 * math.pi)
+        return _wrapped(yaw + self.origin[2])
+
+    def photo_yaw(self, yaw: float) -> float:
+        """The inverse of yaw()."""
+        return _wrapped(yaw - self.origin[2])
+
+
+def _wrapped(angle: float) -> float:
+    """In (-pi, pi]."""
+    return math.pi - (math.pi - angle) % (2 * math.pi)
 
 
 class GeoCorners(NamedTuple):
@@ -97,6 +106,10 @@ class PlaceMap(NamedTuple):
         for photo in self.photos:
             found.setdefault((photo.x, photo.y), []).append(photo)
         return list(found.values())
+
+    def next_id(self) -> int:
+        """Of a photo that is added."""
+        return 1 + max((photo.id for photo in self.photos), default=-1)
 
     def path(self, photo: Photo) -> Path:
         """Of a photo's file."""
