@@ -134,7 +134,7 @@ def _photos(
     bag: BagFile, topic: CameraTopic, poses: Dict[int, np.ndarray], options: PhotoOptions
 ) -> Tuple[List[DrivePhoto], List[str]]:
     """The sharpest picture of each pick, in the order of their stamps; and what could not be read."""
-    stamps, name = list(poses), f"{Path(bag.path).stem}_{topic.camera.strip('/').replace('/', '_')}"
+    stamps, name = list(poses), _name(bag, topic)
     picks = due_views(list(poses.values()), options.distance, options.turn)
     pick_of = {stamps[i]: number for number, pick in enumerate(picks) for i in pick}
     best: Dict[int, Tuple[float, DrivePhoto]] = {}
@@ -155,6 +155,12 @@ def _photos(
             best[pick] = sharp, _photo(f"{name}_{stamp / 1e9:.3f}.jpg", picture, poses[stamp])
     losses.check(bag, topic.topic)
     return [best[pick][1] for pick in sorted(best)], losses.notes()
+
+
+def _name(bag: BagFile, topic: CameraTopic) -> str:
+    """What the files of this bag's and this camera's photos begin with."""
+    camera = topic.info_topic.split("/")[:-1]
+    return "_".join([Path(bag.path).stem, *filter(None, camera)])
 
 
 def _photo(name: str, picture: np.ndarray, T_map_camera: np.ndarray) -> DrivePhoto:

@@ -30,6 +30,9 @@ from sextant.places.overview_picture import OverviewPicture, drawn_picture, map_
 from sextant.places.place_map import MetricFrame, PlaceMap
 
 MARGIN = 3.0  # metres
+# Of the distance: another pass is at most half of it off along the path, so that there is some for the side;
+# photos of one pass are at least nine tenths apart.
+MERGE = 0.75
 
 
 def parser() -> CommandParser:
@@ -66,7 +69,7 @@ def _add_picking(group) -> None:
     )  # fmt: skip
     group.add_argument(
         "--merge", type=float, metavar="METRES",
-        help="this near to a place, a photo is one more picture of it (default: half of --distance)",
+        help=f"this near to a place, a photo is one more picture of it (default: {MERGE:g} of --distance)",
     )  # fmt: skip
 
 
@@ -92,7 +95,7 @@ def make(options: argparse.Namespace) -> Answer:
         begun, files = picture.empty_map(options.output.parent), picture.files
     place = _metric(options.output, begun, frame)
     photos = _by_name(drives)
-    merge = options.distance / 2 if options.merge is None else options.merge
+    merge = MERGE * options.distance if options.merge is None else options.merge
     found = [_new_photo(begun, place, photo) for photo in photos.values()]
     made, left_out = add_photos(begun, found, merge / place.resolution)
     if not made.photos:

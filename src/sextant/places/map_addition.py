@@ -8,7 +8,7 @@ import numpy as np
 
 from sextant.places.place_map import Photo, PlaceMap, check_photo
 
-DIGITS = 2  # of a pixel, that positions are rounded to
+DIGITS, YAW_DIGITS = 2, 4  # of a pixel and of a radian, that positions are rounded to
 
 
 class NewPhoto(NamedTuple):
@@ -40,7 +40,13 @@ def add_photos(place_map: PlaceMap, photos: Sequence[NewPhoto], merge: float = 0
     for new in photos:
         position = round(new.x, DIGITS), round(new.y, DIGITS)
         x, y = _place(places, position, merge)
-        photo = Photo(place_map.next_id() + len(added), new.image, x, y, new.yaw)
+        photo = Photo(
+            place_map.next_id() + len(added),
+            new.image,
+            x,
+            y,
+            None if new.yaw is None else round(new.yaw, YAW_DIGITS),
+        )
         try:
             if new.image in known:
                 raise ValueError("is in the map already")

@@ -6,15 +6,17 @@ import math
 from pathlib import Path
 from typing import Any, List, NamedTuple, Sequence, Tuple
 
+import matplotlib
 import numpy as np
 import yaml
-from PIL import Image, ImageDraw
+from PIL import Image, ImageDraw, ImageFont
 
 from sextant.places.photo_file import photo_size
 from sextant.places.place_map import MetricFrame, Overview
 
 LARGEST_SIDE = 2000  # pixels of a drawn overview
 PAPER, LINES, PATH, WORDS = "#fbfaf7", "#e2ded4", "#b9c7d6", "#8a857a"
+LETTERS = 30  # pixels high
 GRID_LINES = 12  # at most, across the longer side
 
 
@@ -43,12 +45,13 @@ def draw_overview(paths: Sequence[np.ndarray], width: float, height: float) -> D
         at = i * step * scale
         draw.line([(at, 0), (at, size[1])], LINES, 2)
         draw.line([(0, at), (size[0], at)], LINES, 2)
-    draw.text((8, 8), f"{step:g} m a square", WORDS)
+    font = ImageFont.truetype(f"{matplotlib.get_data_path()}/fonts/ttf/DejaVuSans.ttf", LETTERS)
+    draw.text((LETTERS / 2, LETTERS / 4), f"{step:g} m a square", WORDS, font)
     for path in paths:
         if len(path) > 1:
             points = [(x * scale, y * scale) for x, y in path]
             draw.line(points, PATH, 6, joint="curve")
-    return Drawing(image, max(width, height) / LARGEST_SIDE)
+    return Drawing(image, round(max(width, height) / LARGEST_SIDE, 9))
 
 
 def draw_paths(paths: Sequence[np.ndarray], frame: str, margin: float) -> Tuple[Image.Image, MetricFrame]:
@@ -60,7 +63,7 @@ def draw_paths(paths: Sequence[np.ndarray], frame: str, margin: float) -> Tuple[
     left, bottom = np.floor(10 * (points.min(axis=0) - margin)) / 10  # whole decimetres
     right, top = np.ceil(10 * (points.max(axis=0) + margin)) / 10
     on_sheet = [(path - (left, top)) * (1, -1) for path in paths]
-    image, resolution = draw_overview(on_sheet, right - left, top - bottom)
+    image, resolution = draw_overview(on_sheet, *np.round((right - left, top - bottom), 1).tolist())
     bottom = top - image.height * resolution  # of whole pixels
     origin = (round(float(left), 6), round(float(bottom), 6), 0.0)
     return image, MetricFrame(frame, resolution, origin)
