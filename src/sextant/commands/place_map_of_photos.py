@@ -21,6 +21,7 @@ from sextant.commands.place_map_output import add_output_options, existing_map, 
 from sextant.places.exif_map import corners_around, exif_map, extent, find_photos, positions_of
 from sextant.places.overview import draw_overview
 from sextant.places.overview_picture import OverviewPicture, drawn_picture, taken_picture
+from sextant.places.place_map import image_in
 from sextant.places.world_file import corners_beside
 
 MARGIN = 20.0  # metres
@@ -54,8 +55,7 @@ def make(options: argparse.Namespace) -> Answer:
         begun, files = picture.empty_map(options.output.parent), picture.files
     elif corners_of(options):
         raise ValueError(f"{options.output}: has its corners already, none can be named with --add")
-    overview = (begun.folder / begun.overview.image).resolve()
-    made = exif_map(begun, [path for path in photos if path.resolve() != overview])
+    made = exif_map(begun, [path for path in photos if image_in(begun.folder, path) != begun.overview.image])
     if not made.place_map.photos:
         reasons = list(made.left_out.values()) or ["there is none"]
         raise ValueError(f"{options.folder}: no photo can be placed: {reasons[0]} (of {len(reasons)})")

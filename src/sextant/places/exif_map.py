@@ -8,7 +8,7 @@ from typing import Dict, List, NamedTuple, Sequence, Tuple
 
 from sextant.places.map_addition import NewPhoto, add_photos
 from sextant.places.photo_file import SUFFIXES, GeoPosition, geo_position
-from sextant.places.place_map import GeoCorners, PlaceMap
+from sextant.places.place_map import GeoCorners, PlaceMap, image_in
 
 METRES_A_DEGREE = 111_320.0  # of latitude, within half a percent everywhere
 DIGITS = 7  # of a degree, that drawn corners are rounded to: a centimetre
@@ -50,7 +50,7 @@ def exif_map(place_map: PlaceMap, photos: Sequence[Path]) -> ExifMap:
     """
     if not isinstance(place_map.georeference, GeoCorners):
         raise ValueError("where the overview's corners lie on the earth is not known")
-    files = {_relative(path, place_map.folder): path for path in photos}
+    files = {_image(place_map.folder, path): path for path in photos}
     positions, left_out = positions_of(photos)
     found = []
     for image, path in files.items():
@@ -63,11 +63,11 @@ def exif_map(place_map: PlaceMap, photos: Sequence[Path]) -> ExifMap:
     return ExifMap(added.place_map, left_out)
 
 
-def _relative(path: Path, folder: Path) -> str:
-    try:
-        return path.resolve().relative_to(folder.resolve()).as_posix()
-    except ValueError:
-        raise ValueError(f"{path}: photos have to lie in {folder}, that of the map, or below") from None
+def _image(folder: Path, path: Path) -> str:
+    image = image_in(folder, path)
+    if image is None:
+        raise ValueError(f"{path}: photos have to lie in {folder}, that of the map, or below")
+    return image
 
 
 def corners_around(positions: Sequence[GeoPosition], margin: float) -> GeoCorners:

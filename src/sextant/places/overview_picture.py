@@ -10,7 +10,7 @@ from PIL import Image, ImageOps
 
 from sextant.places.overview import map_server_frame
 from sextant.places.photo_file import photo_size
-from sextant.places.place_map import GeoCorners, MetricFrame, Overview, PlaceMap
+from sextant.places.place_map import GeoCorners, MetricFrame, Overview, PlaceMap, image_in
 
 SHOWN = (".png", ".jpg", ".jpeg", ".webp")  # by every browser
 
@@ -56,10 +56,8 @@ def map_server_picture(folder: Path, yaml: Path, frame: str) -> OverviewPicture:
 def _in_folder(folder: Path, picture: Path) -> Tuple[str, Dict[str, bytes]]:
     if picture.suffix.lower() not in SHOWN:
         return f"{picture.stem}.png", {f"{picture.stem}.png": _copied(picture)}
-    try:
-        return picture.resolve().relative_to(folder.resolve()).as_posix(), {}
-    except ValueError:
-        return picture.name, {picture.name: picture.read_bytes()}
+    name = image_in(folder, picture)
+    return (name, {}) if name else (picture.name, {picture.name: picture.read_bytes()})
 
 
 def _copied(picture: Path) -> bytes:

@@ -7,6 +7,7 @@ counterclockwise from the overview's right, as on any map that is laid out so.
 """
 
 import math
+import os
 from pathlib import Path, PurePosixPath
 from typing import Dict, List, NamedTuple, Optional, Tuple, Union
 
@@ -125,6 +126,14 @@ class PlaceMap(NamedTuple):
             if photo.id in ids:
                 raise ValueError(f"photo {photo.id} is there twice: {ids[photo.id].image} and {photo.image}")
             ids[photo.id] = photo
+
+
+def image_in(folder: Path, path: Path) -> Optional[str]:
+    """What a file is called in a map of this folder; None: it lies neither there nor below."""
+    try:  # a link is where it is, not where it leads
+        return Path(os.path.abspath(path)).relative_to(os.path.abspath(folder)).as_posix()
+    except ValueError:
+        return None
 
 
 def check_overview(overview: Overview) -> None:
