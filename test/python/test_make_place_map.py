@@ -36,6 +36,8 @@ REFUSED = {
     "no picture": (["picture", "old.txt", "-o", "map.txt"], "old.txt: is no picture"),
     "two places": (["picture", "plan.png", "-o", "map.txt", "--resolution", "1", *CORNERS], "not in both"),
     "an origin alone": (["picture", "plan.png", "-o", "map.txt", "--origin", "1,2,3"], "--resolution"),
+    "a frame alone": (["picture", "plan.png", "-o", "map.txt", "--frame", "f"], "--resolution"),
+    "a margin of no drawing": (["exif", "photos", "--add", "--margin", "2"], "not allowed with"),
     "an origin": (["picture", "plan.png", "-o", "map.txt", "--resolution", "1", "--origin", "1"], "X,Y,YAW"),
     "a resolution": (["picture", "plan.png", "-o", "map.txt", "--resolution", "0"], "resolution is 0"),
     "a YAML that says it": (

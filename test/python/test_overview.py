@@ -48,6 +48,12 @@ def test_paths_lie_on_their_sheet_where_the_frame_says():
         assert (image.getpixel(pixel) == rgb(PATH)) == drawn
 
 
+def test_a_long_straight_way_has_a_sheet_to_look_at():
+    image, frame = draw_paths([np.array([(0.0, 7.0), (194.0, 7.0)])], "map", 3)
+    assert image.size == (LARGEST_SIDE, LARGEST_SIDE // 4)
+    assert frame.origin[:2] == pytest.approx((-3, 7 - 25))
+
+
 def test_a_robot_that_stood_still_has_a_sheet():
     image, frame = draw_paths([np.zeros((2, 2))], "map", 2)
     assert image.size == (LARGEST_SIDE, LARGEST_SIDE) and frame.resolution == pytest.approx(4 / LARGEST_SIDE)

@@ -45,7 +45,7 @@ def parser() -> CommandParser:
     begin.add_argument(
         "--map-yaml", type=Path, metavar="YAML", help="of map_server: its picture is the overview"
     )
-    result.add_argument(
+    begin.add_argument(
         "--margin", type=float, default=MARGIN, metavar="METRES",
         help="around the paths, of a drawn overview (default: %(default)s)",
     )  # fmt: skip

@@ -35,7 +35,7 @@ def parser() -> CommandParser:
     begin = result.add_mutually_exclusive_group()
     begin.add_argument("--add", action="store_true", help="to the map that is there, on its overview")
     begin.add_argument("--overview", type=Path, metavar="PICTURE", help="default: one is drawn")
-    result.add_argument(
+    begin.add_argument(
         "--margin", type=float, default=MARGIN, metavar="METRES",
         help="around the photos, of a drawn overview (default: %(default)s)",
     )  # fmt: skip

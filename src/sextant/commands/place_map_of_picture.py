@@ -40,7 +40,10 @@ def make(options: argparse.Namespace) -> Answer:
     """Writes the map. :raises OSError, ValueError: the picture, or what is said of it, cannot be"""
     check_output(options.output, options.force)
     folder, place = options.output.parent, _place(options)
-    if options.picture.suffix in (".yaml", ".yml"):
+    is_yaml = options.picture.suffix in (".yaml", ".yml")
+    if options.frame and options.resolution is None and not is_yaml:
+        raise ValueError("--frame needs a --resolution")
+    if is_yaml:
         if place:
             raise ValueError(f"{options.picture}: says itself where it lies; only --frame can be named")
         picture = map_server_picture(folder, options.picture, options.frame or FRAME)

@@ -16,6 +16,7 @@ from sextant.places.place_map import MetricFrame, Overview
 
 LARGEST_SIDE = 2000  # pixels of a drawn overview
 PAPER, LINES, PATH, WORDS = "#fbfaf7", "#e2ded4", "#b9c7d6", "#8a857a"
+SLIMMEST = 0.25  # shorter side of a sheet of paths, of the longer one
 LETTERS = 30  # pixels high
 GRID_LINES = 12  # at most, across the longer side
 
@@ -60,8 +61,11 @@ def draw_paths(paths: Sequence[np.ndarray], frame: str, margin: float) -> Tuple[
     :param paths: each (n, 2), metres in the tf frame; together at least one point
     """
     points = np.vstack(paths)
-    left, bottom = np.floor(10 * (points.min(axis=0) - margin)) / 10  # whole decimetres
-    right, top = np.ceil(10 * (points.max(axis=0) + margin)) / 10
+    low, high = points.min(axis=0) - margin, points.max(axis=0) + margin
+    size = high - low
+    beside = np.maximum(SLIMMEST * size.max() - size, 0) / 2  # of a long straight way
+    left, bottom = np.floor(10 * (low - beside)) / 10  # whole decimetres
+    right, top = np.ceil(10 * (high + beside)) / 10
     on_sheet = [(path - (left, top)) * (1, -1) for path in paths]
     image, resolution = draw_overview(on_sheet, *np.round((right - left, top - bottom), 1).tolist())
     bottom = top - image.height * resolution  # of whole pixels
