@@ -95,9 +95,10 @@ def make(options: argparse.Namespace) -> Answer:
         begun, files = picture.empty_map(options.output.parent), picture.files
     place = _metric(options.output, begun, frame)
     photos = _by_name(drives)
-    merge = MERGE * options.distance if options.merge is None else options.merge
+    known = [photo.image for photo in begun.photos if photos.pop(photo.image, None)]
+    notes += [f"{len(known)} photos of these drives are in the map already"] if known else []
     found = [_new_photo(begun, place, photo) for photo in photos.values()]
-    made, left_out = add_photos(begun, found, merge / place.resolution)
+    made, left_out = add_photos(begun, found, _merge(options) / place.resolution)
     if not made.photos:
         raise ValueError(f"no photo can be placed: {_told(left_out)[0]} (of {len(left_out)})")
     files.update({name: photo.jpeg for name, photo in photos.items() if name not in left_out})
@@ -117,6 +118,10 @@ def _check(options: argparse.Namespace) -> None:
     again = [bag for bag, count in Counter(map(os.path.realpath, options.bags)).items() if count > 1]
     if again:
         raise ValueError(f"{again[0]}: is named twice")
+
+
+def _merge(options: argparse.Namespace) -> float:
+    return MERGE * options.distance if options.merge is None else options.merge
 
 
 def _photo_options(options: argparse.Namespace) -> PhotoOptions:

@@ -55,7 +55,8 @@ def make(options: argparse.Namespace) -> Answer:
         begun, files = picture.empty_map(options.output.parent), picture.files
     elif corners_of(options):
         raise ValueError(f"{options.output}: has its corners already, none can be named with --add")
-    made = exif_map(begun, [path for path in photos if image_in(begun.folder, path) != begun.overview.image])
+    known = {begun.overview.image, *(photo.image for photo in begun.photos)}
+    made = exif_map(begun, [path for path in photos if image_in(begun.folder, path) not in known])
     if not made.place_map.photos:
         reasons = list(made.left_out.values()) or ["there is none"]
         raise ValueError(f"{options.folder}: no photo can be placed: {reasons[0]} (of {len(reasons)})")
