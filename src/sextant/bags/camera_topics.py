@@ -49,6 +49,25 @@ def choose_topics(bag: BagFile, options: ReadOptions) -> Tuple[List[CameraTopic]
     return sorted(chosen, key=lambda each: each.camera), left_out
 
 
+def choose_pictures(bag: BagFile, name: str = "") -> Tuple[CameraTopic, List[str]]:
+    """One topic of images, whether it has a camera_info or not, and what was left out.
+
+    :param name: empty: that of the only camera
+    :raises BagError: it is not there, or there are several cameras
+    """
+    found = _found(bag, ReadOptions(), IMAGE, COMPRESSED)
+    if name:
+        return _named(bag, [name], found, "images")[0], []
+    pictures = [each for each in found if each.type != IMAGE or is_picture(bag.first(each.topic, whole=True))]
+    chosen, left_out = _best_of_each(pictures)
+    if len(chosen) != 1:
+        there = _listing(each.topic for each in chosen)
+        what = "there are images of several cameras in it" if chosen else "there are no pictures in it"
+        advice = f"name the topic of one: {there}" if chosen else f"its topics are: {_listing(bag.types)}"
+        raise bag.error(what, advice)
+    return chosen[0], left_out
+
+
 def _found(bag: BagFile, options: ReadOptions, *types: str) -> List[CameraTopic]:
     topics = [topic for topic in bag.topics(*types) if not topic.endswith("/compressedDepth")]
     return [_camera_topic(topic, bag.types[topic], options) for topic in topics]
@@ -101,9 +120,16 @@ def _one_a_camera(bag: BagFile, pictures: List[CameraTopic]) -> Tuple[List[Camer
         topics = _listing(each.topic for each in pictures)
         advice = "name a calibration file for the topic, or the topics of images to read"
         raise bag.error(f"of its topics of images ({topics}) none has pictures and a camera_info", advice)
+    chosen, others = _best_of_each(usable)
+    return chosen, left_out + others
+
+
+def _best_of_each(pictures: List[CameraTopic]) -> Tuple[List[CameraTopic], List[str]]:
+    """One topic a camera, and what was left out."""
     cameras: Dict[str, List[CameraTopic]] = {}
-    for each in sorted(usable, key=_rank):
+    for each in sorted(pictures, key=_rank):
         cameras.setdefault(each.info_topic, []).append(each)
+    left_out: List[str] = []
     for best, *others in cameras.values():
         left_out += _told(others, f"the same camera as {best.topic}")
     return [each[0] for each in cameras.values()], left_out

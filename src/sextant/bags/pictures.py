@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Grey images of messages, the same bytes as the detector node sees (src/ros/image_bridge.cpp)."""
+"""Images of messages; grey ones are the same bytes as the detector node sees (src/ros/image_bridge.cpp)."""
 
-from typing import Any, Optional
+from typing import Any, Callable, Dict, Optional
 
 import cv2
 import numpy as np
@@ -15,13 +15,20 @@ _BAYER = [f"bayer_{order}{bits}" for order in ("rggb", "bggr", "gbrg", "grbg") f
 _COLOURS = [f"{order}{bits}" for order in ("rgb", "rgba", "bgr", "bgra") for bits in (8, 16)]
 PICTURES = {"mono8", "mono16", "yuv422", "8UC1", "8UC3", "8UC4", *_BAYER, *_COLOURS}
 
+_Own = Dict[str, Callable[[np.ndarray], np.ndarray]]
+
 # Encodings that cv_bridge does not take, or not in either byte order.
-_OWN = {
+_OWN: _Own = {
     "8UC1": lambda pixels: pixels,
     "mono8": lambda pixels: pixels,
     "8UC3": lambda pixels: cv2.cvtColor(pixels, cv2.COLOR_BGR2GRAY),
     "8UC4": lambda pixels: cv2.cvtColor(pixels, cv2.COLOR_BGRA2GRAY),
     "mono16": lambda pixels: (pixels >> 8).astype(np.uint8),
+}
+_OWN_COLOUR: _Own = {
+    **_OWN,
+    "8UC3": lambda pixels: pixels,
+    "8UC4": lambda pixels: cv2.cvtColor(pixels, cv2.COLOR_BGRA2BGR),
 }
 
 
@@ -35,13 +42,22 @@ def grey_image(message: Any) -> np.ndarray:
 
     :raises DamagedMessage: an encoding that holds no picture, or a size, step or length that cannot be
     """
+    return _converted(message, _OWN, "mono8")
+
+
+def colour_image(message: Any) -> np.ndarray:
+    """As grey_image(), but (height, width, 3) in the order BGR of one that has colours."""
+    return _converted(message, _OWN_COLOUR, "bgr8")
+
+
+def _converted(message: Any, own: _Own, encoding: str) -> np.ndarray:
     if message.encoding not in PICTURES:
         raise DamagedMessage(f"the encoding '{message.encoding}' holds no picture, publish mono8 or bgr8")
     pixels = _pixels(message)
-    if message.encoding in _OWN:
-        return np.ascontiguousarray(_OWN[message.encoding](pixels))
+    if message.encoding in own:
+        return np.ascontiguousarray(own[message.encoding](pixels))
     try:
-        return cvtColor2(pixels, message.encoding, "mono8")
+        return cvtColor2(pixels, message.encoding, encoding)
     except Exception as error:  # cv_bridge and OpenCV have their own
         raise DamagedMessage(f"the encoding {message.encoding} cannot be read ({error})") from None
 
@@ -67,10 +83,19 @@ def grey_compressed(message: Any) -> np.ndarray:
 
     :raises DamagedMessage: OpenCV cannot decode it
     """
+    return _decoded(message, cv2.IMREAD_GRAYSCALE)
+
+
+def colour_compressed(message: Any) -> np.ndarray:
+    """As grey_compressed(), but (height, width, 3) in the order BGR of one that has colours."""
+    return _decoded(message, cv2.IMREAD_ANYCOLOR)
+
+
+def _decoded(message: Any, flag: int) -> np.ndarray:
     image = None
     if message.data:
         # A calibration is for the pixels as the sensor had them, whatever the header says of up and down.
-        flags = cv2.IMREAD_GRAYSCALE | cv2.IMREAD_IGNORE_ORIENTATION
+        flags = flag | cv2.IMREAD_IGNORE_ORIENTATION
         try:
             image = cv2.imdecode(np.frombuffer(message.data, np.uint8), flags)
         except cv2.error:

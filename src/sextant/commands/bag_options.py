@@ -31,14 +31,19 @@ def add_bag_options(group) -> None:
 
 def add_robot_options(group) -> None:
     """Where the cameras are on the robot, and where its wheels had it."""
+    add_mount_options(group)
+    group.add_argument(
+        "--odometry", default="", metavar="TOPIC", help="default: the only one; none: not used"
+    )
+
+
+def add_mount_options(group) -> None:
+    """Where the cameras are on the robot."""
     group.add_argument(
         "--mounts", nargs="+", type=pair, default=[], metavar="FRAME=X,Y,Z,ROLL,PITCH,YAW",
         help="of a camera's optical frame on the base, where the bag has no tf",
     )  # fmt: skip
     group.add_argument("--base-frame", default=ReadOptions.base_frame, help="default: %(default)s")
-    group.add_argument(
-        "--odometry", default="", metavar="TOPIC", help="default: the only one; none: not used"
-    )
 
 
 def add_job_options(group) -> None:
@@ -66,14 +71,19 @@ def read_options(options: argparse.Namespace, families: Sequence[str] = (), **ot
     :raises ValueError: one that cannot be
     """
     given: Dict[str, Any] = {"families": tuple(families)} if families else {}
-    mounts = {frame: _mount(frame, text) for frame, text in options.mounts}
     result = ReadOptions(
         images=tuple(options.images), markers=tuple(options.markers),
         calibrations=dict(options.calibrations), rectified=tuple(options.rectified), every=options.every,
-        mounts=mounts, base_frame=options.base_frame, odometry=options.odometry, **given, **others,
+        mounts=read_mounts(options.mounts), base_frame=options.base_frame, odometry=options.odometry,
+        **given, **others,
     )  # fmt: skip
     result.validate()
     return result
+
+
+def read_mounts(pairs: Sequence[Tuple[str, str]]) -> Dict[str, np.ndarray]:
+    """T_base_camera by frame, of --mounts. :raises ValueError: one is no pose"""
+    return {frame: _mount(frame, text) for frame, text in pairs}
 
 
 def _mount(frame: str, text: str) -> np.ndarray:

@@ -6,10 +6,12 @@ import math
 from pathlib import Path
 from typing import Dict, List, NamedTuple, Sequence, Tuple
 
+from sextant.places.map_addition import NewPhoto, add_photos
 from sextant.places.photo_file import SUFFIXES, GeoPosition, geo_position
-from sextant.places.place_map import GeoCorners, Overview, Photo, PlaceMap, check_photo
+from sextant.places.place_map import GeoCorners, PlaceMap, image_in
 
 METRES_A_DEGREE = 111_320.0  # of latitude, within half a percent everywhere
+DIGITS = 7  # of a degree, that drawn corners are rounded to: a centimetre
 
 
 class ExifMap(NamedTuple):
@@ -41,20 +43,31 @@ def positions_of(photos: Sequence[Path]) -> Tuple[Dict[Path, GeoPosition], Dict[
     return positions, unknown
 
 
-def exif_map(folder: Path, photos: Sequence[Path], overview: Overview, corners: GeoCorners) -> ExifMap:
-    """A map in a folder of photos there or below, with ids from 0 on in their order."""
+def exif_map(place_map: PlaceMap, photos: Sequence[Path]) -> ExifMap:
+    """A map whose corners are known, with photos of its folder, or of those below, added in their order.
+
+    :raises ValueError: the map has no corners, or a photo lies elsewhere
+    """
+    if not isinstance(place_map.georeference, GeoCorners):
+        raise ValueError("where the overview's corners lie on the earth is not known")
+    files = {_image(place_map.folder, path): path for path in photos}
     positions, left_out = positions_of(photos)
-    placed: List[Photo] = []
-    for path, position in positions.items():
-        x, y = corners.pixel(overview, position.latitude, position.longitude)
-        photo = Photo(len(placed), path.relative_to(folder).as_posix(), x, y, position.yaw)
-        try:
-            check_photo(overview, photo)
-        except ValueError as error:
-            left_out[path] = f"{path}: {error}"
-            continue
-        placed.append(photo)
-    return ExifMap(PlaceMap(folder, overview, tuple(placed), corners), left_out)
+    found = []
+    for image, path in files.items():
+        if path in positions:
+            position = positions[path]
+            x, y = place_map.georeference.pixel(place_map.overview, position.latitude, position.longitude)
+            found.append(NewPhoto(image, x, y, position.yaw))
+    added = add_photos(place_map, found)
+    left_out.update({files[image]: f"{files[image]}: {why}" for image, why in added.left_out.items()})
+    return ExifMap(added.place_map, left_out)
+
+
+def _image(folder: Path, path: Path) -> str:
+    image = image_in(folder, path)
+    if image is None:
+        raise ValueError(f"{path}: photos have to lie in {folder}, that of the map, or below")
+    return image
 
 
 def corners_around(positions: Sequence[GeoPosition], margin: float) -> GeoCorners:
@@ -68,8 +81,10 @@ def corners_around(positions: Sequence[GeoPosition], margin: float) -> GeoCorner
     longitudes = [position.longitude for position in positions]
     up = margin / METRES_A_DEGREE
     right = up / math.cos(math.radians(sum(latitudes) / len(latitudes)))
+    north, west = max(latitudes) + up, min(longitudes) - right
+    south, east = min(latitudes) - up, max(longitudes) + right
     return GeoCorners(
-        (max(latitudes) + up, min(longitudes) - right), (min(latitudes) - up, max(longitudes) + right)
+        (round(north, DIGITS), round(west, DIGITS)), (round(south, DIGITS), round(east, DIGITS))
     )
 
 

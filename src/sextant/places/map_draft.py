@@ -81,7 +81,7 @@ class MapDraft:
         if image == place_map.overview.image:
             raise ValueError(f"{image}: is the overview")
         old = self.placed().get(image)
-        number = old.id if old else 1 + max((photo.id for photo in place_map.photos), default=-1)
+        number = old.id if old else place_map.next_id()
         photo = Photo(number, image, x, y, old.yaw if old else None)
         check_photo(place_map.overview, photo)
         if not old:

@@ -6,15 +6,18 @@ import math
 from pathlib import Path
 from typing import Any, List, NamedTuple, Sequence, Tuple
 
+import matplotlib
 import numpy as np
 import yaml
-from PIL import Image, ImageDraw
+from PIL import Image, ImageDraw, ImageFont
 
 from sextant.places.photo_file import photo_size
 from sextant.places.place_map import MetricFrame, Overview
 
 LARGEST_SIDE = 2000  # pixels of a drawn overview
 PAPER, LINES, PATH, WORDS = "#fbfaf7", "#e2ded4", "#b9c7d6", "#8a857a"
+SLIMMEST = 0.25  # shorter side of a sheet of paths, of the longer one
+LETTERS = 30  # pixels high
 GRID_LINES = 12  # at most, across the longer side
 
 
@@ -25,10 +28,10 @@ class Drawing(NamedTuple):
     metres_a_pixel: float
 
 
-def draw_overview(path: Sequence[Tuple[float, float]], width: float, height: float) -> Drawing:
-    """A sheet with a grid in metres and the path that was walked.
+def draw_overview(paths: Sequence[np.ndarray], width: float, height: float) -> Drawing:
+    """A sheet with a grid in metres and the paths that were walked.
 
-    :param path: metres from the left and from the top edge
+    :param paths: each (n, 2), metres from the left and from the top edge
     :param width: height: metres of the sheet
     :raises ValueError: it has no extent
     """
@@ -43,11 +46,31 @@ def draw_overview(path: Sequence[Tuple[float, float]], width: float, height: flo
         at = i * step * scale
         draw.line([(at, 0), (at, size[1])], LINES, 2)
         draw.line([(0, at), (size[0], at)], LINES, 2)
-    draw.text((8, 8), f"{step:g} m a square", WORDS)
-    points = [(x * scale, y * scale) for x, y in path]
-    if len(points) > 1:
-        draw.line(points, PATH, 6, joint="curve")
-    return Drawing(image, 1 / scale)
+    font = ImageFont.truetype(f"{matplotlib.get_data_path()}/fonts/ttf/DejaVuSans.ttf", LETTERS)
+    draw.text((LETTERS / 2, LETTERS / 4), f"{step:g} m a square", WORDS, font)
+    for path in paths:
+        if len(path) > 1:
+            points = [(x * scale, y * scale) for x, y in path]
+            draw.line(points, PATH, 6, joint="curve")
+    return Drawing(image, round(max(width, height) / LARGEST_SIDE, 9))
+
+
+def draw_paths(paths: Sequence[np.ndarray], frame: str, margin: float) -> Tuple[Image.Image, MetricFrame]:
+    """A sheet that shows all of the paths and margin metres around them, and where it lies.
+
+    :param paths: each (n, 2), metres in the tf frame; together at least one point
+    """
+    points = np.vstack(paths)
+    low, high = points.min(axis=0) - margin, points.max(axis=0) + margin
+    size = high - low
+    beside = np.maximum(SLIMMEST * size.max() - size, 0) / 2  # of a long straight way
+    left, bottom = np.floor(10 * (low - beside)) / 10  # whole decimetres
+    right, top = np.ceil(10 * (high + beside)) / 10
+    on_sheet = [(path - (left, top)) * (1, -1) for path in paths]
+    image, resolution = draw_overview(on_sheet, *np.round((right - left, top - bottom), 1).tolist())
+    bottom = top - image.height * resolution  # of whole pixels
+    origin = (round(float(left), 6), round(float(bottom), 6), 0.0)
+    return image, MetricFrame(frame, resolution, origin)
 
 
 def grid_step(longer_side: float) -> float:

@@ -7,6 +7,7 @@ counterclockwise from the overview's right, as on any map that is laid out so.
 """
 
 import math
+import os
 from pathlib import Path, PurePosixPath
 from typing import Dict, List, NamedTuple, Optional, Tuple, Union
 
@@ -55,7 +56,16 @@ class MetricFrame(NamedTuple):
 
     def yaw(self, yaw: float) -> float:
         """A photo's yaw in the frame, in (-pi, pi]."""
-        return math.pi - (math.pi - yaw - self.origin[2]) % (2 * math.pi)
+        return _wrapped(yaw + self.origin[2])
+
+    def photo_yaw(self, yaw: float) -> float:
+        """The inverse of yaw()."""
+        return _wrapped(yaw - self.origin[2])
+
+
+def _wrapped(angle: float) -> float:
+    """In (-pi, pi]."""
+    return math.pi - (math.pi - angle) % (2 * math.pi)
 
 
 class GeoCorners(NamedTuple):
@@ -98,6 +108,10 @@ class PlaceMap(NamedTuple):
             found.setdefault((photo.x, photo.y), []).append(photo)
         return list(found.values())
 
+    def next_id(self) -> int:
+        """Of a photo that is added."""
+        return 1 + max((photo.id for photo in self.photos), default=-1)
+
     def path(self, photo: Photo) -> Path:
         """Of a photo's file."""
         return self.folder / photo.image
@@ -112,6 +126,14 @@ class PlaceMap(NamedTuple):
             if photo.id in ids:
                 raise ValueError(f"photo {photo.id} is there twice: {ids[photo.id].image} and {photo.image}")
             ids[photo.id] = photo
+
+
+def image_in(folder: Path, path: Path) -> Optional[str]:
+    """What a file is called in a map of this folder; None: it lies neither there nor below."""
+    try:  # a link is where it is, not where it leads
+        return Path(os.path.abspath(path)).relative_to(os.path.abspath(folder)).as_posix()
+    except ValueError:
+        return None
 
 
 def check_overview(overview: Overview) -> None:

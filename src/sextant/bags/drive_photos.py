@@ -1,0 +1,180 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Photos of a recorded drive whose poses are known, picked by distance and turn."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
+
+import cv2
+import numpy as np
+
+from sextant.bags.bag_file import BagFile, DamagedMessage
+from sextant.bags.camera_topics import COMPRESSED, IMAGE, CameraTopic, choose_pictures
+from sextant.bags.mounts import Mount, find_mounts
+from sextant.bags.pictures import colour_compressed, colour_image
+from sextant.bags.read_options import ReadOptions
+from sextant.bags.recorded_poses import read_frame, read_poses
+from sextant.bags.stamped_values import stamped_values
+from sextant.bags.stamps import Losses
+from sextant.bags.transforms import frame_name, read_transforms
+from sextant.places.view_picks import due_views, sharpness, view_yaw
+from sextant.poses import LONGEST_GAP, interpolated_poses
+
+JPEG_QUALITY = 95
+
+_DECODERS: Dict[str, Callable[[Any], np.ndarray]] = {IMAGE: colour_image, COMPRESSED: colour_compressed}
+
+
+@dataclass(frozen=True)
+class PhotoOptions:
+    """Which photos are taken, and what tells their poses."""
+
+    image: str = ""  # topic; empty: that of the only camera
+    pose: str = ""  # topic of the base's poses; empty: tf has them
+    frame: str = "map"  # where tf has the base; of a topic's poses it is that which they say
+    distance: float = 1.0  # metres from one photo to the next
+    turn: float = float(np.radians(30.0))  # radians; a photo is also taken after the camera turned so far
+    every: int = 1  # only every n-th image is looked at
+    base_frame: str = ReadOptions.base_frame
+    mounts: Dict[str, np.ndarray] = field(default_factory=dict)  # as ReadOptions has them
+
+    def validate(self) -> None:
+        """:raises ValueError: names the first field that cannot be"""
+        for name, most in (("distance", np.inf), ("turn", 2 * np.pi)):
+            value = getattr(self, name)
+            if not 0 < value <= most:
+                raise ValueError(
+                    f"{name} is {value:g}, allowed is above 0" + f", up to {most:g}" * (most < 9)
+                )
+        self.reading().validate()
+
+    def reading(self) -> ReadOptions:
+        """The part that all readers of bags have."""
+        return ReadOptions(base_frame=self.base_frame, mounts=self.mounts, every=self.every)
+
+
+class DrivePhoto(NamedTuple):
+    """A picture and where its camera was."""
+
+    name: str  # of a file, of which no other drive has one
+    position: Tuple[float, float]  # metres
+    yaw: Optional[float]  # radians; None: the camera looked up or down
+    jpeg: bytes
+
+
+@dataclass(frozen=True)
+class DrivePhotos:
+    """Of one bag."""
+
+    frame: str  # that positions are in
+    paths: List[np.ndarray]  # each (n, 2): where the camera was while its pose was known, metres
+    photos: List[DrivePhoto]
+    warnings: Tuple[str, ...] = ()
+
+
+def read_drive_photos(path: str, options: PhotoOptions) -> DrivePhotos:
+    """Reads a bag without a master. Of pictures that are almost alike the sharpest is taken.
+
+    :raises BagError: the bag, its images, its poses or the mount cannot be used; and what to do
+    :raises ValueError: as PhotoOptions.validate()
+    """
+    options.validate()
+    with BagFile(path) as bag:
+        topic, notes = choose_pictures(bag, options.image)
+        read = stamped_values(bag, topic.topic, _camera_frame)
+        stamps = list(read.values)[:: options.every]
+        tree = read_transforms(bag)
+        camera = {topic.camera: frame_name(read.first.header.frame_id)}
+        mounts = find_mounts(bag, camera, options.reading(), tree)
+        frame, T_map_base, more = _base_poses(path, options, stamps)
+        poses = _camera_poses(stamps, T_map_base, mounts.by_camera[topic.camera])
+        if not poses:
+            raise bag.error(f"no image of {topic.topic} has a pose", "were both recorded at the same time?")
+        photos, losses = _photos(bag, topic, poses, options)
+    if len(poses) < len(stamps):
+        more = [*more, f"{len(stamps) - len(poses)} of {len(stamps)} images have no pose"]
+    warnings = [*notes, *read.notes, *mounts.notes, *more, *losses]
+    return DrivePhotos(frame, _paths(stamps, poses), photos, tuple(dict.fromkeys(warnings)))
+
+
+def _camera_frame(message: Any, first: Any) -> str:
+    frame, expected = (frame_name(each.header.frame_id) for each in (message, first))
+    if frame != expected:
+        raise DamagedMessage(f"its frame is '{frame}', the first one's '{expected}'")
+    return frame
+
+
+def _base_poses(
+    path: str, options: PhotoOptions, stamps: Sequence[int]
+) -> Tuple[str, Dict[int, np.ndarray], List[str]]:
+    """The frame, T_frame_base (4, 4) by stamp where it is known, and what is odd about them."""
+    if not options.pose:
+        known, notes = read_frame(path, options.frame, options.base_frame, stamps)
+        return frame_name(options.frame), known, notes
+    read = read_poses(path, options.pose)
+    at = interpolated_poses(read.stamps, read.poses, np.array(stamps, dtype=np.int64), LONGEST_GAP)
+    known = {stamp: T for stamp, T in zip(stamps, at) if T is not None}
+    return read.frame, known, list(read.warnings)
+
+
+def _camera_poses(
+    stamps: Sequence[int], T_map_base: Dict[int, np.ndarray], mount: Mount
+) -> Dict[int, np.ndarray]:
+    """T_map_camera (4, 4) by stamp, where both parts of it are known."""
+    parts = ((stamp, T_map_base.get(stamp), mount(stamp)) for stamp in stamps)
+    return {
+        stamp: T_base @ T_camera
+        for stamp, T_base, T_camera in parts
+        if not (T_base is None or T_camera is None)
+    }
+
+
+def _photos(
+    bag: BagFile, topic: CameraTopic, poses: Dict[int, np.ndarray], options: PhotoOptions
+) -> Tuple[List[DrivePhoto], List[str]]:
+    """The sharpest picture of each pick, in the order of their stamps; and what could not be read."""
+    stamps, name = list(poses), _name(bag, topic)
+    picks = due_views(list(poses.values()), options.distance, options.turn)
+    pick_of = {stamps[i]: number for number, pick in enumerate(picks) for i in pick}
+    best: Dict[int, Tuple[float, DrivePhoto]] = {}
+    losses = Losses()
+    for recorded in bag.messages([topic.topic]):
+        try:
+            message = recorded.message()
+            stamp = message.header.stamp.to_nsec()
+            if stamp not in pick_of:
+                continue
+            picture = _DECODERS[topic.type](message)
+        except DamagedMessage as error:
+            losses.lost(topic.topic, str(error))
+            continue
+        losses.used(topic.topic)
+        sharp, pick = sharpness(picture), pick_of[stamp]
+        if pick not in best or sharp > best[pick][0]:
+            best[pick] = sharp, _photo(f"{name}_{stamp / 1e9:.3f}.jpg", picture, poses[stamp])
+    losses.check(bag, topic.topic)
+    return [best[pick][1] for pick in sorted(best)], losses.notes()
+
+
+def _name(bag: BagFile, topic: CameraTopic) -> str:
+    """What the files of this bag's and this camera's photos begin with."""
+    camera = topic.info_topic.split("/")[:-1]
+    return "_".join([Path(bag.path).stem, *filter(None, camera)])
+
+
+def _photo(name: str, picture: np.ndarray, T_map_camera: np.ndarray) -> DrivePhoto:
+    _, jpeg = cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])
+    x, y = T_map_camera[:2, 3].tolist()
+    return DrivePhoto(name, (x, y), view_yaw(T_map_camera), jpeg.tobytes())
+
+
+def _paths(stamps: Sequence[int], poses: Dict[int, np.ndarray]) -> List[np.ndarray]:
+    """Positions, apart where poses are unknown between them."""
+    paths: List[List[np.ndarray]] = [[]]
+    for stamp in stamps:
+        if stamp in poses:
+            paths[-1].append(poses[stamp][:2, 3])
+        elif paths[-1]:
+            paths.append([])
+    return [np.array(path) for path in paths if path]
