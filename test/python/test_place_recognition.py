@@ -11,7 +11,7 @@ import pytest
 from made_photos import picture, shifted, written_photos
 
 from sextant.places.place_belief import PlaceBelief
-from sextant.places.place_index import IndexSettings, PlaceIndex, extract_all
+from sextant.places.place_index import IndexSettings, PlaceIndex, extract_all, plain_features
 from sextant.places.place_map import Overview, Photo, PlaceMap
 from sextant.places.place_metrics import precision_recall
 from sextant.places.place_recognition import PlaceRecognizer, RecognitionParams
@@ -76,9 +76,6 @@ def test_photos_of_one_place_speak_for_it_together(tmp_path):
 
 
 def test_a_turned_picture_of_plain_features_is_recognized(place_map, tmp_path):
-    from sextant.places.place_belief import PlaceBelief
-from sextant.places.place_index import plain_features
-
     recognizer = PlaceRecognizer(
         place_map, index_of(place_map, IndexSettings(plain_features("SIFT", "SIFT")))
     )
