@@ -21,7 +21,7 @@ HIGHEST_RELATIVE = 6.0  # in relative evidence, which has to bear that one pictu
 class EvidenceParams:
     """How scores by votes become evidence; `benchmark/places.py --only calibration` fits the first four.
 
-    log ratio = deviation * z + score * ln(s) + size * ln(n) - offset, of score s, its deviations() z, n photos
+    log ratio = deviation * z + score * ln(s) + size * ln(n) - offset; score s, its deviations() z, n photos
     """
 
     deviation: float = 0.216  # [0, 100]
