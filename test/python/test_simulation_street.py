@@ -2,8 +2,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The simulated street: what stands where, what changes, and that it is seen where a pinhole shows it."""
 
+from copy import copy
 from dataclasses import replace
+from functools import lru_cache
 
+import cv2
 import numpy as np
 import pytest
 
@@ -19,9 +22,14 @@ def board(left, right, height, tone):
     return Upright(np.array(left), np.array(right), height, np.full((400, 400), tone, np.uint8), None)
 
 
+@lru_cache(maxsize=None)
+def still_street(name="summer"):
+    return Street(1, replace(CONDITIONS[name], noise=0.0))
+
+
 @pytest.fixture
 def empty():
-    street = Street(1, STILL)
+    street = copy(still_street())
     street.uprights = []
     return street
 
@@ -57,11 +65,11 @@ def test_the_nearer_hides_the_farther(empty):
     pose = np.array([40.0, 30.0, 0.0])
     empty.uprights = [board((46.0, 31.0), (46.0, 29.0), 3.0, 10), board((52.0, 35.0), (52.0, 25.0), 3.0, 240)]
     image = street_view(empty, pose, SIZE)
-    assert image[110, 160] < 40 < 180 < image[110, 40]
+    assert image[110, 160] < 40 < 180 < image[110, 60]
 
 
 def test_the_walk_goes_around_the_block():
-    street = Street(1, STILL)
+    street = still_street()
     poses = np.array([street.pose(arc) for arc in np.linspace(0, street.length, 200)])
     assert poses[0] == pytest.approx(poses[-1], abs=1e-6)
     assert poses[:, :2].min() == pytest.approx(0, abs=0.1)
@@ -76,14 +84,15 @@ def test_the_walk_goes_around_the_block():
 
 
 def test_a_seed_makes_the_same_street():
-    pictures = [street_view(Street(seed, STILL), Street(seed, STILL).pose(20.0), SIZE) for seed in (1, 1, 2)]
+    streets = [still_street(), *(Street(seed, STILL) for seed in (1, 2))]
+    pictures = [street_view(street, street.pose(20.0), SIZE) for street in streets]
     assert np.array_equal(pictures[0], pictures[1])
     assert not np.array_equal(pictures[0], pictures[2])
 
 
 @pytest.mark.parametrize("name", [name for name in CONDITIONS if name != "summer"])
 def test_conditions_change_the_picture_but_not_where_houses_stand(name):
-    usual, other = Street(1, STILL), Street(1, replace(CONDITIONS[name], noise=0.0))
+    usual, other = still_street(), still_street(name)
     assert not np.array_equal(
         street_view(usual, usual.pose(20.0), SIZE), street_view(other, other.pose(20.0), SIZE)
     )
@@ -96,6 +105,35 @@ def test_conditions_change_the_picture_but_not_where_houses_stand(name):
         for street in (usual, other)
     ]
     assert houses[0] == houses[1] and len(houses[0]) > 20
+
+
+def test_a_view_is_as_rich_as_a_photo():
+    street = still_street()
+    views = [street_view(street, street.pose(arc)) for arc in np.arange(0, street.length, 40)]
+    assert np.median([len(cv2.SIFT_create().detect(view)) for view in views]) >= 1000
+
+
+def test_both_sizes_show_the_same():
+    street, small = still_street(), (320, 240)
+    for arc in np.arange(5, street.length, 60):
+        pose = street.pose(arc)
+        large = street_view(street, pose, (1280, 960))
+        error = cv2.resize(large, small, interpolation=cv2.INTER_AREA) - street_view(street, pose, small)
+        assert np.abs(error.astype(np.int8)).mean() < 6
+
+
+def test_the_ground_stays_where_it_is_when_the_camera_moves(empty):
+    before, after = (street_view(empty, np.array([x, 0.0, 0.0]), (640, 480)) for x in (40.0, 40.5))
+    rows, f = np.arange(300, 420), 320 / np.tan(np.deg2rad(31.0))
+    depth = EYE * f / (rows - 239.5)
+    moved = 239.5 + EYE * f / (depth - 0.5)  # where the same ground is seen afterwards
+    seen = cv2.remap(after, *shrunk(rows, moved, depth / (depth - 0.5)), cv2.INTER_LINEAR)
+    assert np.corrcoef(before[rows, 220:420].ravel(), seen.ravel())[0, 1] > 0.8
+
+
+def shrunk(rows, moved, factor):
+    u = 319.5 + np.outer(factor, np.arange(220, 420) - 319.5)
+    return u.astype(np.float32), np.tile(moved.astype(np.float32)[:, None], (1, 200))
 
 
 @pytest.mark.parametrize(

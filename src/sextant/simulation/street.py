@@ -11,10 +11,14 @@ from typing import List, NamedTuple, Optional, Tuple
 import cv2
 import numpy as np
 
-from sextant.simulation.street_textures import SEASONS, SNOW, TEXELS, Texture, car, facade, noise, tree
+from sextant.simulation.street_ground import ground
+from sextant.simulation.street_plants import bush, tree
+from sextant.simulation.street_sky import panorama
+from sextant.simulation.street_textures import SEASONS, Texture, car, facade
 
 LENGTH, WIDTH, CORNER = 120.0, 70.0, 12.0  # of the block, and the radius of its corners
-GROUND_SIDE, GROUND_TEXELS = 1024, 12.0  # of the ground's texture, which repeats; texels a metre
+COARSER = 4  # times, the texels of what is seen from afar
+SUN_HEIGHT = 0.7  # tangent of its elevation
 
 
 @dataclass(frozen=True)
@@ -54,6 +58,7 @@ class Upright(NamedTuple):
     height: float
     grey: np.ndarray  # uint8
     mask: Optional[np.ndarray]
+    coarse: Optional["Upright"] = None  # the same with fewer texels, for afar
 
 
 class Street:
@@ -69,7 +74,9 @@ class Street:
         for side in (-1, 1):
             self._line(np.random.default_rng([seed, side + 1]), side)
         self._park(np.random.default_rng([seed, 2, conditions.look]))
-        self.ground = _ground(seed, conditions)
+        season, look = conditions.season, conditions.look
+        self.ground = ground(seed, season, look, self._corners, self._shadows(), conditions.direct)
+        self.sky = panorama(seed, season, look)
 
     def pose(self, arc: float, aside: float = 0.0, turn: float = 0.0) -> np.ndarray:
         """(x, y, yaw) of a walker at an arc length, aside metres to the left, turned by radians."""
@@ -82,17 +89,18 @@ class Street:
         return np.array([np.interp(arc % self.length, self._arc, self._corners[:, axis]) for axis in (0, 1)])
 
     def _line(self, rng: np.random.Generator, side: int) -> None:
-        arc = 0.0
+        season, look, arc = self.conditions.season, self.conditions.look, 0.0
         while arc < self.length:
             width, height, back = rng.uniform(6, 14), rng.uniform(4, 11), rng.uniform(6, 9)
             seed, kind, turn = int(rng.integers(1 << 30)), rng.random(), rng.normal(0, 0.04)
             at, near, has_tree = arc + rng.uniform(0, width), rng.uniform(3.8, 5.5), rng.random()
             if kind < 0.75:
-                self._stand(
-                    arc + width / 2, side * back, facade(seed, width, height, self.conditions.look), turn
-                )
+                self._stand(arc + width / 2, side * back, facade(seed, width, height, look, season), turn)
             if kind > 0.5 or has_tree < 0.3:
-                self._stand(at, side * near, tree(seed + 1, self.conditions.season, self.conditions.look))
+                self._stand(at, side * near, tree(seed + 1, season, look))
+            for number in range(int(rng.integers(0, 5))):
+                bush_at, aside = arc + rng.uniform(0, width), rng.uniform(5.5, min(back, 7.0))
+                self._stand(bush_at, side * aside, bush(seed + 2 + number, season, look))
             arc += 1.02 * width
 
     def _park(self, rng: np.random.Generator) -> None:
@@ -108,7 +116,15 @@ class Street:
         if aside < 0:  # from the street, what comes later is at the left
             left, right = right, left
         grey = self._lit(texture, left, right)
-        self.uprights.append(Upright(left, right, texture.height, grey, texture.mask))
+        self.uprights.append(_with_coarse(Upright(left, right, texture.height, grey, texture.mask)))
+
+    def _shadows(self) -> List[np.ndarray]:
+        """Corners on the ground of what keeps the sun off."""
+        away = -np.array([np.cos(self.conditions.sun), np.sin(self.conditions.sun)]) / SUN_HEIGHT
+        return [
+            np.array([each.left, each.right, each.right + each.height * away, each.left + each.height * away])
+            for each in self.uprights
+        ]
 
     def _lit(self, texture: Texture, left: np.ndarray, right: np.ndarray) -> np.ndarray:
         light, along = self.conditions, (right - left) / np.linalg.norm(right - left)
@@ -116,8 +132,6 @@ class Street:
         grey = texture.grey * (1 - light.direct + light.direct * 1.6 * facing)
         if texture.mask is None:
             self._shade(grey, left)
-            if light.season == "winter":
-                grey[: int(0.3 * TEXELS)] = SNOW
         return np.clip(grey * light.exposure, 0, 255).astype(np.uint8)
 
     def _shade(self, grey: np.ndarray, left: np.ndarray) -> None:
@@ -131,6 +145,17 @@ class Street:
             shadow = np.zeros(grey.shape, np.uint8)
             cv2.fillPoly(shadow, [corners], 255)
             grey[shadow > 0] *= 1 - 0.7 * self.conditions.direct
+
+
+def _with_coarse(upright: Upright) -> Upright:
+    if min(upright.grey.shape) < 2 * COARSER**2:
+        return upright
+    size = tuple(side // COARSER for side in upright.grey.shape[::-1])
+    grey, mask = (
+        None if each is None else cv2.resize(each, size, interpolation=cv2.INTER_AREA)
+        for each in (upright.grey, upright.mask)
+    )
+    return upright._replace(coarse=_with_coarse(upright._replace(grey=grey, mask=mask)))
 
 
 def _loop() -> Tuple[np.ndarray, np.ndarray]:
@@ -148,18 +173,3 @@ def _loop() -> Tuple[np.ndarray, np.ndarray]:
     ]
     closed = np.array([*points, points[0]])
     return closed, np.append(0.0, np.cumsum(np.linalg.norm(np.diff(closed, axis=0), axis=1)))
-
-
-def _ground(seed: int, conditions: StreetConditions) -> np.ndarray:
-    rng = np.random.default_rng([seed, 5])
-    side = GROUND_SIDE // 2
-    grey = 105 + 14 * noise(rng, side, side, 3) + 18 * noise(rng, side, side, 30)
-    if conditions.season == "winter":
-        grey = 205 + 8 * noise(rng, side, side, 25) + 3 * noise(rng, side, side, 4)
-    if conditions.season == "autumn":
-        leaves = noise(np.random.default_rng([seed, 6, conditions.look]), side, side, 2)
-        grey += 30 * (leaves > 1.2)
-    quarter = np.clip(grey * conditions.exposure, 0, 255).astype(np.uint8)
-    return np.block(
-        [[quarter, quarter[:, ::-1]], [quarter[::-1], quarter[::-1, ::-1]]]
-    )  # repeats without a seam

@@ -1,20 +1,22 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""What stands along a simulated street: facades, trees and cars, as grey textures with seeds of their own.
+"""What stands along a simulated street: facades and cars, as grey textures with seeds of their own.
 
 Brightness is 0 to 255 in the light of a cloudy day. A texture's `look` is what people change from day to day:
 blinds, posters; everything else of a facade stays.
 """
 
-from typing import List, NamedTuple, Optional, Tuple
+from functools import lru_cache
+from typing import NamedTuple, Optional, Tuple
 
 import cv2
 import numpy as np
+from scipy import fft
 
-TEXELS = 48  # a metre
+TEXELS = 96  # a metre
 SEASONS = ("summer", "autumn", "winter")
-LEAVES = {"summer": (6.0, 75.0), "autumn": (2.7, 140.0), "winter": (0.0, 0.0)}  # bunches a twig, brightness
 SNOW = 225.0
+TILE = 2048  # texels; side of the grain that all surfaces are cut from
 
 
 class Texture(NamedTuple):
@@ -34,7 +36,32 @@ def noise(rng: np.random.Generator, rows: int, columns: int, grain: float) -> np
     )
 
 
-def facade(seed: int, width: float, height: float, look: int) -> Texture:
+def repeating_noise(rng: np.random.Generator, side: int, exponent: float) -> np.ndarray:
+    """Noise of all sizes and deviation 1 that repeats without a seam, float32 (side, side).
+
+    :param exponent: its amplitudes fall with frequency to the power of this: 0: white; 1: as in most pictures
+    """
+    spectrum = fft.rfft2(rng.standard_normal((side, side), np.float32))
+    frequency = np.hypot(*np.meshgrid(fft.rfftfreq(side), fft.fftfreq(side))).astype(np.float32)
+    spectrum *= np.maximum(side * frequency, 1) ** -exponent
+    spectrum[0, 0] = 0
+    waves = fft.irfft2(spectrum, (side, side))
+    return waves / waves.std()
+
+
+@lru_cache(maxsize=1)
+def _tile() -> np.ndarray:
+    return repeating_noise(np.random.default_rng(1), TILE, 0.7)
+
+
+def grain(rng: np.random.Generator, rows: int, columns: int) -> np.ndarray:
+    """Noise of all sizes and deviation 1, float32 (rows, columns), at most TILE; a piece of one for all."""
+    y, x = rng.integers(TILE - rows + 1), rng.integers(TILE - columns + 1)
+    turn = slice(None, None, int(rng.choice([-1, 1])))
+    return _tile()[y : y + rows, x : x + columns][turn, ::-1]
+
+
+def facade(seed: int, width: float, height: float, look: int, season: str) -> Texture:
     """The front of a house, metres."""
     rng, look_rng = np.random.default_rng(seed), np.random.default_rng([seed, look])
     rows, columns = int(height * TEXELS), int(width * TEXELS)
@@ -43,31 +70,16 @@ def facade(seed: int, width: float, height: float, look: int) -> Texture:
     grey += 8 * noise(rng, rows, columns, TEXELS) + 5 * noise(rng, rows, columns, 0.2 * TEXELS)
     surface = (_bricks, _panels, _plaster)[rng.integers(3)]
     surface(rng, grey)
-    _windows(rng, look_rng, grey, float(np.clip(base + rng.uniform(-70, 70), 5, 250)))
+    _plinth(rng, grey)
+    eaves = _roof(rng, grey)
+    _windows(rng, look_rng, grey, float(np.clip(base + rng.uniform(-70, 70), 5, 250)), eaves)
+    _pipe(rng, grey[eaves:])
     _door(rng, grey)
     _sign(rng, grey)
     _poster(rng, look_rng, grey)
-    return Texture(np.clip(grey, 0, 255), None, width, height)
-
-
-def tree(seed: int, season: str, look: int) -> Texture:
-    """A tree as it is in a season."""
-    rng, look_rng = np.random.default_rng(seed), np.random.default_rng([seed, look])
-    width, height = rng.uniform(2.5, 5), rng.uniform(4, 8)
-    rows, columns = int(height * TEXELS), int(width * TEXELS)
-    mask = np.zeros((rows, columns), np.uint8)
-    twigs = _branches(rng, mask)
-    grey = rng.uniform(40, 90) + 8 * noise(rng, rows, columns, 4)
-    bunches, tone = LEAVES[season]
-    for x, y in twigs:
-        for _ in range(int(bunches + look_rng.random()) if bunches else 0):
-            centre = (int(x + look_rng.normal(0, 0.3 * TEXELS)), int(y + look_rng.normal(0, 0.3 * TEXELS)))
-            radius = int(look_rng.uniform(0.05, 0.2) * TEXELS)
-            cv2.circle(grey, centre, radius, float(tone + look_rng.normal(0, 25)), -1)
-            cv2.circle(mask, centre, radius, 255, -1)
     if season == "winter":
-        grey[cv2.subtract(mask, np.roll(mask, 2, axis=0)) > 0] = SNOW  # on top of every branch
-    return Texture(np.clip(grey, 0, 255), mask, width, height)
+        _snow(look_rng, grey[: eaves - int(0.1 * TEXELS)])
+    return Texture(np.clip(grey, 0, 255), None, width, height)
 
 
 def car(seed: int) -> Texture:
@@ -76,45 +88,98 @@ def car(seed: int) -> Texture:
     width, height = 4.2, 1.5
     rows, columns = int(height * TEXELS), int(width * TEXELS)
     grey = np.full((rows, columns), rng.uniform(20, 230), np.float32)
+    grey += np.linspace(18, -18, rows, dtype=np.float32)[:, None] + 2.5 * grain(rng, rows, columns)
     mask = np.zeros((rows, columns), np.uint8)
     size = np.array([columns, rows])
-    cv2.rectangle(mask, (0, int(0.45 * rows)), (columns, int(0.85 * rows)), 255, -1)
-    roof = np.array([[0.15, 0.45], [0.3, 0], [0.7, 0], [0.88, 0.45]])
-    glass = np.array([[0.2, 0.42], [0.32, 0.06], [0.68, 0.06], [0.83, 0.42]])
-    cv2.fillPoly(mask, [(roof * size).astype(np.int32)], 255)
-    cv2.fillPoly(grey, [(glass * size).astype(np.int32)], 40.0)
+    body = np.array([[0, 0.5], [0.13, 0.45], [0.88, 0.45], [0.99, 0.52], [1, 0.84], [0, 0.84]])
+    roof = np.array([[0.15, 0.45], [0.3, 0.02], [0.68, 0], [0.88, 0.45]])
+    cv2.fillPoly(mask, [(part * size).astype(np.int32) for part in (body, roof)], 255)
+    for left, right in ((0.2, 0.47), (0.49, 0.82)):  # windows
+        glass = [[left, 0.42], [max(left, 0.32), 0.07], [min(right, 0.66), 0.07], [right, 0.42]]
+        cv2.fillPoly(grey, [(np.array(glass) * size).astype(np.int32)], 45.0)
+    for x in (0.3, 0.48, 0.7):  # joints of the doors
+        cv2.line(grey, (int(x * columns), int(0.45 * rows)), (int(x * columns), int(0.8 * rows)), 30.0, 2)
+    y = int(0.52 * rows)
+    for x in (0.36, 0.54):  # handles
+        cv2.line(grey, (int(x * columns), y), (int((x + 0.04) * columns), y), 25.0, 3)
+    grey[int(0.78 * rows) :] *= 0.5
     for x in (0.2, 0.8):
         hub = (int(x * columns), int(0.82 * rows))
-        for radius, tone in ((0.18, 25.0), (0.09, 170.0)):
+        for radius, tone in ((0.18, 25.0), (0.11, 150.0), (0.07, 90.0), (0.03, 180.0)):
             cv2.circle(mask, hub, int(radius * rows), 255, -1)
             cv2.circle(grey, hub, int(radius * rows), tone, -1)
-    return Texture(grey, mask, width, height)
+    return Texture(np.clip(grey, 0, 255), mask, width, height)
 
 
 def _bricks(rng: np.random.Generator, grey: np.ndarray) -> None:
-    rows, columns = int(0.12 * TEXELS) + 1, int(0.4 * TEXELS)
-    for number, y in enumerate(range(0, grey.shape[0], rows)):
-        grey[y] -= 25
-        for x in range(number % 2 * columns // 2, grey.shape[1], columns):
-            grey[y : y + rows, x : x + columns] += rng.normal(0, 6)
-            grey[y : y + rows, x] -= 20
+    y, x = np.arange(grey.shape[0]), np.arange(grey.shape[1])
+    row, across = y // int(0.085 * TEXELS), 0.26 * TEXELS
+    column = ((x[None] + (row % 2)[:, None] * across / 2) / across).astype(np.int32)
+    tones = rng.normal(0, 14, (row.max() + 1, column.max() + 1)).astype(np.float32)
+    joint = float(rng.choice([-30, 28]))
+    joints = (np.diff(row, prepend=-1) != 0)[:, None] | (np.diff(column, axis=1, prepend=-1) != 0)
+    grey += np.where(joints, joint, tones[row[:, None], column]) + 12 * grain(rng, *grey.shape)
 
 
 def _panels(rng: np.random.Generator, grey: np.ndarray) -> None:
-    for x in range(0, grey.shape[1], int(rng.uniform(0.5, 1.4) * TEXELS)):
-        grey[:, x : x + 2] -= 35
+    """Boards, with the grain of wood."""
+    rows, columns = grey.shape
+    grey += 7 * cv2.resize(grain(rng, rows // 16, columns), (columns, rows)) + 9 * grain(rng, rows, columns)
+    for x in range(0, columns, int(rng.uniform(0.12, 0.5) * TEXELS)):
+        grey[:, x : x + 2] -= 40
+        grey[:, x + 2 :] += rng.normal(0, 4)
 
 
 def _plaster(rng: np.random.Generator, grey: np.ndarray) -> None:
-    grey += 6 * noise(rng, *grey.shape, 3)
+    grey += 15 * grain(rng, *grey.shape)
+    for _ in range(int(rng.integers(3, 12))):  # cracks and stains that run down
+        x, y = rng.uniform(0, grey.shape[1]), rng.uniform(0, grey.shape[0])
+        path = (x, y) + np.cumsum(rng.normal((0, 7), (4, 4), (int(rng.integers(5, 25)), 2)), axis=0)
+        cv2.polylines(grey, [path.astype(np.int32)], False, float(grey.mean() - rng.uniform(20, 45)), 1)
 
 
-def _windows(rng: np.random.Generator, look_rng: np.random.Generator, grey: np.ndarray, frame: float) -> None:
+def _plinth(rng: np.random.Generator, grey: np.ndarray) -> None:
+    """Stones at the foot of the wall."""
+    top = grey.shape[0] - int(rng.uniform(0.2, 0.6) * TEXELS)
+    stones = grey[top:]
+    stones[:] = rng.uniform(60, 150) + 16 * grain(rng, *stones.shape)
+    for x in range(0, stones.shape[1], int(0.45 * TEXELS)):
+        at = x + int(rng.uniform(0, 0.2) * TEXELS)
+        stones[:, at : at + 2] -= 35
+    stones[:2] -= 30
+
+
+def _roof(rng: np.random.Generator, grey: np.ndarray) -> int:
+    """Tiles above a gutter; returns the row below it."""
+    rows, columns = int(rng.uniform(0.1, 0.25) * grey.shape[0]), grey.shape[1]
+    gutter = int(0.1 * TEXELS)
+    tile_rows, tile_columns = int(0.3 * TEXELS), int(0.22 * TEXELS)
+    y, x = np.arange(rows)[:, None], np.arange(columns)[None]
+    tones = rng.normal(rng.uniform(50, 120), 14, (rows // tile_rows + 1, columns // tile_columns + 1))
+    roof = tones[y // tile_rows, x // tile_columns] + 9 * grain(rng, rows, columns)
+    roof += 14 * np.sin(2 * np.pi * x / tile_columns) - 40 * (y % tile_rows < 3)
+    grey[:rows] = roof
+    grey[rows : rows + gutter] = rng.uniform(40, 200)
+    grey[rows + gutter : rows + 3 * gutter] *= 0.75  # the shade of the eaves
+    return rows + gutter
+
+
+def _snow(rng: np.random.Generator, roof: np.ndarray) -> None:
+    """Some has slid off."""
+    rows, columns = roof.shape
+    slid = noise(rng, rows, columns, 2 * TEXELS) + 0.4 * noise(rng, rows, columns, 0.1 * TEXELS)
+    lying = np.clip(1.8 + 1.5 * slid - 0.5 * np.linspace(0, 1, rows)[:, None], 0, 1)
+    roof += lying * (SNOW + 4 * grain(rng, rows, columns) - roof)
+
+
+def _windows(
+    rng: np.random.Generator, look_rng: np.random.Generator, grey: np.ndarray, frame: float, eaves: int
+) -> None:
     rows, columns = grey.shape
     storey, gap = rng.uniform(2.7, 3.6) * TEXELS, rng.uniform(0.6, 2.0) * TEXELS
     width, height = rng.uniform(0.8, 1.8) * TEXELS, rng.uniform(1.0, 1.8) * TEXELS
     panes = (int(rng.integers(1, 4)), int(rng.integers(1, 4)))
-    for y in np.arange(rows - 0.9 * TEXELS - height, 0.3 * TEXELS, -storey):
+    for y in np.arange(rows - 0.9 * TEXELS - height, eaves + 0.3 * TEXELS, -storey):
         for x in np.arange(gap * rng.uniform(0.4, 1.0), columns - 0.2 * TEXELS - width, width + gap):
             if rng.random() < 0.88:
                 _window(look_rng, grey, (int(x), int(y), int(x + width), int(y + height)), frame, panes)
@@ -131,17 +196,29 @@ def _window(
     bar = max(2, int(0.08 * TEXELS))
     cv2.rectangle(grey, (left - bar, top - bar), (right + bar, bottom + bar), frame, -1)
     dark = look_rng.uniform(20, 110)
-    grey[top:bottom, left:right] = np.linspace(dark + look_rng.uniform(0, 50), dark, bottom - top)[:, None]
+    glass = grey[top:bottom, left:right]
+    glass[:] = np.linspace(dark + look_rng.uniform(0, 50), dark, len(glass))[:, None]
+    glass += look_rng.uniform(3, 14) * noise(look_rng, *glass.shape, 0.15 * TEXELS)  # what it mirrors
     if look_rng.random() < 0.4:  # a blind
-        grey[top : top + int((bottom - top) * look_rng.uniform(0.2, 0.8)), left:right] = look_rng.uniform(
-            100, 220
-        )
+        blind = glass[: int(len(glass) * look_rng.uniform(0.2, 0.8))]
+        blind[:] = look_rng.uniform(100, 220)
+        blind[:: int(0.05 * TEXELS)] -= 25
     for i in range(1, panes[0]):
         x = left + i * (right - left) // panes[0]
         cv2.line(grey, (x, top), (x, bottom), frame, bar // 2 + 1)
     for i in range(1, panes[1]):
         y = top + i * (bottom - top) // panes[1]
         cv2.line(grey, (left, y), (right, y), frame, bar // 2 + 1)
+    sill = grey[bottom + bar : bottom + 2 * bar, left - bar : right + bar]
+    sill[:] = np.clip(frame + 25, 0, 255)
+    grey[bottom + 2 * bar : bottom + 3 * bar, left - bar : right + bar] *= 0.7
+
+
+def _pipe(rng: np.random.Generator, grey: np.ndarray) -> None:
+    """From the gutter to the ground."""
+    x, width = int(rng.choice([0.04, 0.95]) * grey.shape[1]), int(0.09 * TEXELS)
+    grey[:, x : x + width] = rng.uniform(60, 190) + 40 * np.sin(np.linspace(0, np.pi, width))
+    grey[int(1.5 * TEXELS) :: int(2 * TEXELS), x - 2 : x + width + 2] = 60
 
 
 def _door(rng: np.random.Generator, grey: np.ndarray) -> None:
@@ -151,7 +228,10 @@ def _door(rng: np.random.Generator, grey: np.ndarray) -> None:
     top = rows - 2.3 * TEXELS
     cv2.rectangle(grey, (int(left), int(top)), (int(left + width), rows), float(rng.uniform(20, 230)), -1)
     inner = [(left + 0.15 * width, top + 0.2 * TEXELS), (left + 0.85 * width, top + 1.1 * TEXELS)]
-    cv2.rectangle(grey, *[tuple(map(int, corner)) for corner in inner], float(rng.uniform(20, 230)), 3)
+    corners = [tuple(map(int, corner)) for corner in inner]
+    cv2.rectangle(grey, *corners, float(rng.uniform(20, 230)), int(0.06 * TEXELS))
+    door = grey[int(top) :, int(left) : int(left + width)]
+    door += 4 * grain(rng, *door.shape)
 
 
 def _sign(rng: np.random.Generator, grey: np.ndarray) -> None:
@@ -164,7 +244,7 @@ def _sign(rng: np.random.Generator, grey: np.ndarray) -> None:
     corners = [(left, top), (left + 0.4 * columns, top + 0.6 * TEXELS)]
     cv2.rectangle(grey, *[tuple(map(int, corner)) for corner in corners], float(paper), -1)
     at = (int(left + 0.05 * columns), int(top + 0.48 * TEXELS))
-    cv2.putText(grey, word, at, cv2.FONT_HERSHEY_DUPLEX, 0.4 * TEXELS / 22, float(ink), 2)
+    cv2.putText(grey, word, at, cv2.FONT_HERSHEY_DUPLEX, 0.4 * TEXELS / 22, float(ink), TEXELS // 24)
 
 
 def _poster(rng: np.random.Generator, look_rng: np.random.Generator, grey: np.ndarray) -> None:
@@ -175,20 +255,3 @@ def _poster(rng: np.random.Generator, look_rng: np.random.Generator, grey: np.nd
     poster = look_rng.uniform(30, 220) + 40 * noise(look_rng, TEXELS, int(0.7 * TEXELS), 0.15 * TEXELS)
     part = grey[top : top + TEXELS, left : left + poster.shape[1]]
     part[:] = poster[: part.shape[0], : part.shape[1]]
-
-
-def _branches(rng: np.random.Generator, mask: np.ndarray) -> List[Tuple[float, float]]:
-    """Draws a trunk and what grows of it; returns where the twigs end."""
-    rows, columns = mask.shape
-    twigs = []
-    growing = [(columns / 2, float(rows), 0.0, 0.28 * rows, rng.uniform(0.15, 0.35) * TEXELS, 5)]
-    while growing:
-        x, y, angle, length, thickness, depth = growing.pop()
-        end = (x + length * np.sin(angle), y - length * np.cos(angle))
-        cv2.line(mask, (int(x), int(y)), (int(end[0]), int(end[1])), 255, max(1, int(thickness)))
-        if depth <= 2:
-            twigs.append(end)
-        for _ in range(int(rng.integers(2, 4)) if depth else 0):
-            turned = angle + rng.normal(0, 0.5)
-            growing.append((*end, turned, length * rng.uniform(0.6, 0.8), 0.6 * thickness, depth - 1))
-    return twigs

@@ -8,15 +8,17 @@ import cv2
 import numpy as np
 
 from sextant.simulation.camera import HORIZONTAL_FOV
-from sextant.simulation.street import GROUND_SIDE, GROUND_TEXELS, Street, Upright
-from sextant.simulation.street_textures import TEXELS
+from sextant.simulation.street import COARSER, Street, Upright
+from sextant.simulation.street_sky import SIDE
+from sextant.simulation.street_sky import TEXELS as SKY_TEXELS
 
 EYE = 1.5  # metres above the ground
 NEAR, FAR = 0.5, 70.0  # metres; nothing nearer or farther is seen
 HAZE = 120.0  # metres at which what stands is hazed wholly
-GROUND_HAZE = 60.0
-SKY_TOP, SKY_HORIZON, HAZE_TONE, GROUND_TONE = 235.0, 205.0, 170.0, 150.0
+GROUND_HAZE, MOST_HAZE = 150.0, 0.6
+HAZE_TONE = 170.0
 SHARP = 1.5  # texels a pixel, from which on a texture is made smaller first
+SLANT = 2.5  # texels a pixel along the ground, as much
 
 
 class _Camera(NamedTuple):
@@ -55,29 +57,38 @@ def street_view(
     """
     width, height = size
     camera = _Camera(*pose, width, height, 0.5 * width / np.tan(horizontal_fov / 2))
-    image = _sky_and_ground(street, camera)
+    sky = _sky(street, camera) * min(street.conditions.exposure, 1.05)
+    image = np.concatenate([sky, _ground(street, camera)]).astype(np.float32)
     for upright in _far_to_near(street, camera):
         _draw(image, camera, upright, street.conditions.exposure)
     rng = np.random.default_rng([street.seed, street.conditions.look, seed])
-    noise = rng.normal(0, street.conditions.noise, image.shape)
-    return np.clip(image + noise, 0, 255).astype(np.uint8)
+    image += street.conditions.noise * rng.standard_normal(image.shape, np.float32)
+    return np.clip(image, 0, 255).astype(np.uint8)
 
 
-def _sky_and_ground(street: Street, camera: _Camera) -> np.ndarray:
-    exposure, (centre_x, centre_y) = street.conditions.exposure, camera.centre
-    image = np.empty((camera.height, camera.width), np.float32)
-    image[:] = np.linspace(SKY_TOP, SKY_HORIZON, camera.height)[:, None] * min(exposure, 1.05)
-    horizon = int(centre_y) + 1
-    v, u = np.mgrid[horizon : camera.height, 0 : camera.width].astype(np.float32)
-    depth = EYE * camera.f / (v - centre_y)
-    right = (u - centre_x) / camera.f * depth
-    cosine, sine = np.cos(camera.yaw), np.sin(camera.yaw)
-    x, y = camera.x + depth * cosine + right * sine, camera.y + depth * sine - right * cosine
-    at = [np.mod(each * GROUND_TEXELS, GROUND_SIDE).astype(np.float32) for each in (x, y)]
-    ground = cv2.remap(street.ground, *at, cv2.INTER_LINEAR, borderMode=cv2.BORDER_WRAP)
-    haze = np.clip(depth / GROUND_HAZE, 0, 1)
-    image[horizon:] = ground * (1 - haze) + GROUND_TONE * exposure * haze
-    return image
+def _sky(street: Street, camera: _Camera) -> np.ndarray:
+    """Brightness, float32, of the rows above the horizon."""
+    centre_x, centre_y = camera.centre
+    u, v = np.arange(camera.width), np.arange(int(centre_y) + 1)
+    aside = np.arctan((u - centre_x) / camera.f)
+    column = np.mod((camera.yaw - aside) * SKY_TEXELS, SIDE)
+    tangent = np.outer((centre_y - v) / camera.f, np.cos(aside))
+    at = np.tile(np.float32(column), (len(v), 1)), np.float32(len(street.sky) - 1 - tangent * SKY_TEXELS)
+    return cv2.remap(street.sky, *at, cv2.INTER_LINEAR, borderMode=cv2.BORDER_WRAP).astype(np.float32)
+
+
+def _ground(street: Street, camera: _Camera) -> np.ndarray:
+    """Brightness, float32, of the rows below the horizon."""
+    centre_x, centre_y = camera.centre
+    u, v = np.arange(camera.width), np.arange(int(centre_y) + 1, camera.height)
+    depth = (EYE * camera.f / (v - centre_y)).astype(np.float32)
+    right = np.outer(depth, np.float32(u - centre_x) / np.float32(camera.f))
+    cosine, sine = np.float32(np.cos(camera.yaw)), np.float32(np.sin(camera.yaw))
+    x = camera.x + cosine * depth[:, None] + sine * right
+    y = camera.y + sine * depth[:, None] - cosine * right
+    ground = street.ground.seen(x, y, depth / camera.f * np.maximum(depth / EYE / SLANT, 1))
+    haze = np.float32(np.minimum(depth / GROUND_HAZE, MOST_HAZE))[:, None]
+    return (ground * (1 - haze) + HAZE_TONE * haze) * street.conditions.exposure
 
 
 def _far_to_near(street: Street, camera: _Camera):
@@ -91,11 +102,10 @@ def _far_to_near(street: Street, camera: _Camera):
 
 def _draw(image: np.ndarray, camera: _Camera, upright: Upright, exposure: float) -> None:
     depth, right = camera.depth_and_right(np.array([upright.left, upright.right]))
-    # what is behind the camera is cut off: parts of the texture's width that are before it
+    parts = _visible(depth, right, (camera.width / 2 + 1) / camera.f)
+    nearest = (depth[0] + np.array(parts) * (depth[1] - depth[0])).min()
+    upright, scale = _sharp_enough(upright, camera.f / max(nearest, NEAR))
     columns = upright.grey.shape[1]
-    parts = np.array([0.0, 1.0])
-    crossing = (NEAR - depth[0]) / (depth[1] - depth[0]) if depth[0] != depth[1] else 0.0
-    parts[depth < NEAR] = crossing
     first, last = int(parts[0] * (columns - 1)), int(np.ceil(parts[1] * (columns - 1)))
     if last - first < 2:
         return
@@ -105,7 +115,6 @@ def _draw(image: np.ndarray, camera: _Camera, upright: Upright, exposure: float)
     box = _box(camera, corners)
     if box is None:
         return
-    scale = min(1.0, SHARP * camera.f / depth.min() / TEXELS)
     grey, mask = (_reduced(each, first, last, scale) for each in (upright.grey, upright.mask))
     if min(grey.shape) < 2:
         return
@@ -120,6 +129,32 @@ def _draw(image: np.ndarray, camera: _Camera, upright: Upright, exposure: float)
     haze = min(1.0, depth.min() / HAZE)
     part = image[top:stop_y, left:stop_x]
     part += opaque * (seen * (1 - haze) + HAZE_TONE * exposure * haze - part)
+
+
+def _sharp_enough(upright: Upright, pixels: float) -> Tuple[Upright, float]:
+    """Its coarsest texels that suffice for so many pixels a metre, and the scale to make them smaller by."""
+    width = np.linalg.norm(upright.right - upright.left)
+    while True:
+        scale = SHARP * pixels * width / upright.grey.shape[1]
+        if upright.coarse is None or scale * COARSER > 1:
+            return upright, min(1.0, scale)
+        upright = upright.coarse
+
+
+def _visible(depth: np.ndarray, right: np.ndarray, tangent: float) -> Tuple[float, float]:
+    """Which parts of the way between two points lie before the camera and within its picture's width.
+
+    :param tangent: of half of the angle of view
+    """
+    low, high = 0.0, 1.0
+    for begin, end in (depth - NEAR, tangent * depth - right, tangent * depth + right):
+        if begin < 0 and end < 0:
+            return 0.0, 0.0
+        if begin < 0:
+            low = max(low, begin / (begin - end))
+        elif end < 0:
+            high = min(high, begin / (begin - end))
+    return low, high
 
 
 def _projected(camera: _Camera, depth: np.ndarray, right: np.ndarray, height: float) -> np.ndarray:

@@ -1,0 +1,199 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""The ground of a simulated street: road, kerb, pavement and lawn, with what lies on them in a season.
+
+A layout says what is where; a grain of finer texels, which repeats, says how that looks from near. Both are
+pyramids: what is far away is taken from a smaller picture.
+"""
+
+from typing import List, NamedTuple, Sequence, Tuple
+
+import cv2
+import numpy as np
+
+from sextant.simulation.street_textures import SNOW, grain, noise, repeating_noise
+
+ORIGIN, EXTENT = np.array([-25.0, -25.0]), (170.0, 120.0)  # metres; what the layout covers
+LAYOUT_TEXELS = 20.0  # a metre
+GRAIN_SIDE, GRAIN_TEXELS = 2048, 150.0  # texels, and as many a metre
+ROAD, KERB, PAVEMENT = 3.2, 3.35, 5.4  # metres from the middle, where each ends
+MIDDLE = 128.0  # of a grain's brightness
+SHADOW, FOOT = 0.55, 0.6  # of the light that has a direction, taken away; left where something stands
+
+Pyramid = List[np.ndarray]
+
+
+class Ground(NamedTuple):
+    """Both have three channels; shares are 0 to 255.
+
+    layout: brightness, share of grass, share of what covers it; grain: of stone, of grass, of the cover.
+    """
+
+    layout: Pyramid
+    grain: Pyramid
+
+    @property
+    def bytes(self) -> int:
+        """Of memory."""
+        return sum(level.nbytes for level in (*self.layout, *self.grain))
+
+    def seen(self, x: np.ndarray, y: np.ndarray, footprint: np.ndarray) -> np.ndarray:
+        """Brightness, float32.
+
+        :param x: y: (rows, columns) metres
+        :param footprint: (rows,) metres that a pixel covers, getting smaller from row to row
+        """
+        at = (x - ORIGIN[0]) * LAYOUT_TEXELS, (y - ORIGIN[1]) * LAYOUT_TEXELS
+        tone, grass, cover = cv2.split(_sampled(self.layout, *at, footprint * LAYOUT_TEXELS))
+        at = [np.mod(each * GRAIN_TEXELS, GRAIN_SIDE) for each in (x, y)]
+        near = _sampled(self.grain, *at, footprint * GRAIN_TEXELS, cv2.BORDER_WRAP) - np.float32(MIDDLE)
+        stone, blades, covering = cv2.split(near)
+        bare = stone + grass / 255 * (blades - stone)
+        return tone + bare + cover / 255 * (covering - bare)
+
+
+def _sampled(
+    pyramid: Pyramid, x: np.ndarray, y: np.ndarray, footprint: np.ndarray, border: int = cv2.BORDER_REPLICATE
+) -> np.ndarray:
+    """Texels of the largest picture, between the two pictures whose texels are as large as a pixel."""
+    levels = np.clip(np.log2(np.maximum(footprint, 1e-6)), 0, len(pyramid) - 1.001)
+    seen = np.empty((*x.shape, 3), np.float32)
+    for level in np.unique(levels.astype(int)):
+        rows = levels.astype(int) == level
+        finer, coarser = (
+            cv2.remap(
+                pyramid[each],
+                np.float32((x[rows] + 0.5) / 2**each - 0.5),
+                np.float32((y[rows] + 0.5) / 2**each - 0.5),
+                cv2.INTER_LINEAR,
+                borderMode=border,
+            )
+            for each in (level, level + 1)
+        )
+        share = np.float32(levels[rows] - level)[:, None, None]
+        seen[rows] = finer + share * (coarser.astype(np.float32) - finer)
+    return seen
+
+
+def ground(
+    seed: int, season: str, look: int, middle: np.ndarray, shadows: Sequence[np.ndarray], direct: float
+) -> Ground:
+    """What lies along a road.
+
+    :param look: of leaves and tracks
+    :param middle: (n, 2) closed line along the road, metres
+    :param shadows: (m, 2) corners of each, metres; between the first two stands what throws it
+    :param direct: [0, 1]; share of the light that the shadows lack
+    """
+    rng, look_rng = np.random.default_rng([seed, 5]), np.random.default_rng([seed, 6, look])
+    tone, grass, off = _bare(rng, middle)
+    cover = _covered(look_rng, season, tone, off)
+    lit = np.ones(tone.shape, np.float32)
+    for corners in shadows:
+        cv2.fillPoly(lit, [_texels(corners)], 1 - SHADOW * direct)
+    for corners in shadows:
+        cv2.line(lit, _corner(corners[0]), _corner(corners[1]), FOOT, int(0.4 * LAYOUT_TEXELS))
+    tone *= cv2.blur(lit, (5, 5))
+    layout = cv2.merge([_bytes(each) for each in (tone, 255 * grass, 255 * cover)])
+    return Ground(_pyramid(layout), _pyramid(_grain(rng, look_rng, season)))
+
+
+def _bare(rng: np.random.Generator, middle: np.ndarray) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Brightness, share of grass, and the distance to the middle of the road in metres."""
+    columns, rows = (int(extent * LAYOUT_TEXELS) for extent in EXTENT)
+    line = np.full((rows, columns), 255, np.uint8)
+    cv2.polylines(line, [_texels(middle)], True, 0)
+    off = cv2.distanceTransform(line, cv2.DIST_L2, 5) / LAYOUT_TEXELS
+    worn = 7 * noise(rng, rows, columns, 3 * LAYOUT_TEXELS) + 6 * noise(rng, rows, columns, LAYOUT_TEXELS / 2)
+    worn += 5 * noise(rng, rows, columns, LAYOUT_TEXELS / 8)
+    road = 105 + worn
+    _repairs(rng, road, middle)
+    road[np.abs(off - 0.9 * ROAD) < 0.05] = 190  # a line of paint
+    tone = 92 + 1.8 * worn
+    for end, surface in ((PAVEMENT, _slabs(rng, rows, columns) + worn), (KERB, 150 + worn), (ROAD, road)):
+        np.copyto(tone, surface, where=off < end)
+    tone[np.abs(off - KERB) < 0.05] -= 45  # the gutter
+    grass = np.clip((off - PAVEMENT) * LAYOUT_TEXELS / 3, 0, 1)
+    return tone, grass, off
+
+
+def _repairs(rng: np.random.Generator, road: np.ndarray, middle: np.ndarray) -> None:
+    """Patches, manholes and cracks, here and there along the road."""
+    for _ in range(260):
+        at = middle[rng.integers(len(middle))] + rng.normal(0, 2.0, 2) + rng.uniform(-9, 9, 2)
+        kind, size, tone = rng.random(), rng.uniform(0.3, 1.6, 2), float(rng.uniform(60, 125))
+        if kind < 0.25:
+            cv2.rectangle(road, *(_corner(at + side * size) for side in (-1, 1)), tone, -1)
+        elif kind < 0.4:
+            cv2.circle(road, _corner(at), int(0.35 * LAYOUT_TEXELS), tone, -1)
+            cv2.circle(road, _corner(at), int(0.35 * LAYOUT_TEXELS), 50.0, 1)
+        else:
+            crack = at + np.cumsum(rng.normal(0, 0.25, (14, 2)) + rng.normal(0, 0.2, 2), axis=0)
+            cv2.polylines(road, [_texels(crack)], False, 55.0)
+
+
+def _slabs(rng: np.random.Generator, rows: int, columns: int) -> np.ndarray:
+    side = int(0.5 * LAYOUT_TEXELS)
+    tones = rng.normal(140, 9, (rows // side + 1, columns // side + 1)).astype(np.float32)
+    slabs = np.repeat(np.repeat(tones, side, axis=0), side, axis=1)[:rows, :columns]
+    slabs[::side] -= 28
+    slabs[:, ::side] -= 28
+    return slabs
+
+
+def _covered(rng: np.random.Generator, season: str, tone: np.ndarray, off: np.ndarray) -> np.ndarray:
+    """Share of what covers the ground; snow shows in its brightness, too."""
+    rows, columns = tone.shape
+    if season == "summer":
+        return np.zeros(tone.shape, np.float32)
+    drift = noise(rng, rows, columns, LAYOUT_TEXELS) + 0.7 * noise(rng, rows, columns, 4 * LAYOUT_TEXELS)
+    if season == "autumn":
+        return np.clip(0.35 + 0.3 * drift + 0.3 * (off > KERB), 0, 1)
+    drift += 0.7 * noise(rng, rows, columns, LAYOUT_TEXELS / 5)
+    ruts = np.exp(-(((off - 0.8) / 0.2) ** 2))  # two, where cars went
+    snow = np.clip(1.4 - 1.1 * ruts - 0.5 * (off < ROAD) + 0.3 * drift, 0, 1)
+    drifts = SNOW - 14 + 4 * drift + 5 * noise(rng, rows, columns, LAYOUT_TEXELS / 10)
+    tone += snow * (drifts - tone)
+    return snow
+
+
+def _grain(rng: np.random.Generator, look_rng: np.random.Generator, season: str) -> np.ndarray:
+    side = GRAIN_SIDE
+    stones = grain(rng, side, side)
+    chips = np.maximum(np.abs(repeating_noise(rng, side, 0.3)) - 1.6, 0)  # light chips in the tar
+    stone = 19 * stones + 50 * chips
+    blades = 28 * grain(rng, side, side) + 11 * repeating_noise(rng, side, 0.2)
+    snow = 6 * grain(look_rng, side, side)
+    covering = _leaves(look_rng, side) + 0.5 * stone if season == "autumn" else snow
+    return cv2.merge([_bytes(MIDDLE + each) for each in (stone, blades, covering)])
+
+
+def _leaves(rng: np.random.Generator, side: int) -> np.ndarray:
+    """Fallen ones, some centimetres long."""
+    lying = np.zeros((side, side), np.float32)
+    for _ in range(int(70 * (side / GRAIN_TEXELS) ** 2)):
+        axes = (int(rng.uniform(3, 6)), int(rng.uniform(2, 4)))
+        at = tuple(int(each) for each in rng.uniform(0, side, 2))
+        cv2.ellipse(lying, at, axes, rng.uniform(0, 180), 0, 360, float(rng.normal(28, 24)), -1)
+    return lying
+
+
+def _pyramid(picture: np.ndarray) -> Pyramid:
+    levels = [picture]
+    while min(levels[-1].shape[:2]) >= 16:
+        rows, columns = levels[-1].shape[:2]
+        levels.append(cv2.resize(levels[-1], (columns // 2, rows // 2), interpolation=cv2.INTER_AREA))
+    return levels
+
+
+def _bytes(values: np.ndarray) -> np.ndarray:
+    return np.clip(values, 0, 255).astype(np.uint8)
+
+
+def _texels(points: np.ndarray) -> np.ndarray:
+    return np.rint((np.asarray(points) - ORIGIN) * LAYOUT_TEXELS).astype(np.int32)
+
+
+def _corner(point: np.ndarray) -> Tuple[int, int]:
+    x, y = _texels(point)
+    return int(x), int(y)

@@ -1,0 +1,107 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Trees and bushes of a simulated street, as textures; leaves come and go with the season.
+
+Wood stays the same for a seed; a texture's `look` is how the leaves hang.
+"""
+
+from typing import List, NamedTuple, Sequence, Tuple
+
+import cv2
+import numpy as np
+
+from sextant.simulation.street_textures import SNOW, TEXELS, Texture, grain, noise
+
+LEAVES = {"summer": (1.0, 84.0), "autumn": (0.1, 140.0), "winter": (0.0, 0.0)}  # how many; brightness
+LEAF = 0.05  # metres
+MARGIN = 0.35  # metres around the twigs, for leaves
+THIN = 2.0  # how much fewer leaves there are at the edge of a crown
+
+Point = Tuple[float, float]
+
+
+class _Branch(NamedTuple):
+    """Metres, from the foot of the tree to the right and up."""
+
+    begin: Point
+    end: Point
+    thickness: float
+    is_twig: bool
+
+
+def tree(seed: int, season: str, look: int) -> Texture:
+    """A tree as it is in a season."""
+    rng, look_rng = np.random.default_rng(seed), np.random.default_rng([seed, look])
+    branches = _branches(rng, rng.uniform(3.5, 7))
+    ends = np.array([branch.end for branch in branches])
+    half, height = np.abs(ends[:, 0]).max() + MARGIN, ends[:, 1].max() + MARGIN
+    wood = np.zeros((int(height * TEXELS), int(2 * half * TEXELS)), np.uint8)
+    crown = np.zeros_like(wood)
+    for branch, bunch in zip(branches, _bunches(rng, len(branches))):
+        begin, end = (_texel((x + half, height - y)) for x, y in (branch.begin, branch.end))
+        cv2.line(wood, begin, end, 255, max(1, int(branch.thickness * TEXELS)))
+        if branch.is_twig:
+            cv2.circle(crown, end, bunch, 255, -1)
+    return _grown(rng, look_rng, season, wood, crown)
+
+
+def bush(seed: int, season: str, look: int) -> Texture:
+    """A bush or a piece of hedge."""
+    rng, look_rng = np.random.default_rng(seed), np.random.default_rng([seed, look])
+    width, height = rng.uniform(1.5, 4.5), rng.uniform(1.0, 2.0)
+    wood = np.zeros((int(height * TEXELS), int(width * TEXELS)), np.uint8)
+    crown = np.zeros_like(wood)
+    feet = rng.uniform(MARGIN, width - MARGIN, int(25 * width))
+    x = np.clip(feet + rng.normal(0, 0.2, len(feet)), MARGIN, width - MARGIN)
+    y = rng.uniform(MARGIN, 0.7 * height, len(feet))
+    for foot, *end, bunch in zip(feet, x, y, _bunches(rng, len(feet))):
+        line = _texel((foot, height)), _texel(end)
+        cv2.line(wood, *line, 255, 2)
+        cv2.circle(crown, line[1], bunch, 255, -1)
+        cv2.line(crown, *line, 255, int(MARGIN * TEXELS))
+    return _grown(rng, look_rng, season, wood, crown)
+
+
+def _grown(
+    rng: np.random.Generator, look_rng: np.random.Generator, season: str, wood: np.ndarray, crown: np.ndarray
+) -> Texture:
+    """Wood with its leaves in the crown, or with snow."""
+    rows, columns = wood.shape
+    grey = rng.uniform(40, 90) + 10 * grain(rng, rows, columns)
+    share, tone = LEAVES[season]
+    mask = wood.copy()
+    if share:
+        hang = 0.7 * noise(look_rng, rows, columns, LEAF * TEXELS)
+        hang += 0.5 * noise(look_rng, rows, columns, 5 * LEAF * TEXELS) + 0.4 * grain(look_rng, rows, columns)
+        thin = 1 - cv2.blur(crown, (int(MARGIN * TEXELS), int(MARGIN * TEXELS))) / np.float32(255)
+        leaves = (hang > THIN * thin - share) & (crown > 0)
+        depth = 15 * noise(look_rng, rows, columns, 6 * LEAF * TEXELS)  # some are in the shade of others
+        each = 28 * noise(look_rng, rows, columns, LEAF * TEXELS) + 14 * grain(look_rng, rows, columns)
+        grey[leaves] = (tone + depth + each)[leaves]
+        mask[leaves] = 255
+    if season == "winter":
+        grey[cv2.subtract(mask, np.roll(mask, 3, axis=0)) > 0] = SNOW  # on top of every branch
+    return Texture(np.clip(grey, 0, 255), mask, columns / TEXELS, rows / TEXELS)
+
+
+def _branches(rng: np.random.Generator, height: float) -> List[_Branch]:
+    """A trunk and what grows of it."""
+    branches = []
+    growing = [((0.0, 0.0), 0.0, 0.28 * height, rng.uniform(0.15, 0.35), 6)]
+    while growing:
+        begin, angle, length, thickness, depth = growing.pop()
+        end = (begin[0] + length * np.sin(angle), max(begin[1] + length * np.cos(angle), MARGIN))
+        branches.append(_Branch(begin, end, thickness, depth <= 2))
+        for _ in range(int(rng.integers(2, 4)) if depth else 0):
+            turned = angle + rng.normal(0, 0.5)
+            growing.append((end, turned, length * rng.uniform(0.6, 0.8), 0.6 * thickness, depth - 1))
+    return branches
+
+
+def _bunches(rng: np.random.Generator, count: int) -> List[int]:
+    """Radii of the leaves around the ends of twigs, texels."""
+    return (rng.uniform(0.4, 0.9, count) * MARGIN * TEXELS).astype(int).tolist()
+
+
+def _texel(point: Sequence[float]) -> Tuple[int, int]:
+    return int(point[0] * TEXELS), int(point[1] * TEXELS)
