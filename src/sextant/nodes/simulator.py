@@ -19,11 +19,11 @@ from sensor_msgs.msg import CameraInfo, Image
 from std_msgs.msg import Bool, Header
 
 import sextant
+from sextant.nodes.conversions import image_to_message
 from sextant.nodes.params import not_empty, one_of, param, read_params, within
 from sextant.nodes.simulated_clock import SimulatedClock
 from sextant.nodes.simulator_messages import (
     calibration_to_message,
-    image_to_message,
     pose_to_transform,
     reading_to_message,
     truth_to_message,

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Photos as files: the grey picture, at the size that is needed, and where its EXIF says it was taken."""
+"""Photos as files: grey or in colour, at the size that is needed, and where their EXIF says they are from."""
 
 import math
 from io import BytesIO
@@ -38,11 +38,25 @@ def read_grey(path: Union[str, Path], max_side: int = 0) -> np.ndarray:
 
 def decode_grey(content: bytes, path: Union[str, Path], max_side: int = 0) -> np.ndarray:
     """read_grey() of what was read from path already."""
+    return np.asarray(_decode(content, path, "L", max_side).convert("L"))
+
+
+def read_rgb(path: Union[str, Path], max_side: int = 0) -> np.ndarray:
+    """The picture in colour, uint8 (height, width, 3), white where it is transparent; else as read_grey()."""
+    image = _decode(Path(path).read_bytes(), path, "RGB", max_side)
+    if "A" in image.getbands() or "transparency" in image.info:
+        image = image.convert("RGBA")
+        image = Image.alpha_composite(Image.new("RGBA", image.size, "white"), image)
+    return np.asarray(image.convert("RGB"))
+
+
+def _decode(content: bytes, path: Union[str, Path], mode: str, max_side: int) -> Image.Image:
     with _opened(path, BytesIO(content)) as image:
         if max_side:
-            image.draft("L", (max_side, max_side))
+            image.draft(mode, (max_side, max_side))
         try:
-            return np.asarray(ImageOps.exif_transpose(image).convert("L"))
+            image.load()
+            return ImageOps.exif_transpose(image)
         except (OSError, SyntaxError, ValueError, Image.DecompressionBombError) as error:
             raise ValueError(f"{path}: the picture is damaged: {error}") from None
 
