@@ -24,6 +24,7 @@ PAPER, INK, FAINT = (255, 255, 255), (33, 37, 41), (108, 117, 125)
 PLACE, TRAIL = (92, 104, 116), (20, 110, 140)
 LABELLED = 0.05  # probability from which a place's id is written, if there is room
 LABELS = 8  # at most
+LINE, RING = 1.5, 5.5  # around hypotheses, and around the best one; pixels in a picture of 800
 _SAID = 0.005  # probability from which it is said in numbers
 _SUBPIXELS = 4  # bits of OpenCV's coordinates
 _ANGLES = np.linspace(0.0, 2 * np.pi, 36, endpoint=False)
@@ -125,35 +126,33 @@ class PlacePicture:
             _disc(picture, point, max(self._dot, 2.2 * self._unit), colour)
 
     def _draw_hypothesis(self, picture: np.ndarray, hypothesis: Hypothesis, is_best: bool) -> None:
-        at, unit, radius = self._at[hypothesis.id], self._unit, self._radius(is_best)
+        at, radius, line = self._at[hypothesis.id], self._radius(is_best), LINE * self._unit
         if is_best:
-            _disc(picture, at, radius + 5.5 * unit, INK)
-            _disc(picture, at, radius + 4 * unit, PAPER)
-        _disc(picture, at, radius + 1.2 * unit, INK)
+            _disc(picture, at, radius + RING * self._unit, INK)
+            _disc(picture, at, radius + RING * self._unit - line, PAPER)
+        _disc(picture, at, radius + line, INK)
         _disc(picture, at, radius, probability_colour(hypothesis.probability))
 
     def _radius(self, is_best: bool) -> float:
         """Of a hypothesis; hypotheses are larger than places, the best one is the largest."""
-        return max(1.5 * self._dot, (7.5 if is_best else 5.0) * self._unit)
+        return max(1.5 * self._dot, 5 * self._unit) * (1.4 if is_best else 1.0)
 
     def _write_ids(self, draw: ImageDraw.ImageDraw, likely: Sequence[Hypothesis]) -> None:
         """Beside the dots, the likeliest first, where neither dot nor id is in the way."""
-        taken = [_around(self._at[each.id], self._radius(False)) for each in likely]
-        font = _font(round(13 * self._unit), True)
-        for each in [each for each in likely if each.probability >= LABELLED][:LABELS]:
-            gap = self._radius(each is likely[0]) + (9 if each is likely[0] else 5) * self._unit
-            size = font.getbbox(str(each.id), anchor="lt")[2:]
-            boxes = _beside(self._at[each.id], gap, (size[0] + 6 * self._unit, size[1] + 6 * self._unit))
-            free = [box for box in boxes if self._is_free(box, taken)]
-            if free:
+        unit, font = self._unit, _font(round(13 * self._unit), True)
+        outer = [self._radius(False) + LINE * unit] * len(likely)
+        outer[:1] = [self._radius(True) + RING * unit] * len(outer[:1])
+        taken = [_around(self._at[each.id], radius) for each, radius in zip(likely, outer)]
+        for each, radius in list(zip(likely, outer))[:LABELS]:
+            width, height = font.getbbox(str(each.id), anchor="lt")[2:]
+            boxes = _beside(self._at[each.id], radius + 3 * unit, (width + 6 * unit, height + 6 * unit))
+            boxes = [_inside(box, self._layout.width - 1, self._layout.top - 1) for box in boxes]
+            free = [box for box in boxes if not any(_overlap(box, other) for other in taken)]
+            if free and each.probability >= LABELLED:
                 taken.append(free[0])
-                draw.rounded_rectangle(free[0], 3 * self._unit, PAPER, FAINT)
+                draw.rounded_rectangle(free[0], 3 * unit, PAPER, FAINT)
                 middle = ((free[0][0] + free[0][2]) / 2, (free[0][1] + free[0][3]) / 2)
                 draw.text(middle, str(each.id), INK, font, anchor="mm")
-
-    def _is_free(self, box: Box, taken: Sequence[Box]) -> bool:
-        inside = box[0] >= 0 and box[1] >= 0 and box[2] < self._layout.width and box[3] < self._layout.top
-        return inside and not any(_overlap(box, other) for other in taken)
 
     def _write_answer(self, draw: ImageDraw.ImageDraw, headline: str, detail: str) -> None:
         layout = self._layout
@@ -260,6 +259,13 @@ def _beside(centre: Tuple[float, float], gap: float, size: Tuple[float, float]) 
         (x - width / 2, y + gap),
     ]
     return [(left, top, left + width, top + height) for left, top in lefts_tops]
+
+
+def _inside(box: Box, width: float, height: float) -> Box:
+    """The box, moved so that it is in the picture."""
+    right = min(max(-box[0], 0.0), width - box[2])
+    down = min(max(-box[1], 0.0), height - box[3])
+    return box[0] + right, box[1] + down, box[2] + right, box[3] + down
 
 
 def _overlap(one: Box, other: Box) -> bool:
