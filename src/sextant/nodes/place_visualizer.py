@@ -78,7 +78,9 @@ class PlaceVisualizer(rospy.SubscribeListener):
         self._header: Optional[Header] = None
         self._trail: Deque[int] = deque(maxlen=params.trail)
         shown = ShownMap(params, self._mesh_folder)
-        self._image = rospy.Publisher("places/image", Image, subscriber_listener=self, queue_size=1)
+        self._image = rospy.Publisher(
+            "places/image", Image, subscriber_listener=self, queue_size=1, latch=True
+        )
         self._map_markers = rospy.Publisher("places/map", MarkerArray, queue_size=1, latch=True)
         self._answer_markers = rospy.Publisher("places/visualization", MarkerArray, queue_size=1, latch=True)
         self._take(shown)

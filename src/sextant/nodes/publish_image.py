@@ -58,14 +58,14 @@ class PhotoPublisher:
 
         :raises ValueError: not one of the photos can be read
         """
-        period, due = 1.0 / self._params.rate, time.monotonic()
+        period, due = 1.0 / self._params.rate, 0.0
         wait_for_listener(self._publisher, self._params.wait_for_listener, self._stop)
         for picture in self._pictures():
             if self._stop.wait(max(0.0, due - time.monotonic())):
                 return
             header = Header(stamp=rospy.Time.now(), frame_id=self._params.frame_id)
+            due = time.monotonic() + period
             self._publisher.publish(image_to_message(picture, header))
-            due = max(due + period, time.monotonic())
         self._stop.wait(None if self._params.stay else max(period, LINGER))
 
     def _pictures(self) -> Iterator[np.ndarray]:
