@@ -32,12 +32,15 @@ class PictureWindow:
     def live(self, seconds: float) -> bool:
         """Answers the user for so long. False: the window was closed."""
         cv2.waitKey(max(1, round(1000 * seconds)))
-        return cv2.getWindowProperty(self._title, cv2.WND_PROP_VISIBLE) >= 1
+        try:
+            return cv2.getWindowProperty(self._title, cv2.WND_PROP_VISIBLE) >= 1
+        except cv2.error:  # OpenCV with Qt, after the last window
+            return False
 
 
 def _require_display() -> None:
     """In a process of its own, because Qt aborts the one that has no display."""
-    trial = [sys.executable, "-c", "import cv2; cv2.namedWindow('')"]
+    trial = [sys.executable, "-c", "import cv2; cv2.namedWindow('trial')"]
     done = subprocess.run(trial, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=60)
     if done.returncode != 0:
         raise OSError("there is no display for the window: set DISPLAY (ssh -X), or leave 'window' false")

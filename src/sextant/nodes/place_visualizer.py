@@ -9,7 +9,7 @@ from collections import deque
 from dataclasses import dataclass
 from math import ceil
 from pathlib import Path
-from typing import Deque, List, Optional
+from typing import Deque, List, Optional, Sequence
 
 import rospy
 from sensor_msgs.msg import Image
@@ -60,6 +60,13 @@ class ShownMap:
             mesh = write_overview_mesh(mesh_folder, self.picture.backdrop, *size)
             self.markers = PlaceMarkers(place_map, frame, self.picture.radii)
             self.frame, self.of_map = frame.frame, self.markers.of_map(mesh)
+
+    def of_answer(self, answer: Sequence[Hypothesis], trail: Sequence[int]) -> MarkerArray:
+        """Without a metric frame: what was drawn before goes."""
+        if self.markers is None:
+            return MarkerArray([nothing()])
+        known = [number for number in trail if self.picture.has(number)]
+        return self.markers.of_answer(self.picture.likely(answer), known)
 
 
 class PlaceVisualizer(rospy.SubscribeListener):
@@ -114,7 +121,7 @@ class PlaceVisualizer(rospy.SubscribeListener):
         rospy.loginfo("%s: %d photos", self._params.map_file, shown.count)
         if shown.markers is None:
             rospy.loginfo(
-                "the map has no metric frame: there is places/image, but nothing in rviz's 3-D view"
+                "the map has no metric frame: there is places/image, but nothing for rviz's 3-D view"
             )
 
     def _reload(self, _request) -> TriggerResponse:
@@ -156,9 +163,7 @@ class PlaceVisualizer(rospy.SubscribeListener):
         with self._lock:
             shown, answer, trail = self._shown, self._answer, list(self._trail)
             header = self._header or Header(stamp=rospy.Time.now(), frame_id=shown.frame)
-        if shown.markers and answer is not None:
-            known = [number for number in trail if shown.picture.has(number)]
-            self._answer_markers.publish(shown.markers.of_answer(shown.picture.likely(answer), known))
+        self._answer_markers.publish(shown.of_answer(answer or (), trail))
         if self._window or self._image.get_num_connections():
             picture = shown.picture.draw(answer, trail)
             self._image.publish(image_to_message(picture, header))
