@@ -22,8 +22,7 @@ def run(*command):
     return subprocess.run(
         [*command, sys.executable, "-c", SHOWN],
         env=environment,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
+        capture_output=True,
         text=True,
         timeout=60,
     )
