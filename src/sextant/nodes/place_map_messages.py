@@ -12,7 +12,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from sextant.msg import Places
 from sextant.places.place_map import MetricFrame, Photo, PlaceMap
-from sextant.places.place_picture import INK, LABELLED, LABELS, PLACE, TRAIL, Hypothesis, Radii
+from sextant.places.place_picture import INK, LABELLED, LABELS, PLACE, Hypothesis, Radii, trail_colours
 from sextant.places.probability_scale import Colour, probability_colour
 
 
@@ -77,7 +77,7 @@ class PlaceMarkers:
             return []
         line = self._marker("trail", Marker.LINE_STRIP, Vector3(0.6 * self._radii.place, 0.0, 0.0))
         line.points = [self._point(number, self._radii.place) for number in trail]
-        line.colors = [_colour(TRAIL, (i + 1) / len(trail)) for i in range(len(trail))]
+        line.colors = [_colour(colour) for colour in trail_colours(len(trail))]
         return [line]
 
     def _ring(self, best: Iterable[int]) -> List[Marker]:
@@ -95,7 +95,8 @@ class PlaceMarkers:
             label = self._marker("ids", Marker.TEXT_VIEW_FACING, Vector3(0.0, 0.0, height), INK)
             label.id, label.text = index, str(number)
             label.pose.position = self._point(number, 2 * self._radii.best)
-            label.pose.position.y += self._radii.best + height  # seen from above it is beside the dot
+            edge = self._radii.hypothesis if index else 1.5 * self._radii.best
+            label.pose.position.y += edge + height / 2  # seen from above it is beside the dot
             labels.append(label)
         return labels
 
@@ -114,5 +115,5 @@ def nothing() -> Marker:
     return Marker(action=Marker.DELETEALL)
 
 
-def _colour(colour: Colour, alpha: float = 1.0) -> ColorRGBA:
-    return ColorRGBA(*(part / 255 for part in colour), alpha)
+def _colour(colour: Colour) -> ColorRGBA:
+    return ColorRGBA(*(part / 255 for part in colour), 1.0)

@@ -115,11 +115,9 @@ class PlacePicture:
         return picture
 
     def _draw_trail(self, picture: np.ndarray, points: Sequence[Tuple[float, float]]) -> None:
-        """Older ones are paler and thinner."""
+        colours = trail_colours(len(points))
         for i, point in enumerate(points):
-            age = (len(points) - i) / (len(points) + 1)
-            colour = _mixed(TRAIL, PAPER, 0.85 * age)
-            thickness = max(1, round((3.5 - 2.5 * age) * self._unit))
+            colour, thickness = colours[i], max(1, round((1 + 2.5 * i / len(points)) * self._unit))
             if i + 1 < len(points) and points[i + 1] != point:
                 ends = [_subpixels(each) for each in (point, points[i + 1])]
                 cv2.line(picture, *ends, colour, thickness, cv2.LINE_AA, _SUBPIXELS)
@@ -189,6 +187,11 @@ class _Layout:
             draw.line([(at, top + height), (at, top + height + 3 * self._unit)], FAINT)
             draw.text((at, top + height + 5 * self._unit), f"{percent} %", FAINT, font, anchor=anchor)
         picture[:] = np.asarray(image)
+
+
+def trail_colours(count: int) -> List[Colour]:
+    """The older the paler; the oldest is the first."""
+    return [_mixed(TRAIL, PAPER, 0.85 * (count - i) / (count + 1)) for i in range(count)]
 
 
 def words_of(
