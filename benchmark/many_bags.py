@@ -23,7 +23,8 @@ from tables import Row, Table, Value
 
 import sextant
 from sextant.jobs import package_folder
-from sextant.nodes.simulator_messages import calibration_to_message, image_to_message
+from sextant.nodes.conversions import image_to_message
+from sextant.nodes.simulator_messages import calibration_to_message
 from sextant.simulation.camera import camera_calibration
 
 FAMILY = "tag36h11"  # searched for in 30 ms of an image

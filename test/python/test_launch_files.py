@@ -17,6 +17,8 @@ import sextant
 from sextant.nodes.drive_recorder import RecorderParams
 from sextant.nodes.marker_broadcaster import BroadcasterParams
 from sextant.nodes.params import parse_params
+from sextant.nodes.place_visualizer import VisualizerParams
+from sextant.nodes.publish_image import PublisherParams
 from sextant.nodes.simulator import SimulatorParams
 from sextant.simulation.room import default_map
 
@@ -41,6 +43,8 @@ RUNS = [(path, args) for path in LAUNCH_FILES for args in [[], *BRANCHES.get(pat
 RECORDS = {
     "marker_broadcaster": BroadcasterParams,
     "drive_recorder": RecorderParams,
+    "place_visualizer": VisualizerParams,
+    "publish_image": PublisherParams,
     "simulator": SimulatorParams,
 }
 

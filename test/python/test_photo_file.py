@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from sextant.places.photo_file import decode_colour, geo_position, photo_size, read_grey
+from sextant.places.photo_file import decode_colour, geo_position, photo_size, read_grey, read_rgb
 
 ORIENTATION, GPS = 0x0112, 0x8825
 LUND = Path(__file__).resolve().parents[3] / "shared" / "data" / "places" / "lund"
@@ -101,6 +101,17 @@ def test_a_large_jpeg_in_colour_is_read_smaller_too(tmp_path):
     assert decode_colour(path.read_bytes(), path, 320).shape == (512, 384, 3)
 
 
+def test_a_picture_in_colour_is_upright_and_white_where_it_is_transparent(tmp_path):
+    exif = Image.Exif()
+    exif[ORIENTATION] = 6
+    image = Image.new("RGBA", (8, 4), (10, 20, 30, 255))
+    image.putpixel((0, 0), (0, 0, 0, 0))
+    image.save(tmp_path / "a.png", exif=exif)
+    rgb = read_rgb(tmp_path / "a.png")
+    assert rgb.shape == (8, 4, 3)
+    assert rgb[0, 3].tolist() == [255, 255, 255] and rgb[7, 0].tolist() == [10, 20, 30]
+
+
 @pytest.mark.parametrize("name", ["a.jpg", "a.png"])
 @pytest.mark.parametrize("left", [0.1, 0.5, 0.98])
 def test_a_truncated_photo_is_refused(tmp_path, name, left):
@@ -112,7 +123,7 @@ def test_a_truncated_photo_is_refused(tmp_path, name, left):
 
 
 @pytest.mark.parametrize("content", [b"", b"no picture", b"\xff\xd8\xff"])
-@pytest.mark.parametrize("read", [read_grey, photo_size, geo_position])
+@pytest.mark.parametrize("read", [read_grey, read_rgb, photo_size, geo_position])
 def test_what_is_no_picture_is_refused(tmp_path, content, read):
     (tmp_path / "a.jpg").write_bytes(content)
     with pytest.raises(ValueError, match="a.jpg: is no picture"):

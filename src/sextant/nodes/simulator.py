@@ -4,7 +4,6 @@
 
 import sys
 import threading
-import time
 from collections import deque
 from concurrent.futures import Future, ThreadPoolExecutor
 from concurrent.futures import TimeoutError as NotYet
@@ -19,11 +18,12 @@ from sensor_msgs.msg import CameraInfo, Image
 from std_msgs.msg import Bool, Header
 
 import sextant
+from sextant.nodes.conversions import image_to_message
+from sextant.nodes.listeners import wait_for_listener
 from sextant.nodes.params import not_empty, one_of, param, read_params, within
 from sextant.nodes.simulated_clock import SimulatedClock
 from sextant.nodes.simulator_messages import (
     calibration_to_message,
-    image_to_message,
     pose_to_transform,
     reading_to_message,
     truth_to_message,
@@ -110,7 +110,8 @@ class Simulator:
 
     def run(self) -> None:
         """Drives until the last frame, then lets time go on until the node is ended."""
-        self._wait_for_listener()
+        # other nodes may wait for a time before they listen
+        wait_for_listener(self._image, self._params.wait_for_listener, self._stop, self._clock.tell)
         frames = {"path": self._along_the_path, "cmd_vel": self._as_told}[self._params.motion]()
         for frame in frames:
             stamp = START + round(1e9 * frame.time)
@@ -121,15 +122,6 @@ class Simulator:
         self._finished.publish(True)
         while not self._stop.is_set():
             self._clock.advance(self._clock.now + START)
-
-    def _wait_for_listener(self) -> None:
-        end = time.monotonic() + self._params.wait_for_listener
-        while self._image.get_num_connections() == 0 and time.monotonic() < end and not self._stop.is_set():
-            self._clock.tell()  # other nodes may wait for a time before they listen
-            self._stop.wait(0.1)
-        unheard = self._params.wait_for_listener > 0.0 and self._image.get_num_connections() == 0
-        if unheard and not self._stop.is_set():
-            rospy.logwarn("nobody listens to %s, the drive starts all the same", self._image.resolved_name)
 
     def _along_the_path(self) -> Iterator[Frame]:
         """Frames that a thread renders ahead; the first comes when render_ahead frames are ready."""

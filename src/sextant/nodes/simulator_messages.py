@@ -5,7 +5,7 @@
 import numpy as np
 from geometry_msgs.msg import TransformStamped, Twist, Vector3
 from nav_msgs.msg import Odometry
-from sensor_msgs.msg import CameraInfo, Image
+from sensor_msgs.msg import CameraInfo
 from std_msgs.msg import Header
 
 import sextant
@@ -16,12 +16,6 @@ from sextant.simulation.odometry import OdometryReading
 # Filters take no zero: what wheels on a floor cannot tell is all but exact (m^2, rad^2).
 SMALLEST_VARIANCE = 1e-6
 PLANAR = [0, 1, 5]  # x, y and yaw among x y z roll pitch yaw
-
-
-def image_to_message(image: np.ndarray, header: Header) -> Image:
-    """mono8 of a (height, width) uint8 array."""
-    height, width = image.shape
-    return Image(header, height, width, "mono8", 0, width, image.tobytes())
 
 
 def calibration_to_message(calibration: "sextant.CameraCalibration", header: Header) -> CameraInfo:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Photos as files: the picture, at the size that is needed, and where its EXIF says it was taken."""
+"""Photos as files: grey or in colour, at the size that is needed, and where their EXIF says they are from."""
 
 import math
 from io import BytesIO
@@ -38,12 +38,35 @@ def read_grey(path: Union[str, Path], max_side: int = 0) -> np.ndarray:
 
 def decode_grey(content: bytes, path: Union[str, Path], max_side: int = 0) -> np.ndarray:
     """read_grey() of what was read from path already."""
-    return _decoded(content, path, "L", max_side)
+    return np.asarray(_decoded(content, path, "L", max_side).convert("L"))
 
 
 def decode_colour(content: bytes, path: Union[str, Path], max_side: int = 0) -> np.ndarray:
     """As decode_grey(), but uint8 (height, width, 3) BGR."""
-    return np.ascontiguousarray(_decoded(content, path, "RGB", max_side)[:, :, ::-1])
+    return np.ascontiguousarray(_opaque(_decoded(content, path, "RGB", max_side))[:, :, ::-1])
+
+
+def read_rgb(path: Union[str, Path], max_side: int = 0) -> np.ndarray:
+    """The picture in colour, uint8 (height, width, 3), white where it is transparent; else as read_grey()."""
+    return _opaque(_decoded(Path(path).read_bytes(), path, "RGB", max_side))
+
+
+def _opaque(image: Image.Image) -> np.ndarray:
+    if "A" in image.getbands() or "transparency" in image.info:
+        image = image.convert("RGBA")
+        image = Image.alpha_composite(Image.new("RGBA", image.size, "white"), image)
+    return np.asarray(image.convert("RGB"))
+
+
+def _decoded(content: bytes, path: Union[str, Path], mode: str, max_side: int) -> Image.Image:
+    with _opened(path, BytesIO(content)) as image:
+        if max_side:
+            image.draft(mode, (max_side, max_side))
+        try:
+            image.load()
+            return ImageOps.exif_transpose(image)
+        except (OSError, SyntaxError, ValueError, Image.DecompressionBombError) as error:
+            raise ValueError(f"{path}: the picture is damaged: {error}") from None
 
 
 def photo_size(path: Union[str, Path]) -> Tuple[int, int]:
@@ -69,16 +92,6 @@ def geo_position(path: Union[str, Path]) -> Optional[GeoPosition]:
         return GeoPosition(latitude, longitude, _yaw(gps))
     except (TypeError, ValueError, ZeroDivisionError):
         raise ValueError(f"{path}: the coordinates in its EXIF are none") from None
-
-
-def _decoded(content: bytes, path: Union[str, Path], mode: str, max_side: int) -> np.ndarray:
-    with _opened(path, BytesIO(content)) as image:
-        if max_side:
-            image.draft(mode, (max_side, max_side))
-        try:
-            return np.asarray(ImageOps.exif_transpose(image).convert(mode))
-        except (OSError, SyntaxError, ValueError, Image.DecompressionBombError) as error:
-            raise ValueError(f"{path}: the picture is damaged: {error}") from None
 
 
 def _opened(path: Union[str, Path], content: Optional[BytesIO] = None) -> Image.Image:
