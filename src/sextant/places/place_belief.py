@@ -8,29 +8,53 @@ found again (Thrun, Burgard, Fox: Probabilistic Robotics, 2005, chapters 4.1 and
 """
 
 from dataclasses import dataclass
-from typing import Optional
+from typing import List, NamedTuple, Optional
 
 import numpy as np
 from scipy.sparse import csr_matrix
 from scipy.spatial import cKDTree
 
+ROUND = 0.1  # of a spacing: distances that differ by less are moved by as one
+REMEMBERED = 64  # ways to move, by distance
+
 
 @dataclass(frozen=True)
 class BeliefParams:
-    """How a robot moves among the places."""
+    """How a robot moves among the places, and how far pictures are believed."""
 
     reach: float = 3.0  # [1, 20]; spacings of places that it may go between two pictures, without odometry
     restart: float = 0.01  # [0, 1]; probability that it was carried anywhere between two pictures
-    leave: float = 0.02  # [0, 1]; that it left for where the map knows nothing
+    leave: float = 0.01  # [0, 1]; that it left for where the map knows nothing
+    nowhere: float = 0.5  # [0, 1]; that it is there at first; 0: it never is, leave has to be 0, too
+    trust: float = 0.4  # (0, 1]; part of a picture's evidence that counts: successive pictures err alike
     distance_noise: float = 0.1  # [0.001, 1]; deviation of a distance that odometry says, part of it
+    radius: float = 2.2  # [0, 20]; spacings within which places are one answer
 
     def validate(self) -> None:
         """:raises ValueError: names the first field out of range"""
-        ranges = {"reach": (1, 20), "restart": (0, 1), "leave": (0, 1), "distance_noise": (0.001, 1)}
+        ranges = {
+            "reach": (1, 20),
+            "restart": (0, 1),
+            "leave": (0, 1),
+            "nowhere": (0, 1),
+            "trust": (1e-6, 1),
+            "distance_noise": (0.001, 1),
+            "radius": (0, 20),
+        }
         for name, (low, high) in ranges.items():
             value = getattr(self, name)
             if not low <= value <= high:
-                raise ValueError(f"{name} is {value}, allowed is [{low}, {high}]")
+                raise ValueError(f"{name} is {value}, allowed is [{low:g}, {high:g}]")
+        if self.leave and not self.nowhere:
+            raise ValueError("leave has to be 0 where nowhere is 0")
+
+
+class Hypothesis(NamedTuple):
+    """An answer: a place, and how probable it is that the robot is there or at one of those around it."""
+
+    place: int
+    probability: float
+    around: np.ndarray  # int (m,) places that are counted in, itself too
 
 
 class PlaceBelief:
@@ -43,13 +67,14 @@ class PlaceBelief:
         self._positions = np.asarray(positions, float).reshape(-1, 2)
         self._tree = cKDTree(self._positions)
         self.spacing = self._spacing()
+        self._ways = {}
         self.reset()
 
     def reset(self) -> None:
-        """Nothing is known: as likely nowhere as somewhere."""
+        """Nothing is known."""
         count = len(self._positions)
-        self.places = np.full(count, 0.5 / count)  # (n,)
-        self.nowhere = 0.5
+        self.nowhere = self._params.nowhere
+        self.places = np.full(count, (1 - self.nowhere) / count)  # (n,)
 
     def move(self, distance: Optional[float] = None) -> None:
         """Carries the belief on to the next picture.
@@ -57,21 +82,36 @@ class PlaceBelief:
         :param distance: since the last one, by odometry; None: there is none
         """
         params, count = self._params, len(self._positions)
-        moved = self._transition(distance).T @ self.places
+        moved = self._way(distance).T @ self.places
         stay, back = 1 - params.restart - params.leave, params.restart / count
         self.places = stay * moved + back * (self.places.sum() + self.nowhere)
-        self.nowhere = max(1 - self.places.sum(), 0.0)
+        self.nowhere = max(1 - self.places.sum(), 0.0) if params.nowhere else 0.0
 
     def see(self, log_ratios: np.ndarray) -> None:
         """Weighs the places by what a picture says.
 
         :param log_ratios: (n,) log of how much likelier the picture is at each place than nowhere
         """
-        largest = max(float(np.max(log_ratios, initial=0.0)), 0.0)
-        places = self.places * np.exp(np.asarray(log_ratios, float) - largest)
+        trusted = self._params.trust * np.asarray(log_ratios, float)
+        largest = np.max(trusted) if not self._params.nowhere else max(np.max(trusted), 0.0)
+        places = self.places * np.exp(trusted - largest)
         nowhere = self.nowhere * np.exp(-largest)
         total = places.sum() + nowhere
         self.places, self.nowhere = places / total, float(nowhere / total)
+
+    def hypotheses(self, count: int) -> List[Hypothesis]:
+        """The most probable places, each with those around it that no better one has; most probable first."""
+        free = self.places.copy()
+        found = []
+        for _ in range(min(count, len(free))):
+            place = int(free.argmax())
+            if free[place] <= 0:
+                break
+            reach = self._tree.query_ball_point(self._positions[place], self._params.radius * self.spacing)
+            around = np.array([each for each in sorted(reach) if free[each] > 0])
+            found.append(Hypothesis(place, float(free[around].sum()), around))
+            free[around] = 0
+        return sorted(found, key=lambda each: -each.probability)
 
     def _spacing(self) -> float:
         """Median distance of a place to the nearest other."""
@@ -81,19 +121,26 @@ class PlaceBelief:
         apart = nearest[nearest > 0]
         return float(np.median(apart)) if len(apart) else 1.0
 
-    def _transition(self, distance: Optional[float]) -> csr_matrix:
+    def _way(self, distance: Optional[float]) -> csr_matrix:
         """(n, n): row i holds where a robot at place i is next."""
+        step = None if distance is None else round(distance / (ROUND * self.spacing))
+        if step not in self._ways:
+            if len(self._ways) >= REMEMBERED:
+                self._ways.clear()
+            self._ways[step] = self._transition(None if step is None else step * ROUND * self.spacing)
+        return self._ways[step]
+
+    def _transition(self, distance: Optional[float]) -> csr_matrix:
         sigma, centre = self.spacing * self._params.reach / 2, 0.0
         if distance is not None:
             # half a spacing: a place stands for its surroundings
             sigma, centre = np.hypot(self.spacing / 2, self._params.distance_noise * distance), distance
         count = len(self._positions)
         pairs = self._tree.sparse_distance_matrix(self._tree, centre + 3 * sigma, output_type="coo_matrix")
-        rows = np.concatenate([pairs.row, np.arange(count)])
-        columns = np.concatenate([pairs.col, np.arange(count)])
-        distances = np.concatenate([pairs.data, np.zeros(count)])
-        off_diagonal_or_own = np.concatenate([pairs.row != pairs.col, np.ones(count, bool)])
-        rows, columns, distances = (each[off_diagonal_or_own] for each in (rows, columns, distances))
+        others = pairs.row != pairs.col
+        rows = np.concatenate([pairs.row[others], np.arange(count)])
+        columns = np.concatenate([pairs.col[others], np.arange(count)])
+        distances = np.concatenate([pairs.data[others], np.zeros(count)])
         weights = np.exp(-0.5 * ((distances - centre) / sigma) ** 2) + 1e-9
         matrix = csr_matrix((weights, (rows, columns)), (count, count))
         return matrix.multiply(1 / matrix.sum(axis=1)).tocsr()

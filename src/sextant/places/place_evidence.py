@@ -62,7 +62,9 @@ def absolute_log_ratios(scores: np.ndarray, params: EvidenceParams) -> np.ndarra
     z = np.minimum(deviations(scores, LEAST_DEVIATION), HIGHEST)
     with np.errstate(divide="ignore"):
         logs = params.score * np.log(scores) + params.size * np.log(min(len(scores), REFERENCE))
-    return np.clip(params.deviation * z + logs - params.offset, -params.limit, params.limit)
+    ratios = params.deviation * z + logs - params.offset
+    excess = max(ratios.max() - params.limit, 0.0)  # so that good photos differ still
+    return np.maximum(ratios - excess, -params.limit)
 
 
 def relative_log_ratios(scores: np.ndarray, shift: float) -> np.ndarray:

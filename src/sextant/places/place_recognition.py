@@ -3,15 +3,16 @@
 """Which places of a map a picture may show: votes of descriptors, their arrangement, what both are worth."""
 
 from dataclasses import dataclass, field
-from typing import Dict, List, NamedTuple, Optional, Tuple
+from typing import List, NamedTuple, Optional
 
 import numpy as np
 
 import sextant
 from sextant.places.global_descriptor import GlobalDescriptor
 from sextant.places.place_evidence import EvidenceParams, absolute_log_ratios, relative_log_ratios
-from sextant.places.place_index import UNIT, IndexedPhoto, PlaceIndex
+from sextant.places.place_index import PlaceIndex
 from sextant.places.place_map import Photo, PlaceMap
+from sextant.places.place_matches import MapPhotos, MatchedPhoto, Matches
 from sextant.places.place_verification import displacement_support
 from sextant.places.place_votes import MatchStatistics, lnbnn_scores, lnbnn_weights, match_statistics
 
@@ -54,39 +55,15 @@ class RecognitionParams:
         self.evidence_params.validate()
 
 
-class MatchedPhoto(NamedTuple):
-    """What a picture has in common with a photo of the map."""
-
-    photo: Photo
-    picture_xy: np.ndarray  # (m, 2) keypoints, in longer sides of the picture
-    photo_xy: np.ndarray  # (m, 2) their counterparts, in longer sides of the photo
-    weights: np.ndarray  # (m,)
-
-
 class Recognition(NamedTuple):
     """Of one picture, place by place in the order of PlaceMap.places()."""
 
     scores: np.ndarray  # (places,) by votes; above 0, larger is better
-    log_ratios: (
-        np.ndarray
-    )  # (places,) log of how much likelier there than where nothing is known
+    log_ratios: np.ndarray  # (places,) log of how much likelier there than where nothing is known
     best_photos: List[Photo]  # (places,) which photo of each place is likeliest
     usable: bool  # whether the picture shows enough to say anything
     statistics: MatchStatistics
     match: MatchedPhoto  # of the likeliest photo of all
-
-
-class _Matches(NamedTuple):
-    """Neighbours of a picture's n descriptors; (n, k) but for picture_xy."""
-
-    picture_xy: np.ndarray  # (n, 2) in longer sides of the picture
-    numbers: np.ndarray  # photos, in the order of the map; -1: none
-    rows: np.ndarray  # which of its photo's keypoints
-    weights: np.ndarray
-
-    def of(self, number: int) -> Tuple[np.ndarray, np.ndarray]:
-        """Descriptors that have one of a photo's for a neighbour, and which of their neighbours it is."""
-        return np.nonzero((self.numbers == number) & (self.weights > 0))
 
 
 class PlaceRecognizer:
@@ -97,29 +74,23 @@ class PlaceRecognizer:
         self._params, self._index = params or RecognitionParams(), index
         self._params.validate()
         self._extractor = sextant.FeatureExtractor(index.settings.feature_params())
-        self._photos, indexed, self._place_of = _arranged(place_map, index)
-        self._counts = np.array([photo.count for photo in indexed])
-        self._first = np.array([photo.first for photo in indexed])
-        row_of = {photo.owner: row for row, photo in enumerate(index.photos)}
-        self._rows = [row_of[photo.owner] for photo in indexed]
-        self._number_of_owner = np.full(2 + max(row_of), -1)  # the last one: of no owner
-        self._number_of_owner[[photo.owner for photo in indexed]] = np.arange(len(indexed))
+        self._photos = MapPhotos(place_map, index)
         settings = index.settings.global_descriptor
         self._descriptor = GlobalDescriptor(settings) if settings and self._params.global_weight else None
 
     def recognize(self, image: np.ndarray) -> Recognition:
         """:param image: uint8, (height, width) grey or (height, width, 3) BGR"""
         features = self._extractor.extract(image)
-        found = self._index.descriptors.search(features.descriptors, self._params.neighbours)
-        distances, owners, rows = found
-        numbers = self._number_of_owner[owners]
+        search = self._index.descriptors.search
+        distances, owners, rows = search(features.descriptors, self._params.neighbours)
+        numbers = self._photos.numbers(owners)
         picture_xy = features.keypoints[:, :2] / max(features.size)
-        matches = _Matches(picture_xy, numbers, rows, lnbnn_weights(distances, numbers))
+        matches = Matches(picture_xy, numbers, rows, lnbnn_weights(distances, numbers))
         enough = len(picture_xy) >= self._params.min_keypoints
         scores = self._scores(matches)
         ratios = self._voted(scores) if enough else np.zeros(len(scores))
         if self._descriptor is not None:
-            similarities = (self._index.vectors @ self._descriptor.describe(image))[self._rows]
+            similarities = (self._index.vectors @ self._descriptor.describe(image))[self._photos.rows]
             ratios = ratios + relative_log_ratios(similarities, self._params.global_weight)
         usable = enough or self._descriptor is not None
         return self._by_place(scores, ratios, matches, usable, match_statistics(distances, numbers))
@@ -127,55 +98,34 @@ class PlaceRecognizer:
     def _voted(self, scores: np.ndarray) -> np.ndarray:
         return EVIDENCE[self._params.evidence](scores, self._params.evidence_params)
 
-    def _scores(self, matches: _Matches) -> np.ndarray:
+    def _scores(self, matches: Matches) -> np.ndarray:
         """(photos,) by votes, and by those that agree in their displacement."""
-        exponent = self._params.hub_exponent
-        scores = lnbnn_scores(matches.weights, matches.numbers, self._counts, exponent)
+        exponent, counts = self._params.hub_exponent, self._photos.counts
+        scores = lnbnn_scores(matches.weights, matches.numbers, counts, exponent)
         at, neighbour = np.nonzero(matches.weights > 0)
         numbers, weights = matches.numbers[at, neighbour], matches.weights[at, neighbour]
-        photo_xy = self._photo_xy(numbers, matches.rows[at, neighbour])
+        photo_xy = self._photos.xy(numbers, matches.rows[at, neighbour])
         support = displacement_support(matches.picture_xy[at], photo_xy, weights, numbers, len(scores))
-        return scores + self._params.arrangement * support / np.maximum(self._counts, 1) ** exponent
-
-    def _photo_xy(self, numbers: np.ndarray, rows: np.ndarray) -> np.ndarray:
-        """(m, 2) keypoints by the number of their photo and their row in it, in longer sides of the photo."""
-        return self._index.keypoints[self._first[numbers] + rows, :2] / UNIT
+        return scores + self._params.arrangement * support / np.maximum(counts, 1) ** exponent
 
     def _by_place(
         self,
         scores: np.ndarray,
         ratios: np.ndarray,
-        matches: _Matches,
+        matches: Matches,
         usable: bool,
         statistics: MatchStatistics,
     ) -> Recognition:
+        place_of = self._photos.place_of
         order = np.lexsort((scores, ratios))
-        best = np.zeros(1 + self._place_of.max(), int)
-        best[self._place_of[order]] = order  # the last one stays
-        winner = int(order[-1])
-        at, neighbour = matches.of(winner)
-        photo_xy = self._photo_xy(np.full(len(at), winner), matches.rows[at, neighbour])
-        weights = matches.weights[at, neighbour]
-        match = MatchedPhoto(self._photos[winner], matches.picture_xy[at], photo_xy, weights)
-        photos = [self._photos[number] for number in best]
+        best = np.zeros(1 + place_of.max(), int)
+        best[place_of[order]] = order  # the last one stays
+        match = self._photos.match(matches, int(order[-1]))
+        photos = [self._photos.photos[number] for number in best]
         return Recognition(scores[best], self._of_places(ratios), photos, usable, statistics, match)
 
     def _of_places(self, ratios: np.ndarray) -> np.ndarray:
         """A picture of a place is as likely as it is on the mean of the place's photos."""
         top = ratios.max()
-        sums = np.bincount(self._place_of, np.exp(np.maximum(ratios - top, -LEAST)))
-        return top + np.log(sums / np.bincount(self._place_of))
-
-
-def _arranged(place_map: PlaceMap, index: PlaceIndex) -> Tuple[List[Photo], List[IndexedPhoto], np.ndarray]:
-    """The map's photos, their part of the index, and the numbers of their places."""
-    by_image: Dict[str, IndexedPhoto] = {photo.image: photo for photo in index.photos}
-    photos, indexed, place_of = [], [], []
-    for number, place in enumerate(place_map.places()):
-        for photo in place:
-            if photo.image not in by_image:
-                raise ValueError(f"{photo.image}: is not in the index")
-            photos.append(photo)
-            indexed.append(by_image[photo.image])
-            place_of.append(number)
-    return photos, indexed, np.array(place_of)
+        sums = np.bincount(self._photos.place_of, np.exp(np.maximum(ratios - top, -LEAST)))
+        return top + np.log(sums / np.bincount(self._photos.place_of))

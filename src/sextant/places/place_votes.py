@@ -47,22 +47,24 @@ def match_statistics(distances: np.ndarray, owners: np.ndarray) -> MatchStatisti
     )
 
 
+def kept_matches(distances: np.ndarray, owners: np.ndarray) -> np.ndarray:
+    """bool (n, k): nearest neighbours that are not farther than their mean."""
+    there = owners >= 0
+    there[:, 1:] = False
+    return there & (distances <= np.mean(distances[there])) if there.any() else there
+
+
 def count_votes(distances: np.ndarray, owners: np.ndarray, min_matches: int, max_photos: int) -> VoteCount:
     """One vote a descriptor, for the owner of its nearest neighbour, if that is not farther than the mean.
 
     :param min_matches: with fewer votes, none counts
     """
-    nowhere = VoteCount(np.zeros(0, int), np.zeros(0))
-    if not len(distances) or not np.any(owners[:, 0] >= 0):
-        return nowhere
-    there = owners[:, 0] >= 0
-    nearest, voters = distances[there, 0], owners[there, 0]
-    kept = voters[nearest <= nearest.mean()]
-    if len(kept) < min_matches:
-        return nowhere
-    photos, votes = np.unique(kept, return_counts=True)
-    best = np.argsort(-votes, kind="stable")[:max_photos]
-    return VoteCount(photos[best], votes[best] / len(kept))
+    votes = owners[kept_matches(distances, owners)]
+    if len(votes) < min_matches:
+        return VoteCount(np.zeros(0, int), np.zeros(0))
+    photos, counts = np.unique(votes, return_counts=True)
+    best = np.argsort(-counts, kind="stable")[:max_photos]
+    return VoteCount(photos[best], counts[best] / len(votes))
 
 
 def lnbnn_weights(distances: np.ndarray, owners: np.ndarray) -> np.ndarray:
