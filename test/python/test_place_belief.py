@@ -8,6 +8,7 @@ import pytest
 from sextant.places.place_belief import BeliefParams, PlaceBelief
 
 LINE = np.c_[np.arange(20.0), np.zeros(20)]
+WHOLLY = BeliefParams(trust=1.0, leave=0.02)  # as if pictures erred independently
 
 
 def saying(place, strength=3.0, count=20):
@@ -17,7 +18,7 @@ def saying(place, strength=3.0, count=20):
 
 
 def test_a_picture_weighs_by_bayes_rule():
-    belief = PlaceBelief(LINE)
+    belief = PlaceBelief(LINE, WHOLLY)
     belief.see(saying(7, np.log(5.0)))
     # prior: 0.5 nowhere, 0.025 each place; one of them five times as likely
     total = 0.5 + 0.025 * 19 + 0.125
@@ -26,9 +27,36 @@ def test_a_picture_weighs_by_bayes_rule():
     assert belief.nowhere == pytest.approx(0.5 / total)
 
 
+def test_a_picture_counts_by_the_part_that_is_trusted():
+    half, whole = PlaceBelief(LINE, BeliefParams(trust=0.5)), PlaceBelief(LINE, WHOLLY)
+    half.see(saying(7, 4.0))
+    whole.see(saying(7, 2.0))
+    assert half.places == pytest.approx(whole.places)
+
+
+def test_places_around_the_likeliest_are_one_answer():
+    belief = PlaceBelief(LINE, BeliefParams(trust=1.0, radius=1.0))
+    ratios = np.full(20, -50.0)
+    ratios[[5, 6, 7, 12]] = np.log([40.0, 80.0, 40.0, 20.0])
+    belief.see(ratios)  # each place was at 0.025, nowhere at 0.5
+    best, second = belief.hypotheses(2)
+    assert (best.place, best.around.tolist()) == (6, [5, 6, 7])
+    assert best.probability == pytest.approx(4.0 / 5.0) and second.probability == pytest.approx(0.5 / 5.0)
+    assert second.place == 12 and belief.nowhere == pytest.approx(0.5 / 5.0)
+
+
+def test_without_nowhere_a_place_is_always_told():
+    belief = PlaceBelief(LINE, BeliefParams(nowhere=0.0, leave=0.0))
+    for _ in range(30):
+        belief.move()
+        belief.see(np.full(20, -9.0) + saying(3, 1.0))
+    assert belief.nowhere == 0 and belief.places.sum() == pytest.approx(1)
+    assert belief.hypotheses(1)[0].place == 3
+
+
 @pytest.mark.parametrize("distance", [None, 0.0, 1.0, 30.0])
 def test_probabilities_sum_to_one(distance):
-    belief = PlaceBelief(LINE)
+    belief = PlaceBelief(LINE, WHOLLY)
     rng = np.random.default_rng(1)
     for _ in range(20):
         belief.move(distance)
@@ -38,7 +66,7 @@ def test_probabilities_sum_to_one(distance):
 
 
 def test_a_sequence_decides_what_a_picture_cannot():
-    belief = PlaceBelief(LINE)
+    belief = PlaceBelief(LINE, WHOLLY)
     for place in range(3, 12):
         both = saying(place)
         both[(place * 7) % 20] = 3.0  # a place that looks alike, another one every time
@@ -48,7 +76,7 @@ def test_a_sequence_decides_what_a_picture_cannot():
 
 
 def test_odometry_moves_it_as_far_as_it_says():
-    sure = BeliefParams(restart=0.0, leave=0.0)
+    sure = BeliefParams(restart=0.0, leave=0.0, trust=1.0)
     belief = PlaceBelief(LINE, sure)
     belief.see(saying(10, 30.0))
     belief.move(4.0)
@@ -59,14 +87,14 @@ def test_odometry_moves_it_as_far_as_it_says():
 
 
 def test_without_odometry_it_spreads_to_neighbours():
-    belief = PlaceBelief(LINE, BeliefParams(restart=0.0, leave=0.0))
+    belief = PlaceBelief(LINE, BeliefParams(restart=0.0, leave=0.0, trust=1.0))
     belief.see(saying(10, 30.0))
     belief.move()
     assert belief.places[8:13].sum() > 0.9 and belief.places[10] == belief.places.max()
 
 
 def test_a_robot_that_was_carried_away_is_found_again():
-    belief = PlaceBelief(LINE)
+    belief = PlaceBelief(LINE, WHOLLY)
     for _ in range(5):
         belief.move()
         belief.see(saying(2))
@@ -81,7 +109,7 @@ def test_a_robot_that_was_carried_away_is_found_again():
 
 
 def test_pictures_of_nowhere_make_it_say_nowhere():
-    belief = PlaceBelief(LINE)
+    belief = PlaceBelief(LINE, WHOLLY)
     for _ in range(5):
         belief.move()
         belief.see(saying(2))
@@ -92,7 +120,7 @@ def test_pictures_of_nowhere_make_it_say_nowhere():
 
 
 def test_a_map_of_one_place_works():
-    belief = PlaceBelief(np.zeros((1, 2)))
+    belief = PlaceBelief(np.zeros((1, 2)), WHOLLY)
     belief.move(3.0)
     belief.see(np.array([4.0]))
     assert belief.places[0] > 0.9

@@ -81,9 +81,7 @@ class PlaceLocalizer:
         self.scale = scale_of(place_map)
         self._places = place_map.places()
         self._positions = np.array([(photos[0].x, photos[0].y) for photos in self._places])
-        self._pixels = np.array(
-            self.scale or (1.0, 1.0)
-        )  # distances between places are in metres, if possible
+        self._pixels = np.array(self.scale or (1.0, 1.0))  # in metres, if possible
         self._last: Optional[np.ndarray] = None  # where it was localized
         if self._params.mode == VOTES:
             self._voter = PlaceVoter(place_map, index, self._params.min_matches, self._params.max_places)

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A picture's matches with the photos of a map, by the photos' numbers in the order of the map's places."""
 
-from typing import Dict, NamedTuple
+from typing import Dict, List, NamedTuple
 
 import numpy as np
 
@@ -33,14 +33,10 @@ class MapPhotos:
 
     def __init__(self, place_map: PlaceMap, index: PlaceIndex):
         """:raises ValueError: a photo that is not in the index"""
-        by_image: Dict[str, IndexedPhoto] = {photo.image: photo for photo in index.photos}
         places = place_map.places()
         self.photos = [photo for place in places for photo in place]
-        self.place_of = np.array([number for number, place in enumerate(places) for _ in place])
-        for photo in self.photos:
-            if photo.image not in by_image:
-                raise ValueError(f"{photo.image}: is not in the index")
-        indexed = [by_image[photo.image] for photo in self.photos]
+        self.place_of = np.repeat(np.arange(len(places)), [len(place) for place in places])
+        indexed = _indexed(self.photos, index)
         self.counts = np.array([photo.count for photo in indexed])  # of keypoints
         row_of = {photo.owner: row for row, photo in enumerate(index.photos)}
         self.rows = np.array([row_of[photo.owner] for photo in indexed])  # in PlaceIndex.photos and .vectors
@@ -62,3 +58,11 @@ class MapPhotos:
         photo_xy = self.xy(np.full(len(at), number), matches.rows[at, neighbour])
         weights = matches.weights[at, neighbour]
         return MatchedPhoto(self.photos[number], matches.picture_xy[at], photo_xy, weights)
+
+
+def _indexed(photos: List[Photo], index: PlaceIndex) -> List[IndexedPhoto]:
+    by_image: Dict[str, IndexedPhoto] = {photo.image: photo for photo in index.photos}
+    lacking = [photo.image for photo in photos if photo.image not in by_image]
+    if lacking:
+        raise ValueError(f"{lacking[0]}: is not in the index")
+    return [by_image[photo.image] for photo in photos]

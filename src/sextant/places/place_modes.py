@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""How pictures of a robot are taken together: one by one, by a filter over time, or by a window of the last ones."""
+"""How pictures of a robot are taken together: each for itself, by a filter over time, or the last ones."""
 
 from collections import deque
 from dataclasses import replace

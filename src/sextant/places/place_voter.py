@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""The mode `votes`: nearest neighbours not farther than the mean are counted, photo by photo; nothing else."""
+"""The mode `votes`: nearest neighbours not farther than their mean are counted, photo by photo."""
 
 from typing import List, NamedTuple
 
