@@ -30,9 +30,9 @@ def made(georeference):
 
 
 def test_one_place_stands_for_its_surroundings():
-    found = estimate(np.array([[30.0, 40.0]]), np.array([0.8]), [0.5], 10.0)
+    found = estimate(np.array([[30.0, 40.0]]), np.array([0.8]), [0.5], np.array([10.0, 4.0]))
     assert (found.x, found.y, found.yaw) == pytest.approx((30.0, 40.0, 0.5))
-    assert found.covariance == pytest.approx(25.0 * np.eye(2))
+    assert found.covariance == pytest.approx(np.diag([25.0, 4.0]))
 
 
 def test_several_places_are_their_mean_and_scatter():
@@ -41,7 +41,7 @@ def test_several_places_are_their_mean_and_scatter():
     rng = np.random.default_rng(1)
     at = rng.choice(3, 200_000, p=probabilities / probabilities.sum())
     draws = positions[at] + rng.normal(0, 6.0, (len(at), 2))
-    found = estimate(positions, probabilities, [None] * 3, 12.0)
+    found = estimate(positions, probabilities, [None] * 3, np.array([12.0, 12.0]))
     assert (found.x, found.y) == pytest.approx(draws.mean(axis=0), abs=0.1)
     assert found.covariance == pytest.approx(np.cov(draws.T), rel=0.02, abs=0.5)
     assert found.yaw is None
@@ -57,7 +57,7 @@ def test_several_places_are_their_mean_and_scatter():
     ],
 )
 def test_a_yaw_is_told_where_the_photos_agree(yaws, expected):
-    found = estimate(np.zeros((3, 2)), np.array([0.4, 0.4, 0.2]), yaws, 1.0)
+    found = estimate(np.zeros((3, 2)), np.array([0.4, 0.4, 0.2]), yaws, np.ones(2))
     if expected is None:
         assert found.yaw is None
     else:

@@ -99,7 +99,7 @@ class PlaceLocalizer:
         self._params.validate()
         self.scale = scale_of(place_map)
         self._positions = np.array([(place[0].x, place[0].y) for place in place_map.places()])
-        self._pixels = np.array(self.scale or (1.0, 1.0))  # in metres, if possible
+        self._pixels = np.array(self.scale or (1.0, 1.0))  # (2,) in metres, if possible
         if self._params.mode == VOTES:
             self._voter = PlaceVoter(place_map, index, self._params.min_matches, self._params.max_places)
         else:
@@ -111,7 +111,7 @@ class PlaceLocalizer:
         in_units, belief = self._positions * self._pixels, self._params.belief
         mode = MODES["single" if self._params.mode == VOTES else self._params.mode]
         self._mode = mode(in_units, belief, self._params.window)
-        self._spacing = self._mode.belief.spacing / float(np.mean(self._pixels))  # pixels
+        self._spacing = self._mode.belief.spacing / self._pixels  # (2,) pixels
         self._followed = _Followed(self._mode.belief.spacing, belief)
 
     def localize(self, image: np.ndarray, distance: Optional[float] = None) -> Localization:
