@@ -48,7 +48,7 @@ def write_street_map(folder: Path, wanted: StreetMap) -> Path:
     :raises ValueError: an unknown season, or more parts than places
     """
     folder.mkdir(parents=True, exist_ok=True)
-    street = Street(wanted.seed, CONDITIONS[wanted.seasons[0]])
+    street = _street(wanted.seed, wanted.seasons[0])
     count = max(2, round(street.length / wanted.spacing))
     poses = [street.pose(arc) for arc in np.arange(count) * street.length / count]
     shots = [
