@@ -91,8 +91,8 @@ def _query(photo: Path) -> Tuple[float, float]:
 
 
 def _by_score(place_map: PlaceMap, index: Any) -> Recognize:
-    recognizer, places = PlaceRecognizer(place_map, index), place_map.places()
-    return lambda image: places[int(recognizer.recognize(image).scores.argmax())][0].x
+    recognizer = PlaceRecognizer(place_map, index)
+    return lambda image: recognizer.recognize(image).match.photo.x
 
 
 def _by_votes(place_map: PlaceMap, index: Any) -> Recognize:
