@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""How many pictures of the external test data are recognized, and of how many is said that they are nowhere."""
+"""How many pictures of the external test data are recognized, and how many are said to be nowhere."""
 
 import tempfile
 from pathlib import Path

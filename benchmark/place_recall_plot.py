@@ -12,7 +12,7 @@ from sextant.places.place_plots import plot_precision_recall, plot_reliability
 
 
 def plot_recall(folder: Path, results: Dict[str, List[Table]]) -> None:
-    """Writes folder/recall.png and folder/reliability_MODE.png, if that topic was measured; makes the folder."""
+    """Writes recall.png and reliability_MODE.png into the folder, if that topic was measured."""
     folder.mkdir(parents=True, exist_ok=True)
     said = {mode: each for table in results.get("recall", []) for mode, each in table.samples.items()}
     if said:

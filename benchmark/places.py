@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Measures how places are recognized: how many pictures, with probabilities how true, and of which nothing is known.
+"""Measures the recognition of places: how many pictures, and with how true probabilities.
 
 Exit status: 0 when every bar holds, 1 when one fails, 2 when something could not be measured.
 """

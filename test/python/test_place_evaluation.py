@@ -130,18 +130,18 @@ def queries_of(folder, place_map, *seeds):
 
 @pytest.mark.parametrize("mode", ["single", "filter", "sequence"])
 def test_photos_that_are_seen_again_are_found(mode, tmp_path):
-    place_map = written_photos(tmp_path, 8)
-    queries = queries_of(tmp_path, place_map, *range(8))
+    place_map = written_photos(tmp_path, 5)
+    queries = queries_of(tmp_path, place_map, *range(5))
     found = evaluate(library_of(place_map), LocalizationParams(mode=mode), queries)
     figures = found.figures()
     assert figures["recall@1"] == 1.0 and figures["nowhere"] == 0 and figures["area"] == pytest.approx(1)
     assert figures["said_nowhere_wrongly"] == 0.0 and figures["position_error"] < 15
     assert not found.cost.is_loaded and figures["index_mb"] > 0
-    assert evaluate(library_of(place_map), LocalizationParams(), queries).cost.is_loaded
+    assert evaluate(library_of(place_map), LocalizationParams(mode=mode), queries[:1]).cost.is_loaded
 
 
 def test_a_place_that_the_map_does_not_have_is_nowhere(tmp_path):
-    place_map = written_photos(tmp_path, 8)
+    place_map = written_photos(tmp_path, 5)
     found = evaluate(
         library_of(place_map), LocalizationParams(mode="single"), queries_of(tmp_path, place_map, 20, 21, 3)
     )

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Tells how good a map of places is, by pictures whose places are known.
 
-evaluate_places park.txt --queries autumn.txt         the photos of another map on the same overview, in its order
-evaluate_places ref/map.txt --truth truth.csv --folder query/       a table: query,right_refs
-evaluate_places park.txt --leave-one-out              every photo of the map, taken out of it
+evaluate_places park.txt --queries autumn.txt                  the photos of another map on the same overview
+evaluate_places park.txt --truth truth.csv --folder walk/      a table: query,right_refs
+evaluate_places park.txt --leave-one-out                       every photo of the map, taken out of it
 """
 
 import argparse
@@ -158,8 +158,8 @@ def told(evaluation: PlaceEvaluation, unit: str) -> List[str]:
         "{perfect_calibration_error:.3f}",
         '"nowhere" is said of {said_nowhere_wrongly:.1%} of the queries in the map, and of '
         "{said_nowhere_rightly:.1%} of those that are not",
-        f"position: off by {{position_error:.2f}} {unit} (median), 90 % below {{position_error_90:.2f}} {unit}; "
-        "{in_ellipse:.1%} in the 95 % ellipse; {estimates:.0f} estimates",
+        f"position: off by {{position_error:.2f}} {unit} (median), 90 % below {{position_error_90:.2f}} "
+        f"{unit}; {{in_ellipse:.1%}} in the 95 % ellipse; {{estimates:.0f}} estimates",
         "time a query: {query_ms:.1f} ms (median), 95 % below {query_ms_95:.1f} ms",
         "index: {index_mb:.2f} MB, " + ("loaded" if evaluation.cost.is_loaded else "made")
         + " in {index_seconds:.2f} s; the process grew by {resident_mb:.0f} MB",

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """How good a recognition is: recall, precision, and whether its probabilities mean what they say."""
 
-from typing import Iterator, List, NamedTuple, Optional, Sequence, Tuple
+from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -76,7 +76,10 @@ def perfect_calibration_error(
 
     Even then it is not 0: a finite number of answers is right now more, now less often than it should.
     """
-    errors = [calibration_error(probabilities, right, bins) for right in _as_said(probabilities)]
+    frequencies = _perfect_frequencies(probabilities, bins)
+    said = reliability(probabilities, np.zeros(len(probabilities)), bins)
+    weights = np.array([each.count for each in said]) / len(probabilities)
+    errors = np.abs(frequencies - [each.probability for each in said]) @ weights
     return float(np.quantile(errors, quantile))
 
 
@@ -86,17 +89,15 @@ def perfect_frequencies(
     """Between which frequencies, low and high, each bin of reliability() lies in that share of cases, if the
     probabilities were true.
     """
-    found = [
-        [each.frequency for each in reliability(probabilities, right, bins)]
-        for right in _as_said(probabilities)
-    ]
-    low, high = np.quantile(found, [(1 - share) / 2, (1 + share) / 2], axis=0)
+    low, high = np.quantile(
+        _perfect_frequencies(probabilities, bins), [(1 - share) / 2, (1 + share) / 2], axis=0
+    )
     return low, high
 
 
-def _as_said(probabilities: Sequence[float]) -> Iterator[np.ndarray]:
-    """bool (n,), many times: answers that are right as often as their probabilities say."""
-    p = np.asarray(probabilities, float)
+def _perfect_frequencies(probabilities: Sequence[float], bins: int) -> np.ndarray:
+    """(RESAMPLES, bins of reliability()): of answers that are right as often as their probabilities say."""
     rng = np.random.default_rng(SEED)
-    for _ in range(RESAMPLES):
-        yield rng.random(len(p)) < p
+    p = np.sort(np.asarray(probabilities, float))
+    parts = [part for part in np.array_split(p, bins) if len(part)]
+    return np.column_stack([(rng.random((RESAMPLES, len(part))) < part).mean(axis=1) for part in parts])

@@ -71,8 +71,8 @@ def _draw_reliability(axes: Axes, probabilities: Sequence[float], right: Sequenc
     label = f"{len(probabilities)} answers, {counts} a dot"
     axes.plot(said, so, "o", color=BLUE, label=label, clip_on=False, zorder=3)
     _finish(axes, "", "share of right answers")
-    axes.set_title("Do the probabilities say what is so?", fontsize="medium")
-    axes.legend(loc="upper left")
+    axes.set_title("Do the probabilities say what is so?", fontsize="medium", pad=28)
+    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncol=2, frameon=False)  # dots may be anywhere
 
 
 def _finish(axes: Axes, x: str, y: str) -> None:
