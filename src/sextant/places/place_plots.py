@@ -30,9 +30,10 @@ def plot_precision_recall(path: Path, curves: Mapping[str, PrecisionRecall]) -> 
     FigureCanvasAgg(figure)  # not pyplot: it needs a window system and has a state of its own
     axes = figure.subplots()
     for colour, (name, curve) in zip(cycle(COLOURS), curves.items()):
-        precision, recall = np.append(curve.precision[:1], curve.precision), np.append(0.0, curve.recall)
+        precision = np.append(curve.precision[:1], curve.precision)
+        recall = np.append(0.0 * curve.recall[:1], curve.recall)
         label = f"{name}: area {curve.area:.3f}"
-        axes.plot(recall[: len(precision)], precision, color=colour, label=label, clip_on=False)
+        axes.plot(recall, precision, color=colour, label=label, clip_on=False)
         axes.plot(recall[-1:], precision[-1:], "o", color=colour, clip_on=False, zorder=3)
     _finish(axes, "recall: of all queries that are in the map", "precision: of the answers so far")
     axes.set_title("Answers, the most probable first; dot: all of them", fontsize="medium")
@@ -44,7 +45,7 @@ def plot_reliability(path: Path, probabilities: Sequence[float], right: Sequence
     """How often what was said is so, and how often what is said.
 
     :param path: a PNG
-    :param probabilities: right: as place_metrics.reliability(), of one answer or more
+    :param probabilities: right: as place_metrics.reliability()
     :raises OSError: the file cannot be written; an old one stays as it was
     """
     figure = Figure(figsize=(6.4, 6.8), layout="constrained")
@@ -59,10 +60,15 @@ def plot_reliability(path: Path, probabilities: Sequence[float], right: Sequence
 
 
 def _draw_reliability(axes: Axes, probabilities: Sequence[float], right: Sequence[bool]) -> None:
+    axes.plot([0, 1], [0, 1], "--", color=GREY, linewidth=1)
+    _finish(axes, "", "share of right answers")
+    axes.set_title("Do the probabilities say what is so?", fontsize="medium", pad=28)
+    if not len(probabilities):
+        axes.text(0.5, 0.4, "there is no answer", ha="center")
+        return
     bins = reliability(probabilities, right)
     said, so = np.array([each.probability for each in bins]), np.array([each.frequency for each in bins])
     low, high = perfect_frequencies(probabilities)
-    axes.plot([0, 1], [0, 1], "--", color=GREY, linewidth=1)
     axes.vlines(
         said, low, high, color=GREY, alpha=0.35, linewidth=9, label="95 % of perfect forecasters"
     )  # fmt: skip
@@ -70,8 +76,6 @@ def _draw_reliability(axes: Axes, probabilities: Sequence[float], right: Sequenc
     counts = f"{least}" if least == most else f"{least} to {most}"
     label = f"{len(probabilities)} answers, {counts} a dot"
     axes.plot(said, so, "o", color=BLUE, label=label, clip_on=False, zorder=3)
-    _finish(axes, "", "share of right answers")
-    axes.set_title("Do the probabilities say what is so?", fontsize="medium", pad=28)
     axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncol=2, frameon=False)  # dots may be anywhere
 
 
