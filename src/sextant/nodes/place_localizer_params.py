@@ -47,6 +47,7 @@ class PlaceLocalizerParams:
     restart: float = param(_BELIEF.restart, within(0.0, 1.0))
     leave: float = param(_BELIEF.leave, within(0.0, 1.0))
     trust: float = param(_BELIEF.trust, within(1e-6, 1.0))
+    doubt: float = param(_BELIEF.doubt, within(0.0, 20.0))
     use_odometry: bool = param(False)  # hear odom
     network: str = param("")  # ONNX file of a global descriptor
     network_backend: str = param(_GLOBAL.backend)

@@ -36,7 +36,7 @@ class LocalizationParams:
 
     mode: str = "filter"  # one of sextant.places.place_modes.MODES, or votes
     max_places: int = 5  # [1, 1000]; that are told
-    window: int = 20  # [2, 1000]; pictures of mode sequence
+    window: int = 30  # [2, 1000]; pictures of mode sequence
     min_matches: int = 10  # [1, 100000]; votes, in mode votes, with less nothing is told
     recognition: RecognitionParams = field(default_factory=RecognitionParams)
     belief: BeliefParams = field(default_factory=BeliefParams)
