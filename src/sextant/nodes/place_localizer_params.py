@@ -81,7 +81,9 @@ class PlaceLocalizerParams:
             recognition=RecognitionParams(
                 min_keypoints=self.min_keypoints, global_weight=self.network_weight
             ),
-            belief=BeliefParams(self.reach, self.restart, self.leave, trust=self.trust),
+            belief=BeliefParams(
+                reach=self.reach, restart=self.restart, leave=self.leave, trust=self.trust
+            ),
         )
 
     def _features(self) -> Dict[str, Any]:
