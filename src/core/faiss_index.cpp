@@ -42,7 +42,8 @@ int probeCount(size_t lists) { return std::max(kProbes, static_cast<int>(lists /
 
 std::string description(int width, int samples, int64_t expected) {
   const bool reduce = width > kReducedWidth && samples >= kEnoughSamples * width;
-  const std::string codes = reduce && expected >= kMany ? "PQ32" : "SQ8";
+  // Not polysemous: what that trains for minutes, no search uses.
+  const std::string codes = reduce && expected >= kMany ? "PQ32np" : "SQ8";
   return (reduce ? "PCA" + std::to_string(kReducedWidth) + "," : std::string()) + "IVF" +
          std::to_string(listCount(expected, samples)) + "," + codes;
 }

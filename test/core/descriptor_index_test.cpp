@@ -154,6 +154,20 @@ TEST(DescriptorIndex, BruteForceTakesManyPicturesWithManyDescriptors) {
   }
 }
 
+TEST(DescriptorIndex, ManyAreStoredInHalfOfTheBytes) {
+  const cv::Mat all = randomDescriptors(700, 65, CV_32F, 1);
+  for (const auto& [expected, bytes] : std::map<int64_t, int>{{700, 64}, {2000000, 32}}) {
+    const auto index = makeDescriptorIndex("faiss", all, expected);
+    const int64_t before = index->bytes();
+    index->add(0, all);
+    EXPECT_EQ(index->bytes() - before, 700 * (bytes + 8));  // and 8 of a number that tells them apart
+    const Neighbours found = index->search(all, 1);
+    int right = 0;
+    for (int row = 0; row < all.rows; ++row) right += found.rows[row] == row;
+    EXPECT_GT(right, 0.95 * all.rows);
+  }
+}
+
 TEST(DescriptorIndex, ThreadsMaySearchTogether) {
   for (const MatcherCase& each : matcherCases()) {
     SCOPED_TRACE(each.matcher + std::to_string(each.width));
