@@ -4,6 +4,7 @@
 
 #include <faiss/IndexBinaryIVF.h>
 #include <faiss/IndexIVF.h>
+#include <faiss/IndexIVFPQ.h>
 #include <faiss/IndexPreTransform.h>
 #include <faiss/impl/FaissException.h>
 #include <faiss/impl/IDSelector.h>
@@ -28,8 +29,9 @@ constexpr int kReducedWidth = 64;   // of descriptors with more numbers
 constexpr int kEnoughSamples = 10;  // times the width, to learn from how to reduce them
 constexpr int64_t kMany = 2000000;  // descriptors from which on reduced ones are stored in half of the bytes
 constexpr int kPointsPerList = 39;  // that k-means wants at least, by faiss
-constexpr int kProbes = 8;          // lists that are looked into, at least
-constexpr int kListsPerProbe = 64;  // for each that is looked into, where that makes more
+constexpr int kProbes = 8, kMostProbes = 16;    // lists that are looked into
+constexpr int kListsPerProbe = 64;              // for each that is looked into, between the two
+constexpr int kRounds = 10, kRoundsOfMany = 4;  // of k-means
 
 Id firstId(Id owner) { return owner * DescriptorIndex::kMaxRows; }
 
@@ -38,14 +40,21 @@ int listCount(int64_t expected, int samples) {
   return static_cast<int>(std::clamp<int64_t>(wanted, 1, std::max(1, samples / kPointsPerList)));
 }
 
-int probeCount(size_t lists) { return std::max(kProbes, static_cast<int>(lists / kListsPerProbe)); }
+int probeCount(size_t lists) {
+  return std::clamp(static_cast<int>(lists / kListsPerProbe), kProbes, kMostProbes);
+}
 
 std::string description(int width, int samples, int64_t expected) {
-  const bool reduce = width > kReducedWidth && samples >= kEnoughSamples * width;
+  const std::string lists = "IVF" + std::to_string(listCount(expected, samples));
+  if (width <= kReducedWidth || samples < kEnoughSamples * width) return lists + ",SQ8";
+  const std::string reduced = "PCA" + std::to_string(kReducedWidth) + "," + lists;
   // Not polysemous: what that trains for minutes, no search uses.
-  const std::string codes = reduce && expected >= kMany ? "PQ32np" : "SQ8";
-  return (reduce ? "PCA" + std::to_string(kReducedWidth) + "," : std::string()) + "IVF" +
-         std::to_string(listCount(expected, samples)) + "," + codes;
+  return reduced + (expected < kMany ? ",SQ8" : "_HNSW32,PQ32np");
+}
+
+/// A table for every list takes more memory than the lists themselves.
+void leaveOutTables(Index* lists) {
+  if (auto* products = dynamic_cast<faiss::IndexIVFPQ*>(lists)) products->use_precomputed_table = -1;
 }
 
 /// What float and binary indexes differ in, and faiss has no common base for.
@@ -58,7 +67,9 @@ struct Floats {
 
   static std::unique_ptr<Base> make(const cv::Mat& samples, int64_t expected) {
     const std::string text = description(samples.cols, samples.rows, expected);
-    return std::unique_ptr<Base>(faiss::index_factory(samples.cols, text.c_str()));
+    std::unique_ptr<Base> index(faiss::index_factory(samples.cols, text.c_str()));
+    leaveOutTables(lists(index.get()));
+    return index;
   }
   static Lists* lists(Base* index) {
     if (auto* reduced = dynamic_cast<faiss::IndexPreTransform*>(index)) index = reduced->index;
@@ -66,7 +77,8 @@ struct Floats {
   }
   static int width(const Base& index) { return static_cast<int>(index.d); }
   static float distance(Distance squared) { return std::sqrt(std::max(squared, 0.0F)); }
-  static Base* read(faiss::IOReader* reader) { return faiss::read_index(reader, faiss::IO_FLAG_MMAP); }
+  static constexpr int kReading = faiss::IO_FLAG_MMAP | faiss::IO_FLAG_SKIP_PRECOMPUTE_TABLE;
+  static Base* read(faiss::IOReader* reader) { return faiss::read_index(reader, kReading); }
   static void write(const Base* index, faiss::IOWriter* writer) { faiss::write_index(index, writer); }
 };
 
@@ -97,6 +109,7 @@ class FaissIndex : public DescriptorIndex {
   FaissIndex(const cv::Mat& samples, int64_t expected)
       : DescriptorIndex(Kind::kType, samples.cols), index_(Kind::make(samples, expected)) {
     lists().cp.min_points_per_centroid = 1;  // few pictures make few points: no reason for a warning
+    lists().cp.niter = expected < kMany ? kRounds : kRoundsOfMany;
     index_->train(samples.rows, values(samples));
     lists().nprobe = probeCount(lists().nlist);
   }
