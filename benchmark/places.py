@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Measures the recognition of places: how many pictures, and with how true probabilities.
+"""Measures the recognition of places: how many pictures, with how true probabilities; time and memory.
 
 Exit status: 0 when every bar holds, 1 when one fails, 2 when something could not be measured.
 """
@@ -12,10 +12,14 @@ from pathlib import Path
 from command import Results, run
 from place_recall import recall_tables
 from place_seasons import season_tables
+from place_size import size_tables
+from place_speed import speed_tables
 
 TOPICS = {
     "recall": lambda options: recall_tables(options.data / "places", options.quick),
     "seasons": lambda options: season_tables(options.quick),
+    "speed": lambda options: speed_tables(options.quick),
+    "size": lambda options: size_tables(options.quick),
 }
 
 

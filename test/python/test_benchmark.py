@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""benchmark/markers.py and marker_trust.py as their caller sees them: exit status, table, JSON, pictures."""
+"""The benchmarks as their caller sees them: exit status, table, JSON, pictures."""
 
 import json
 import subprocess
@@ -140,6 +140,19 @@ def test_quick_run_of_the_maps(tmp_path):
     for row in topics["series"][0]["rows"][:8]:  # of simulated corners, whose noise is known
         assert 0.5 < row["z: least"]["value"] <= row["z: largest"]["value"] < 2.0
     assert [row["differs"]["value"] for row in topics["bags"][0]["rows"]] == [0, 0, 0]
+
+
+def test_quick_run_of_the_places():
+    command = [sys.executable, str(BENCHMARK / "places.py"), "--quick", "--only", "speed,size", "--json", "-"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stderr
+    topics = json.loads(done.stdout)["topics"]
+    votes, ours = topics["speed"][0]["rows"]
+    assert ours["right, %"]["value"] >= 25 < votes["right, %"]["value"]  # the photos are 30 m apart
+    assert ours["index, MB"]["value"] < votes["index, MB"]["value"]
+    few, many = topics["size"][0]["rows"]
+    assert few["right, %"]["value"] == many["right, %"]["value"] == 100
+    assert few["index, MB"]["value"] < many["index, MB"]["value"]
 
 
 def run_places(topic, folder):

@@ -108,7 +108,7 @@ class PlaceBelief:
             if free[place] <= 0:
                 break
             reach = self._tree.query_ball_point(self._positions[place], self._params.radius * self.spacing)
-            around = np.array([each for each in sorted(reach) if free[each] > 0])
+            around = np.array([each for each in sorted(reach) if free[each] > 0], int)
             found.append(Hypothesis(place, float(free[around].sum()), around))
             free[around] = 0
         return sorted(found, key=lambda each: -each.probability)

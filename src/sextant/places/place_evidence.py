@@ -13,6 +13,7 @@ MAD_TO_DEVIATION = 1.4826  # of a normal distribution
 REFERENCE = 100  # best photos that tell how much the scores of wrong ones differ
 ROUNDING = 1e-6  # of the largest score: what single precision leaves
 LEAST_DEVIATION = 0.1  # of the median, in absolute evidence
+LEAST_SCORE = 1e-6
 HIGHEST = 30.0  # deviations, in absolute evidence; more say no more
 HIGHEST_RELATIVE = 6.0  # in relative evidence, which has to bear that one picture is wrong
 
@@ -60,8 +61,8 @@ def deviations(scores: np.ndarray, least: float = 0.0) -> np.ndarray:
 def absolute_log_ratios(scores: np.ndarray, params: EvidenceParams) -> np.ndarray:
     """(n,) of the scores by votes. A picture can speak against all photos."""
     z = np.minimum(deviations(scores, LEAST_DEVIATION), HIGHEST)
-    with np.errstate(divide="ignore"):
-        logs = params.score * np.log(scores) + params.size * np.log(min(len(scores), REFERENCE))
+    logs = params.score * np.log(np.maximum(scores, LEAST_SCORE))
+    logs += params.size * np.log(min(len(scores), REFERENCE))
     ratios = params.deviation * z + logs - params.offset
     excess = max(ratios.max() - params.limit, 0.0)  # so that good photos differ still
     return np.maximum(ratios - excess, -params.limit)

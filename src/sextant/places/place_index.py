@@ -249,7 +249,11 @@ class PlaceIndex:
 
 def _samples(features: Sequence[PhotoFeatures], total: int) -> np.ndarray:
     """Descriptors to learn from: all, or as many as are enough, evenly drawn."""
-    stacked = np.concatenate([each.descriptors for each in features if len(each.descriptors)])
-    if total <= SAMPLES:
-        return stacked
-    return stacked[np.sort(np.random.default_rng(SEED).choice(total, SAMPLES, replace=False))]
+    chosen = np.arange(total)
+    if total > SAMPLES:
+        chosen = np.sort(np.random.default_rng(SEED).choice(total, SAMPLES, replace=False))
+    ends = np.cumsum([len(each.descriptors) for each in features])
+    parts = np.split(chosen, np.searchsorted(chosen, ends[:-1]))
+    firsts = [0, *ends[:-1]]
+    picked = [each.descriptors[part - first] for each, part, first in zip(features, parts, firsts)]
+    return np.concatenate([part for part in picked if len(part)])

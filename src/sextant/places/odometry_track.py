@@ -1,0 +1,44 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""How far a robot went between two pictures, by its odometry."""
+
+from bisect import bisect_left
+from collections import deque
+from typing import Deque, Optional, Tuple
+
+import numpy as np
+
+KEPT = 2000  # positions
+LATE = 500_000_000  # nanoseconds that odometry may be older than a picture
+
+
+class OdometryTrack:
+    """Positions by stamp. Not thread-safe."""
+
+    def __init__(self) -> None:
+        self._track: Deque[Tuple[int, float, float]] = deque(maxlen=KEPT)
+
+    def add(self, stamp: int, x: float, y: float) -> None:
+        """:param stamp: nanoseconds; one before the last begins anew
+
+        :param x: y: metres, in a frame that does not jump
+        """
+        if self._track and stamp < self._track[-1][0]:
+            self._track.clear()
+        self._track.append((stamp, x, y))
+
+    def distance(self, begin: int, end: int) -> Optional[float]:
+        """Metres between where the robot was at two stamps; None: odometry does not tell it."""
+        first, last = self._at(begin), self._at(end)
+        return None if first is None or last is None else float(np.hypot(*(last - first)))
+
+    def _at(self, stamp: int) -> Optional[np.ndarray]:
+        stamps = [each[0] for each in self._track]
+        after = bisect_left(stamps, stamp)
+        if after == len(stamps):
+            if not stamps or stamp - stamps[-1] > LATE:
+                return None
+            return np.array(self._track[-1][1:])
+        if after == 0 and stamps[0] != stamp:
+            return None
+        return np.array([np.interp(stamp, stamps, [each[i] for each in self._track]) for i in (1, 2)])
