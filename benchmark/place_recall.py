@@ -124,8 +124,8 @@ def _nowhere_row(name: str, found: PlaceEvaluation, bar: Optional[float]) -> Row
         Value(len(found.outcomes) - known, 0),
         Value(100 * found.nowhere(False), 1, at_least=bar),
         Value(known, 0),
-        Value(100 * found.nowhere(True), 1),
-        Value(found.recall(1), 3),
+        Value(100 * found.nowhere(True), 1) if known else "-",
+        Value(found.recall(1), 3) if known else "-",
     ]
 
 
