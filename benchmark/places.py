@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Measures the recognition of places: how many pictures, with how true probabilities; time and memory.
+"""Measures the recognition of places: how many pictures, with how true probabilities, in which time and memory.
 
 Exit status: 0 when every bar holds, 1 when one fails, 2 when something could not be measured.
 """

@@ -142,19 +142,6 @@ def test_quick_run_of_the_maps(tmp_path):
     assert [row["differs"]["value"] for row in topics["bags"][0]["rows"]] == [0, 0, 0]
 
 
-def test_quick_run_of_the_places():
-    command = [sys.executable, str(BENCHMARK / "places.py"), "--quick", "--only", "speed,size", "--json", "-"]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=300)
-    assert done.returncode == 0, done.stderr
-    topics = json.loads(done.stdout)["topics"]
-    votes, ours = topics["speed"][0]["rows"]
-    assert ours["right, %"]["value"] >= 25 < votes["right, %"]["value"]  # the photos are 30 m apart
-    assert ours["index, MB"]["value"] < votes["index, MB"]["value"]
-    few, many = topics["size"][0]["rows"]
-    assert few["right, %"]["value"] == many["right, %"]["value"] == 100
-    assert few["index, MB"]["value"] < many["index, MB"]["value"]
-
-
 def run_places(topic, folder):
     """Its tables."""
     command = [sys.executable, str(BENCHMARK / "places.py"), "--quick", "--only", topic, "--json", "-"]
@@ -177,3 +164,14 @@ def test_quick_run_of_recall(tmp_path):
     assert nowhere["rows"][0]["nowhere in the map"]["value"] == lund["rows"][0]["placed"]["value"] == 8
     for name in ("recall", "reliability_single"):
         assert (tmp_path / f"{name}.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_quick_run_of_speed_and_size(tmp_path):
+    (speed,) = run_places("speed", tmp_path)
+    votes, ours = speed["rows"]
+    assert ours["right, %"]["value"] >= 25 < votes["right, %"]["value"]  # the photos are 30 m apart
+    assert ours["index, MB"]["value"] < votes["index, MB"]["value"]
+    (size,) = run_places("size", tmp_path)
+    few, many = size["rows"]
+    assert few["right, %"]["value"] == many["right, %"]["value"] == 100
+    assert few["index, MB"]["value"] < many["index, MB"]["value"]

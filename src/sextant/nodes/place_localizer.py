@@ -153,7 +153,6 @@ class PlaceLocalizerNode(rospy.SubscribeListener):
         if stamp < self._last:
             rospy.logwarn("the pictures' clock was set back: what was seen is forgotten")
             self._loaded.localizer.reset()
-            self._track = OdometryTrack()
             return None
         return self._track.distance(self._last.to_nsec(), stamp.to_nsec())
 

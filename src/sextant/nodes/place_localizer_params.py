@@ -42,6 +42,7 @@ class PlaceLocalizerParams:
     restart: float = param(_BELIEF.restart, within(0.0, 1.0))
     leave: float = param(_BELIEF.leave, within(0.0, 1.0))
     trust: float = param(_BELIEF.trust, within(1e-6, 1.0))
+    doubt: float = param(_BELIEF.doubt, within(0.0, 20.0))
     use_odometry: bool = param(False)  # hear odom
     network: str = param("")  # ONNX file of a global descriptor
     network_backend: str = param(_GLOBAL.backend)
@@ -75,7 +76,9 @@ class PlaceLocalizerParams:
             recognition=RecognitionParams(
                 min_keypoints=self.min_keypoints, global_weight=self.network_weight
             ),
-            belief=BeliefParams(self.reach, self.restart, self.leave, trust=self.trust),
+            belief=BeliefParams(
+                reach=self.reach, restart=self.restart, leave=self.leave, trust=self.trust
+            ),
         )
 
     def _features(self) -> Dict[str, Any]:

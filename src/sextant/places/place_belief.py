@@ -22,11 +22,12 @@ REMEMBERED = 64  # ways to move, by distance
 class BeliefParams:
     """How a robot moves among the places, and how far pictures are believed."""
 
-    reach: float = 3.0  # [1, 20]; spacings of places that it may go between two pictures, without odometry
+    reach: float = 4.0  # [1, 20]; spacings of places that it may go between two pictures, without odometry
     restart: float = 0.01  # [0, 1]; probability that it was carried anywhere between two pictures
     leave: float = 0.01  # [0, 1]; that it left for where the map knows nothing
     nowhere: float = 0.5  # [0, 1]; that it is there at first; 0: it never is, leave has to be 0, too
-    trust: float = 0.4  # (0, 1]; part of a picture's evidence that counts: successive pictures err alike
+    trust: float = 0.6  # (0, 1]; part of a picture's evidence that counts: successive pictures err alike
+    doubt: float = 2.0  # [0, 20]; taken from a log ratio: what is like no place is like one of them for long
     distance_noise: float = 0.1  # [0.001, 1]; deviation of a distance that odometry says, part of it
     radius: float = 2.2  # [0, 20]; spacings within which places are one answer
 
@@ -38,6 +39,7 @@ class BeliefParams:
             "leave": (0, 1),
             "nowhere": (0, 1),
             "trust": (1e-6, 1),
+            "doubt": (0, 20),
             "distance_noise": (0.001, 1),
             "radius": (0, 20),
         }
@@ -92,7 +94,7 @@ class PlaceBelief:
 
         :param log_ratios: (n,) log of how much likelier the picture is at each place than nowhere
         """
-        trusted = self._params.trust * np.asarray(log_ratios, float)
+        trusted = self._params.trust * (np.asarray(log_ratios, float) - self._params.doubt)
         largest = np.max(trusted) if not self._params.nowhere else max(np.max(trusted), 0.0)
         places = self.places * np.exp(trusted - largest)
         nowhere = self.nowhere * np.exp(-largest)

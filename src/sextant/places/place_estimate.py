@@ -37,19 +37,19 @@ def scale_of(place_map: PlaceMap) -> Optional[Tuple[float, float]]:
 
 
 def estimate(
-    positions: np.ndarray, probabilities: np.ndarray, yaws: Sequence[Optional[float]], spacing: float
+    positions: np.ndarray, probabilities: np.ndarray, yaws: Sequence[Optional[float]], spacing: np.ndarray
 ) -> PlaceEstimate:
     """The mean of some places and how they scatter, with the surroundings that each stands for.
 
     :param positions: (m, 2) pixels
     :param probabilities: (m,), not all 0
     :param yaws: of the photo that was recognized at each
-    :param spacing: between places, pixels; a robot is up to half of it away from the one it is at
+    :param spacing: (2,) between places, pixels along x and y; a robot is up to half of it away from its place
     """
     weights = probabilities / probabilities.sum()
     mean = weights @ positions
     away = positions - mean
-    covariance = (weights[:, None] * away).T @ away + (spacing / 2) ** 2 * np.eye(2)
+    covariance = (weights[:, None] * away).T @ away + np.diag((spacing / 2) ** 2)
     known = [(weight, yaw) for weight, yaw in zip(weights, yaws) if yaw is not None]
     direction = sum(weight * np.exp(1j * yaw) for weight, yaw in known)
     yaw = float(np.angle(direction)) if abs(direction) > 0.5 * sum(w for w, _ in known) > 0.25 else None

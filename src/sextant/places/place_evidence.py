@@ -25,10 +25,10 @@ class EvidenceParams:
     log ratio = deviation * z + score * ln(s) + size * ln(n) - offset; score s, its deviations() z, n photos
     """
 
-    deviation: float = 0.216  # [0, 100]
-    score: float = 4.98  # [0, 100]
-    size: float = 3.63  # [0, 100]
-    offset: float = 13.05  # [-100, 100]
+    deviation: float = 0.313  # [0, 100]
+    score: float = 3.33  # [0, 100]
+    size: float = 3.40  # [0, 100]
+    offset: float = 11.9  # [-100, 100]
     limit: float = 12.0  # (0, 100]; of a log ratio: more is never believed of one picture
     shift: float = 1.0  # [0, 100]; deviations that a right photo scores higher by, in relative evidence
 

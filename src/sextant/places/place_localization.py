@@ -36,7 +36,7 @@ class LocalizationParams:
 
     mode: str = "filter"  # one of sextant.places.place_modes.MODES, or votes
     max_places: int = 5  # [1, 1000]; that are told
-    window: int = 20  # [2, 1000]; pictures of mode sequence
+    window: int = 30  # [2, 1000]; pictures of mode sequence
     min_matches: int = 10  # [1, 100000]; votes, in mode votes, with less nothing is told
     recognition: RecognitionParams = field(default_factory=RecognitionParams)
     belief: BeliefParams = field(default_factory=BeliefParams)
@@ -66,9 +66,28 @@ class Localization(NamedTuple):
     answers: List[Answer]  # most probable first
     nowhere: float  # probability
     estimate: Optional[PlaceEstimate]  # where the status is LOCALIZED
-    found_again: bool  # it is LOCALIZED and was not, or was elsewhere
+    found_again: bool  # it is LOCALIZED, and never was, was nowhere, or was elsewhere
     statistics: MatchStatistics
     match: MatchedPhoto  # of the photo that the picture alone is likest
+
+
+class _Followed:
+    """Whether a robot that is localized was lost before, or is farther away than it can have gone."""
+
+    def __init__(self, spacing: float, params: BeliefParams):
+        self._reach, self._radius = params.reach * spacing, params.radius * spacing
+        self._last: Optional[np.ndarray] = None  # where it was localized
+        self._gone = 0.0  # at most, since then
+
+    def update(self, status: Status, position: Optional[np.ndarray], distance: Optional[float]) -> bool:
+        self._gone += (distance or 0.0) + self._reach
+        if status == Status.NOWHERE:
+            self._last = None
+        if status != Status.LOCALIZED:
+            return False
+        lost = self._last is None or np.linalg.norm(position - self._last) > self._gone + self._radius
+        self._last, self._gone = position, 0.0
+        return bool(lost)
 
 
 class PlaceLocalizer:
@@ -79,22 +98,21 @@ class PlaceLocalizer:
         self._params = params or LocalizationParams()
         self._params.validate()
         self.scale = scale_of(place_map)
-        self._places = place_map.places()
-        self._positions = np.array([(photos[0].x, photos[0].y) for photos in self._places])
-        self._pixels = np.array(self.scale or (1.0, 1.0))  # in metres, if possible
-        self._last: Optional[np.ndarray] = None  # where it was localized
+        self._positions = np.array([(place[0].x, place[0].y) for place in place_map.places()])
+        self._pixels = np.array(self.scale or (1.0, 1.0))  # (2,) in metres, if possible
         if self._params.mode == VOTES:
             self._voter = PlaceVoter(place_map, index, self._params.min_matches, self._params.max_places)
         else:
             self._recognizer = PlaceRecognizer(place_map, index, self._params.recognition)
-            self.reset()
+        self.reset()
 
     def reset(self) -> None:
         """Forgets all pictures."""
-        self._last = None
-        if self._params.mode != VOTES:
-            in_units = self._positions * self._pixels
-            self._mode = MODES[self._params.mode](in_units, self._params.belief, self._params.window)
+        in_units, belief = self._positions * self._pixels, self._params.belief
+        mode = MODES["single" if self._params.mode == VOTES else self._params.mode]
+        self._mode = mode(in_units, belief, self._params.window)
+        self._spacing = self._mode.belief.spacing / self._pixels  # (2,) pixels
+        self._followed = _Followed(self._mode.belief.spacing, belief)
 
     def localize(self, image: np.ndarray, distance: Optional[float] = None) -> Localization:
         """:param image: uint8, (height, width) grey or (height, width, 3) BGR
@@ -113,36 +131,26 @@ class PlaceLocalizer:
         found = belief.hypotheses(self._params.max_places)
         answers = [Answer(seen.best_photos[each.place], each.probability) for each in found]
         status = _status(answers, belief.nowhere) if seen.usable else Status.UNUSABLE
-        place, again = None, False
-        if status == Status.LOCALIZED:
-            place = self._estimate(found[0], seen)
-            again = self._is_found_again(found[0].place, gone)
-        if status != Status.UNUSABLE:
-            self._last = self._positions[found[0].place] if place else None
+        place = self._estimate(found[0], seen) if status == Status.LOCALIZED else None
+        at = self._positions[found[0].place] * self._pixels if place else None
+        again = self._followed.update(status, at, gone)
         return Localization(status, answers, belief.nowhere, place, again, seen.statistics, seen.match)
 
     def _estimate(self, found: Hypothesis, seen: Recognition) -> PlaceEstimate:
-        spacing = self._mode.belief.spacing / float(np.mean(self._pixels))
         yaws = [seen.best_photos[place].yaw for place in found.around]
-        return estimate(self._positions[found.around], self._mode.belief.places[found.around], yaws, spacing)
-
-    def _is_found_again(self, place: int, gone: Optional[float]) -> bool:
-        if self._last is None:
-            return True
-        belief, params = self._mode.belief, self._params.belief
-        jump = np.linalg.norm((self._positions[place] - self._last) * self._pixels)
-        return bool(jump > (gone or 0.0) + (params.reach + params.radius) * belief.spacing)
+        probabilities = self._mode.belief.places[found.around]
+        return estimate(self._positions[found.around], probabilities, yaws, self._spacing)
 
     def _voted(self, image: np.ndarray) -> Localization:
         votes = self._voter.vote(image)
         answers = [Answer(*each) for each in zip(votes.photos, votes.probabilities)]
         status = _status(answers, 0.0) if answers else Status.UNUSABLE
-        place = None
+        place, at = None, None
         if status == Status.LOCALIZED:
             photo = answers[0].photo
-            place = estimate(np.array([[photo.x, photo.y]]), np.ones(1), [photo.yaw], self._voter.spacing)
-        again = place is not None and self._last is None
-        self._last = None if place is None else np.array([place.x, place.y])
+            place = estimate(np.array([[photo.x, photo.y]]), np.ones(1), [photo.yaw], self._spacing)
+            at = np.array([photo.x, photo.y]) * self._pixels
+        again = self._followed.update(status, at, None)
         return Localization(status, answers, 0.0, place, again, votes.statistics, votes.match)
 
 

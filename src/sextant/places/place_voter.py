@@ -7,7 +7,6 @@ from typing import List, NamedTuple
 import numpy as np
 
 import sextant
-from sextant.places.place_belief import PlaceBelief
 from sextant.places.place_index import PlaceIndex
 from sextant.places.place_map import Photo, PlaceMap
 from sextant.places.place_matches import MapPhotos, MatchedPhoto, Matches
@@ -32,8 +31,6 @@ class PlaceVoter:
         self._min_matches, self._max_photos = min_matches, max_photos
         self._photos = MapPhotos(place_map, index)
         self._extractor = sextant.FeatureExtractor(index.settings.feature_params())
-        xy = np.array([(places[0].x, places[0].y) for places in place_map.places()])
-        self.spacing = PlaceBelief(xy).spacing  # pixels between places
 
     def vote(self, image: np.ndarray) -> Votes:
         """:param image: uint8, (height, width) grey or (height, width, 3) BGR"""

@@ -1,0 +1,266 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+import math
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import cv2
+import numpy as np
+import rospy
+import rostest
+from geometry_msgs.msg import PoseWithCovarianceStamped
+from nav_msgs.msg import Odometry
+from ros_probe import Diagnostics, Recorder, stamps, subscribers_of, until
+from sensor_msgs.msg import CompressedImage, Image, NavSatFix
+from std_msgs.msg import Header
+from std_srvs.srv import Trigger
+
+from sextant.msg import PlaceHypotheses, Places
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "python"))
+from made_photos import picture, shifted  # noqa: E402
+
+WAIT, COUNT = 20.0, 12
+# 10 pixels from photo to photo are 1 m; the frame is turned by a quarter to the left
+METRIC = "frame=town;resolution=0.1;origin=7,3," + repr(math.pi / 2)
+CORNERS = "north_west=55.01,13.0;south_east=55.0,13.02"  # of 1000 x 100 pixels
+DIAGNOSTICS = "robot/robot: places"
+
+
+def command(*args):
+    return ["rosrun", "sextant", "place_localizer", *args]
+
+
+class PlaceLocalizerTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        folder = tempfile.TemporaryDirectory(prefix="a town ")
+        cls.addClassCleanup(folder.cleanup)
+        cls.folder, cls.stamps = Path(folder.name), stamps()
+        for number in range(COUNT + 1):
+            cv2.imwrite(str(cls.folder / f"{number}.png"), picture(number))
+        cls.images = rospy.Publisher("/robot/image", Image, queue_size=10)
+        cls.jpegs = rospy.Publisher("/walker/image/compressed", CompressedImage, queue_size=10)
+        cls.odometry = rospy.Publisher("/robot/odom", Odometry, queue_size=100)
+        cls.diagnostics = Diagnostics()
+        cls.start("robot", cls.write("town.txt", METRIC), "_use_odometry:=true", "_initialpose:=found_again")
+        cls.start("walker", cls.write("earth.txt", CORNERS), "_mode:=single", "_compressed:=true")
+        for name in ("robot", "walker"):
+            rospy.wait_for_service(f"/{name}/reset", WAIT)
+
+    @classmethod
+    def write(cls, name, *fields, count=COUNT):
+        lines = [";".join(["overview.png;1000;100", *fields])]
+        lines += [f"{number};{number}.png;{10 * number};50;yaw=0.5" for number in range(count)]
+        (cls.folder / name).write_text("\n".join(lines) + "\n")
+        return f"_map_file:={cls.folder / name}"
+
+    @classmethod
+    def start(cls, name, *given):
+        """A localizer in a namespace of its own; its log is NAME.log in the folder."""
+        log = open(cls.folder / f"{name}.log", "w")  # noqa: SIM115
+        node = subprocess.Popen(command(f"__ns:=/{name}", f"__name:={name}", *given), stdout=log, stderr=log)
+        cls.addClassCleanup(cls.stop, node, log)
+
+    @staticmethod
+    def stop(node, log):
+        node.terminate()
+        node.wait(WAIT)
+        log.close()
+
+    def setUp(self):
+        self.call("/robot/reset")
+
+    def call(self, service):
+        return rospy.ServiceProxy(service, Trigger)()
+
+    def hear(self, topic, kind):
+        """What is said from now on; pictures reach the node."""
+        heard = Recorder(topic, kind)
+        self.addCleanup(heard.close)
+        self.assertTrue(heard.connected())
+        publisher = self.jpegs if topic.startswith("/walker") else self.images
+        self.assertTrue(until(lambda: publisher.get_num_connections() == 1))
+        return heard
+
+    def log(self, name="robot"):
+        return (self.folder / f"{name}.log").read_text()
+
+    def show(self, pixels, stamp=None, height=None):
+        stamp = stamp or next(self.stamps)
+        rows, columns = pixels.shape
+        header = Header(stamp=stamp, frame_id="camera")
+        self.images.publish(Image(header, height or rows, columns, "mono8", 0, columns, pixels.tobytes()))
+        return stamp
+
+    def walk(self, heard, places):
+        """Messages about pictures of places, one after another."""
+        return [heard.at(self.show(shifted(picture(place), 6, 2))) for place in places]
+
+    def test_a_picture_is_told_as_place_hypotheses_and_pose(self):
+        places, hypotheses = (
+            self.hear("/robot/places", Places),
+            self.hear("/robot/hypotheses", PlaceHypotheses),
+        )
+        poses = self.hear("/robot/pose", PoseWithCovarianceStamped)
+        self.walk(places, (3, 4, 5))
+        stamp = self.show(shifted(picture(6), 6, 2))
+        told, full, pose = places.at(stamp), hypotheses.at(stamp), poses.at(stamp)
+        self.assertEqual((told.header.frame_id, told.poses[0]), ("camera", 6))
+        self.assertEqual([each.id for each in full.places], list(told.poses))
+        self.assertEqual((full.status, full.frame), (PlaceHypotheses.LOCALIZED, "town"))
+        self.assertLess(sum(told.probabilities) + full.nowhere, 1 + 1e-5)
+        best = full.places[0]
+        self.assertEqual((best.image, best.x, best.y), ("6.png", 60, 50))
+        # 6 m to the right and 5 m up, turned by a quarter
+        np.testing.assert_allclose([best.position.x, best.position.y], [7 - 5, 3 + 6], atol=1e-6)
+        self.assertEqual(pose.header.frame_id, "town")
+        where = pose.pose.pose.position
+        np.testing.assert_allclose([where.x, where.y], [2, 9], atol=0.7)
+        yaw = 2 * math.atan2(pose.pose.pose.orientation.z, pose.pose.pose.orientation.w)
+        self.assertAlmostEqual(yaw, 0.5 + math.pi / 2, places=4)
+        self.assertLess(abs(where.y - 9), 3 * math.sqrt(pose.pose.covariance[7]))
+        self.assertTrue(until(lambda: self.diagnostics.row(DIAGNOSTICS, "place") == "6"))
+        self.assertGreater(self.diagnostics.count(DIAGNOSTICS, "keypoints"), 100)
+        self.assertTrue(self.diagnostics.row(DIAGNOSTICS, "time").endswith(" ms"))
+
+    def test_elsewhere_is_nowhere(self):
+        full = self.hear("/robot/hypotheses", PlaceHypotheses)
+        poses = self.hear("/robot/pose", PoseWithCovarianceStamped)
+        stamps_told = [self.show_heard(full, picture(300 + i)) for i in range(3)]
+        self.assertEqual(full.at(stamps_told[-1]).status, PlaceHypotheses.NOWHERE)
+        self.assertGreater(full.at(stamps_told[-1]).nowhere, 0.5)
+        self.assertFalse(any(poses.has(stamp) for stamp in stamps_told))
+
+    def show_heard(self, heard, pixels):
+        stamp = self.show(pixels)
+        self.assertIsNotNone(heard.at(stamp))
+        return stamp
+
+    def test_a_damaged_picture_is_counted_and_an_empty_one_told(self):
+        places = self.hear("/robot/places", Places)
+        before = self.diagnostics.count(DIAGNOSTICS, "damaged pictures")
+        damaged = self.show(picture(3), height=999)
+        empty = places.at(self.show(np.full((240, 320), 80, np.uint8)))
+        self.assertEqual((list(empty.poses), list(empty.probabilities)), ([0], [0.0]))
+        self.assertFalse(places.has(damaged))
+        self.assertTrue(self.diagnostics.reaches(DIAGNOSTICS, "damaged pictures", before + 1))
+        self.assertIn("a picture of /robot/image is left out: the image is cut short", self.log())
+        self.assertEqual(self.walk(places, (3,))[0].poses[0], 3)
+
+    def test_compressed_pictures_in_a_georeferenced_map_are_a_fix(self):
+        fixes, places = self.hear("/walker/fix", NavSatFix), self.hear("/walker/places", Places)
+        stamp = next(self.stamps)
+        header = Header(stamp=stamp, frame_id="camera")
+        self.jpegs.publish(CompressedImage(header, "jpeg", b"\xff\xd8\xff"))
+        jpeg = cv2.imencode(".jpg", shifted(picture(8), 6, 2))[1].tobytes()
+        self.assertTrue(until(lambda: "cannot be decoded" in self.log("walker")))
+        self.jpegs.publish(CompressedImage(header, "jpeg", jpeg))
+        self.assertEqual(places.at(stamp).poses[0], 8)
+        fix = fixes.at(stamp)
+        # 80 of 1000 pixels to the right, half of the way down; 0.02 degrees are 1276 m there
+        np.testing.assert_allclose([fix.latitude, fix.longitude], [55.005, 13.0016], atol=2e-4)
+        self.assertEqual(fix.position_covariance_type, NavSatFix.COVARIANCE_TYPE_KNOWN)
+        deviations = np.sqrt(np.array(fix.position_covariance)[[0, 4]])  # half of 12.76 m between places
+        np.testing.assert_allclose(deviations, 6.4, atol=0.3)
+        self.assertTrue(math.isnan(fix.altitude))
+
+    def test_a_clock_that_is_set_back_is_a_new_beginning(self):
+        places = self.hear("/robot/places", Places)
+        self.walk(places, (2, 3, 4))
+        told = places.at(self.show(shifted(picture(9), 6, 2), rospy.Time(100)))
+        self.assertEqual(told.poses[0], 9)
+        self.assertIn("the pictures' clock was set back", self.log())
+        self.call("/robot/reset")
+
+    def test_odometry_carries_the_robot_on(self):
+        """4 m on, the picture alone says nothing."""
+        full = self.hear("/robot/hypotheses", PlaceHypotheses)
+        self.assertTrue(until(lambda: self.odometry.get_num_connections() == 1))
+        x = 0.0
+        for place, metres in [(0, 0.0), (1, 1.0), (2, 1.0), (None, 4.0)]:
+            x, stamp = x + metres, next(self.stamps)
+            odometry = Odometry(header=Header(stamp=stamp, frame_id="odom"))
+            odometry.pose.pose.position.x = x
+            self.odometry.publish(odometry)
+            rospy.sleep(0.1)  # another connection than the picture's
+            pixels = shifted(picture(place), 6, 2) if place is not None else np.full((240, 320), 80, np.uint8)
+            told = full.at(self.show(pixels, stamp))
+        self.assertEqual(told.status, PlaceHypotheses.UNUSABLE)
+        self.assertLessEqual(abs(told.places[0].id - 6), 1)
+        self.assertGreater(told.places[0].probability, 0.5)
+
+    def test_initialpose_comes_when_found_again_and_on_request(self):
+        places = self.hear("/robot/places", Places)
+        poses = self.hear("/robot/initialpose", PoseWithCovarianceStamped)
+        answer = self.call("/robot/robot/tell_initialpose")
+        self.assertFalse(answer.success)
+        self.assertIn("not localized", answer.message)
+        last = self.walk(places, (0, 1, 2, 3))[-1].header.stamp
+        self.assertTrue(until(lambda: len(poses.all()) == 1))
+        self.assertTrue(self.call("/robot/robot/tell_initialpose").success)
+        self.assertIsNotNone(poses.at(last))
+        self.assertEqual(len(poses.all()), 2)
+
+    def test_a_changed_map_is_read_again_but_not_a_broken_one(self):
+        places = self.hear("/robot/places", Places)
+        self.addCleanup(self.call, "/robot/reload")
+        self.addCleanup(self.write, "town.txt", METRIC)
+        self.write("town.txt", METRIC, count=COUNT + 1)
+        answer = self.call("/robot/reload")
+        self.assertTrue(answer.success)
+        self.assertIn("13 photos of 13 places", answer.message)
+        self.assertEqual(self.walk(places, (COUNT - 1, COUNT))[-1].poses[0], COUNT)
+        self.write("town.txt", METRIC + ";origin=3")
+        answer = self.call("/robot/reload")
+        self.assertFalse(answer.success)
+        self.assertIn("town.txt:1: origin is there twice", answer.message)
+        self.assertEqual(self.walk(places, (COUNT,))[-1].poses[0], COUNT)
+
+    def test_matches_are_drawn_while_somebody_looks(self):
+        places = self.hear("/robot/places", Places)
+        self.walk(places, (4,))
+        matches = self.hear("/robot/matches/image", Image)
+        stamp = self.show(shifted(picture(4), 6, 2))
+        drawn = matches.at(stamp)
+        self.assertEqual((drawn.encoding, drawn.width, drawn.height), ("rgb8", 2 * 640 + 8, 480 + 36))
+        matches.close()
+        places.close()
+        self.assertTrue(until(lambda: self.images.get_num_connections() == 1))  # initialpose is wanted, still
+        self.assertEqual(subscribers_of("/walker/image/compressed"), [])
+
+    def test_what_stops_the_start_up_is_named(self):
+        given = self.write("broken.txt", "frame=town")
+        lacking = self.write("lacking.txt", METRIC, count=COUNT + 3)
+        good = self.write("good.txt")
+        refused = [
+            ([given], "broken.txt:1: after the size come all of frame, resolution, origin"),
+            ([lacking], "lacking.txt: photos that are not there: 13.png, 14.png"),
+            ([good, "_modus:=votes"], "/refused2/modus: unknown parameter; did you mean mode?"),
+            ([good, "_matcher:=BruteForce-Hamming"], "/refused3: matcher"),
+        ]
+        nodes = [
+            subprocess.Popen(
+                command(f"__name:=refused{i}", *args),
+                stdout=subprocess.PIPE,
+                stderr=subprocess.STDOUT,
+                text=True,
+            )
+            for i, (args, _) in enumerate(refused)
+        ]
+        for node in nodes:
+            self.addCleanup(node.kill)
+        for node, (_, reason) in zip(nodes, refused):
+            said, _ = node.communicate(timeout=WAIT)
+            self.assertEqual(node.returncode, 1, said)
+            self.assertIn(reason, said)
+            self.assertNotIn("Traceback", said)
+
+
+if __name__ == "__main__":
+    rospy.init_node("place_localizer_test")
+    rostest.rosrun("sextant", "place_localizer", PlaceLocalizerTest)
