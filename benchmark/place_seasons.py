@@ -39,18 +39,23 @@ def season_tables(quick: bool) -> List[Table]:
     return [Table(title, COLUMNS + POSITION, rows)]
 
 
-def walk(folder: Path, season: str, step: float, size: Size, count: Optional[int] = None) -> PlaceMap:
-    """Photos of a walk around the block, or of its first steps; those of a map go straight."""
+def walk(
+    folder: Path, season: str, step: float, size: Size, count: Optional[int] = None, seed: int = SEED
+) -> PlaceMap:
+    """Photos of a walk around the block, or of its first steps; those of a map go straight.
+
+    :param seed: of what stands there, and of where the walker goes
+    """
     folder.mkdir(exist_ok=True)
     street, is_map = _street(), step == MAP_STEP
     arcs = np.arange(0.0, street.length, step)[:count]
-    rng = np.random.default_rng(SEED)
+    rng = np.random.default_rng(seed)
     aside, turn = (np.zeros((2, len(arcs))) if is_map else rng.normal(0, 1, (2, len(arcs)))) * [
         [ASIDE],
         [TURN],
     ]
     shots = [
-        Shot(folder / f"{season}_{i:03}.jpg", size, SEED, CONDITIONS[season], *each, i)
+        Shot(folder / f"{season}_{i:03}.jpg", size, seed, CONDITIONS[season], *each, i)
         for i, each in enumerate(zip(arcs, aside, turn))
     ]
     take_all(shots)

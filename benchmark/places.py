@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Measures the recognition of places: how many pictures, with how true probabilities, in which time and memory.
+"""Measures the recognition of places: how many pictures, how true the probabilities are, time and memory.
 
 Exit status: 0 when every bar holds, 1 when one fails, 2 when something could not be measured.
 """
@@ -10,6 +10,7 @@ import sys
 from pathlib import Path
 
 from command import Results, run
+from place_calibration import calibration_tables
 from place_recall import recall_tables
 from place_seasons import season_tables
 from place_size import size_tables
@@ -17,6 +18,7 @@ from place_speed import speed_tables
 
 TOPICS = {
     "recall": lambda options: recall_tables(options.data / "places", options.quick),
+    "calibration": lambda options: calibration_tables(options.data / "places", options.quick),
     "seasons": lambda options: season_tables(options.quick),
     "speed": lambda options: speed_tables(options.quick),
     "size": lambda options: size_tables(options.quick),

@@ -94,7 +94,7 @@ def test_odometry_moves_it_as_far_as_it_says():
 
 
 def test_without_odometry_it_spreads_to_neighbours():
-    belief = PlaceBelief(LINE, BeliefParams(restart=0.0, leave=0.0, trust=1.0, doubt=0.0))
+    belief = PlaceBelief(LINE, BeliefParams(reach=3.0, restart=0.0, leave=0.0, trust=1.0, doubt=0.0))
     belief.see(saying(10, 30.0))
     belief.move()
     assert belief.places[8:13].sum() > 0.9 and belief.places[10] == belief.places.max()

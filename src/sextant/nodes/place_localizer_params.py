@@ -77,7 +77,11 @@ class PlaceLocalizerParams:
                 min_keypoints=self.min_keypoints, global_weight=self.network_weight
             ),
             belief=BeliefParams(
-                reach=self.reach, restart=self.restart, leave=self.leave, trust=self.trust
+                reach=self.reach,
+                restart=self.restart,
+                leave=self.leave,
+                trust=self.trust,
+                doubt=self.doubt,
             ),
         )
 

@@ -58,12 +58,16 @@ def deviations(scores: np.ndarray, least: float = 0.0) -> np.ndarray:
     return (scores - centre) / deviation
 
 
+def score_features(scores: np.ndarray) -> np.ndarray:
+    """(n, 3) z, ln(s) and ln(n) of EvidenceParams, within what can be trusted."""
+    z = np.minimum(deviations(scores, LEAST_DEVIATION), HIGHEST)
+    logs = np.log(np.maximum(scores, LEAST_SCORE))
+    return np.stack([z, logs, np.full(len(scores), np.log(min(len(scores), REFERENCE)))], axis=1)
+
+
 def absolute_log_ratios(scores: np.ndarray, params: EvidenceParams) -> np.ndarray:
     """(n,) of the scores by votes. A picture can speak against all photos."""
-    z = np.minimum(deviations(scores, LEAST_DEVIATION), HIGHEST)
-    logs = params.score * np.log(np.maximum(scores, LEAST_SCORE))
-    logs += params.size * np.log(min(len(scores), REFERENCE))
-    ratios = params.deviation * z + logs - params.offset
+    ratios = score_features(scores) @ (params.deviation, params.score, params.size) - params.offset
     excess = max(ratios.max() - params.limit, 0.0)  # so that good photos differ still
     return np.maximum(ratios - excess, -params.limit)
 
