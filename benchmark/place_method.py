@@ -2,8 +2,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """One way to recognize places in a process of its own, so that its memory can be told from others'."""
 
-import gc
-import os
 import time
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
@@ -15,6 +13,7 @@ import numpy as np
 
 import sextant
 from sextant.jobs import as_children_need_it
+from sextant.places.place_evaluation import resident_bytes
 from sextant.places.place_index import IndexSettings, plain_features
 from sextant.places.place_library import Library
 from sextant.places.place_map import PlaceMap
@@ -26,7 +25,7 @@ METHODS: Dict[str, IndexSettings] = {
     "votes, SIFT": IndexSettings(plain_features("SIFT", "SIFT"), "FlannBased"),
     "default profile": IndexSettings(),
 }
-MIN_MATCHES, PAGE = 5, os.sysconf("SC_PAGESIZE")
+MIN_MATCHES = 5
 Recognize = Callable[[np.ndarray], float]  # x of the place of a picture; nan: none
 
 _recognize: Recognize  # of this process
@@ -63,12 +62,6 @@ class Method:
     def query(self, photo: Path) -> Tuple[float, float]:
         """Seconds from the decoded picture to the place, and x of that."""
         return self._executor.submit(_query, photo).result()
-
-
-def resident_bytes() -> int:
-    """Of this process."""
-    gc.collect()
-    return int(Path("/proc/self/statm").read_text().split()[1]) * PAGE
 
 
 def _build(name: str, map_path: Path) -> Built:

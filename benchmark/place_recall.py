@@ -7,16 +7,17 @@ from pathlib import Path
 from typing import Dict, List, Optional, Sequence
 
 import numpy as np
+from place_method import METHODS
 from tables import Row, Table, Value
 
 from sextant.places.exif_map import corners_around, exif_map, extent, find_photos, positions_of
 from sextant.places.place_evaluation import PlaceEvaluation, evaluate, evaluate_left_out
-from sextant.places.place_index import IndexSettings, plain_features
 from sextant.places.place_library import Library
 from sextant.places.place_localization import VOTES, LocalizationParams
 from sextant.places.place_map import Overview, Photo, PlaceMap
 from sextant.places.place_queries import Query, queries_of_table
 
+PLAIN, OURS = METHODS
 MODES = ("single", "filter", "sequence")
 COLUMNS = ["recall@1", "@5", "area", "calibration error", "of a perfect one", "wrongly nowhere, %"]
 RECALL, AREA = 0.92, 0.87  # at least, mode single
@@ -70,10 +71,7 @@ def measured(
 
     :param folder: of the caches
     """
-    settings = IndexSettings()
-    if mode == VOTES:
-        settings = IndexSettings(plain_features("SIFT", "SIFT"), "FlannBased")
-    library = Library(folder / f"{name}.txt", place_map, settings)
+    library = Library(folder / f"{name}.txt", place_map, METHODS[PLAIN if mode == VOTES else OURS])
     return evaluate(library, LocalizationParams(mode=mode), queries)
 
 
@@ -126,8 +124,8 @@ def _nowhere_row(name: str, found: PlaceEvaluation, bar: Optional[float]) -> Row
         Value(len(found.outcomes) - known, 0),
         Value(100 * found.nowhere(False), 1, at_least=bar),
         Value(known, 0),
-        Value(100 * found.nowhere(True), 1),
-        Value(found.recall(1), 3),
+        Value(100 * found.nowhere(True), 1) if known else "-",
+        Value(found.recall(1), 3) if known else "-",
     ]
 
 
@@ -137,7 +135,7 @@ def _lund(folder: Path, photos: Sequence[Path], quick: bool) -> Table:
     width, height = (int(SCALE * side) for side in extent(corners))
     empty = PlaceMap(photos[0].parent, Overview("none.png", width, height), (), corners)
     made = exif_map(empty, photos).place_map
-    library = Library(folder / "lund.txt", made, IndexSettings())
+    library = Library(folder / "lund.txt", made, METHODS[OURS])
     found = evaluate_left_out(library, LocalizationParams(mode="single"), NEAR)
     errors = np.linalg.norm(found.position_errors, axis=1)
     row = [

@@ -13,12 +13,12 @@ from typing import List, NamedTuple, Tuple
 
 import cv2
 import numpy as np
-from place_method import resident_bytes
 from tables import Table, Value
 from tqdm import tqdm
 
 import sextant
 from sextant.jobs import as_children_need_it
+from sextant.places.place_evaluation import resident_bytes
 from sextant.places.place_index import SAMPLES, UNIT, IndexedPhoto, IndexSettings, PlaceIndex
 from sextant.places.place_map import Overview, Photo, PlaceMap
 from sextant.places.place_recognition import PlaceRecognizer

@@ -10,7 +10,7 @@ import sextant
 from sextant.nodes.params import not_empty, one_of, param, required, within
 from sextant.places.global_descriptor import GlobalDescriptorSettings
 from sextant.places.place_belief import BeliefParams
-from sextant.places.place_index import IndexSettings, default_features, plain_features
+from sextant.places.place_index import PROFILES, IndexSettings
 from sextant.places.place_library import Library
 from sextant.places.place_localization import VOTES, LocalizationParams
 from sextant.places.place_map_file import read_place_map
@@ -20,11 +20,6 @@ from sextant.places.place_recognition import RecognitionParams
 _FEATURES, _BELIEF = sextant.FeatureParams(), BeliefParams()
 _LOCALIZATION, _RECOGNITION = LocalizationParams(), RecognitionParams()
 _GLOBAL = GlobalDescriptorSettings()
-
-PROFILES: Dict[str, Callable[[str, str], Dict[str, Any]]] = {
-    "tuned": lambda detector, extractor: {**default_features(), "detector": detector, "extractor": extractor},
-    "plain": plain_features,
-}
 
 
 @dataclass(frozen=True)
