@@ -14,6 +14,8 @@ import numpy as np
 from scipy.sparse import csr_matrix
 from scipy.spatial import cKDTree
 
+from sextant.ranges import check_ranges
+
 ROUND = 0.1  # of a spacing: distances that differ by less are moved by as one
 REMEMBERED = 64  # ways to move, by distance
 
@@ -33,20 +35,8 @@ class BeliefParams:
 
     def validate(self) -> None:
         """:raises ValueError: names the first field out of range"""
-        ranges = {
-            "reach": (1, 20),
-            "restart": (0, 1),
-            "leave": (0, 1),
-            "nowhere": (0, 1),
-            "trust": (1e-6, 1),
-            "doubt": (0, 20),
-            "distance_noise": (0.001, 1),
-            "radius": (0, 20),
-        }
-        for name, (low, high) in ranges.items():
-            value = getattr(self, name)
-            if not low <= value <= high:
-                raise ValueError(f"{name} is {value}, allowed is [{low:g}, {high:g}]")
+        check_ranges(self, reach=(1, 20), restart=(0, 1), leave=(0, 1), nowhere=(0, 1), trust=(1e-6, 1))
+        check_ranges(self, doubt=(0, 20), distance_noise=(0.001, 1), radius=(0, 20))
         if self.leave and not self.nowhere:
             raise ValueError("leave has to be 0 where nowhere is 0")
 

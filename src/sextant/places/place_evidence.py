@@ -9,6 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from sextant.ranges import check_ranges
+
 MAD_TO_DEVIATION = 1.4826  # of a normal distribution
 REFERENCE = 100  # best photos that tell how much the scores of wrong ones differ
 ROUNDING = 1e-6  # of the largest score: what single precision leaves
@@ -34,10 +36,8 @@ class EvidenceParams:
 
     def validate(self) -> None:
         """:raises ValueError: names the first field out of range"""
-        ranges = {name: (0, 100) for name in ("deviation", "score", "size", "shift")}
-        for name, (low, high) in {**ranges, "offset": (-100, 100), "limit": (1e-6, 100)}.items():
-            if not low <= getattr(self, name) <= high:
-                raise ValueError(f"{name} is {getattr(self, name)}, allowed is [{low:g}, {high:g}]")
+        check_ranges(self, deviation=(0, 100), score=(0, 100), size=(0, 100), offset=(-100, 100))
+        check_ranges(self, limit=(1e-6, 100), shift=(0, 100))
 
 
 def deviations(scores: np.ndarray, least: float = 0.0) -> np.ndarray:

@@ -17,6 +17,7 @@ from sextant.places.place_modes import MODES, Seen
 from sextant.places.place_recognition import PlaceRecognizer, Recognition, RecognitionParams
 from sextant.places.place_voter import PlaceVoter
 from sextant.places.place_votes import MatchStatistics
+from sextant.ranges import check_ranges
 
 VOTES = "votes"  # the mode that counts matches, with no belief
 
@@ -45,9 +46,7 @@ class LocalizationParams:
         """:raises ValueError: names the first field out of range"""
         if self.mode not in (*MODES, VOTES):
             raise ValueError(f"mode is '{self.mode}', allowed is one of {', '.join((*MODES, VOTES))}")
-        for name, low, high in (("max_places", 1, 1000), ("window", 2, 1000), ("min_matches", 1, 100000)):
-            if not low <= getattr(self, name) <= high:
-                raise ValueError(f"{name} is {getattr(self, name)}, allowed is [{low}, {high}]")
+        check_ranges(self, max_places=(1, 1000), window=(2, 1000), min_matches=(1, 100000))
         self.recognition.validate()
         self.belief.validate()
 
