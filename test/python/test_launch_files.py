@@ -17,14 +17,18 @@ import sextant
 from sextant.nodes.drive_recorder import RecorderParams
 from sextant.nodes.marker_broadcaster import BroadcasterParams
 from sextant.nodes.params import parse_params
+from sextant.nodes.place_localizer_params import PlaceLocalizerParams
 from sextant.nodes.place_visualizer import VisualizerParams
 from sextant.nodes.publish_image import PublisherParams
 from sextant.nodes.simulator import SimulatorParams
+from sextant.nodes.street_simulator import StreetParams
 from sextant.simulation.room import default_map
 
 ROOT = Path(__file__).resolve().parents[2]
 LAUNCH_FILES = sorted((ROOT / "launch").glob("*.launch"))
 ROOM = str(ROOT / "config" / "room.txt")
+
+NEEDED = {"places.launch": ["map:=park.txt"]}
 
 # Arguments that, all together, enter every <... if=...> of the shipped files.
 BRANCHES = {
@@ -35,17 +39,25 @@ BRANCHES = {
         ["fisheye:=true", "commit:=false"],
         ["start_camera:=false", "camera:=front", "image:=front/image_raw"],
     ],
+    "places.launch": [["camera:=true", "rviz:=true"], ["visualizer:=false"]],
+    "places_demo.launch": [["rviz:=true", "season:=[dusk]"]],
     "view.launch": [["hostname:=laptop", "master:=http://robot:11311"], ["rviz:=false"]],
 }
-RUNS = [(path, args) for path in LAUNCH_FILES for args in [[], *BRANCHES.get(path.name, [])]]
+RUNS = [
+    (path, [*NEEDED.get(path.name, []), *args])
+    for path in LAUNCH_FILES
+    for args in [[], *BRANCHES.get(path.name, [])]
+]
 
 # Parameters of the rospy nodes; those of a nodelet are in the source that reads them.
 RECORDS = {
     "marker_broadcaster": BroadcasterParams,
     "drive_recorder": RecorderParams,
+    "place_localizer": PlaceLocalizerParams,
     "place_visualizer": VisualizerParams,
     "publish_image": PublisherParams,
     "simulator": SimulatorParams,
+    "street_simulator": StreetParams,
 }
 
 
@@ -102,9 +114,7 @@ def own_declared(path):
 
 
 def test_there_are_launch_files():
-    assert {"robot.launch", "markers.launch", "demo.launch", "view.launch", "calibrate.launch"} <= {
-        path.name for path in LAUNCH_FILES
-    }
+    assert {*BRANCHES, "webcam.launch"} == {path.name for path in LAUNCH_FILES}
 
 
 @pytest.mark.parametrize("run", RUNS, ids=tag_of)
@@ -150,6 +160,15 @@ def test_defaults_are_those_of_the_core():
         text.family,
         text.size,
     )
+
+
+def test_defaults_of_places_launch_are_those_of_its_nodes():
+    path = ROOT / "launch/places.launch"
+    config = load(path, NEEDED[path.name])
+    for name in ("place_localizer", "place_visualizer"):
+        taken = params_of(config, name)
+        defaults = parse_params(RECORDS[name], {"map_file": "park.txt"}, name)
+        assert {key: getattr(defaults, key) for key in taken} == taken
 
 
 @pytest.mark.parametrize("path", sorted((ROOT / "config").glob("*.yaml")), ids=lambda path: path.name)

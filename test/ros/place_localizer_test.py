@@ -231,7 +231,7 @@ class PlaceLocalizerTest(unittest.TestCase):
         matches.close()
         places.close()
         self.assertTrue(until(lambda: self.images.get_num_connections() == 1))  # initialpose is wanted, still
-        self.assertEqual(subscribers_of("/walker/image/compressed"), [])
+        self.assertTrue(until(lambda: subscribers_of("/walker/image/compressed") == []))
 
     def test_what_stops_the_start_up_is_named(self):
         given = self.write("broken.txt", "frame=town")

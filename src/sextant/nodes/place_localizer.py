@@ -31,6 +31,7 @@ from sextant.places.place_localization import Localization, PlaceLocalizer, Stat
 from sextant.places.place_map import GeoCorners, MetricFrame
 
 WARN_EVERY = 10.0  # seconds
+PAUSE = 0.2  # seconds, between two looks at who listens
 MATCH_SIDE = 640  # pixels of the map's photo, in the picture of matches
 
 _DECODE = {Image: colour_image, CompressedImage: colour_compressed}
@@ -53,12 +54,13 @@ class LoadedMap:
         )
 
 
-class PlaceLocalizerNode(rospy.SubscribeListener):
+class PlaceLocalizerNode:
     """Works in the main thread; of pictures that come faster than it works, the newest wins."""
 
     def __init__(self, params: PlaceLocalizerParams, loaded: LoadedMap):
         self._params, self._loaded = params, loaded
-        self._lock, self._news, self._stop = threading.RLock(), threading.Event(), threading.Event()
+        self._lock, self._news, self._stop = threading.Lock(), threading.Event(), threading.Event()
+        self._input = ("image/compressed", CompressedImage) if params.compressed else ("image", Image)
         self._waiting = self._subscriber = None
         self._last: Optional[rospy.Time] = None  # stamp of the last picture
         self._pose: Optional[PoseWithCovarianceStamped] = None  # the last one
@@ -73,41 +75,28 @@ class PlaceLocalizerNode(rospy.SubscribeListener):
         for name, answer in (("reload", self._reload), ("reset", self._reset)):
             rospy.Service(name, Trigger, answer)
         rospy.Service("~tell_initialpose", Trigger, self._on_initialpose)
-        self._listen()
         rospy.loginfo("%s: %s", params.map_file, loaded.text)
 
     def _advertise(self) -> None:
-        told = {"subscriber_listener": self, "queue_size": 10}
-        self._places = rospy.Publisher("places", Places, **told)
-        self._hypotheses = rospy.Publisher("hypotheses", PlaceHypotheses, **told)
-        self._matches = rospy.Publisher("matches/image", Image, subscriber_listener=self, queue_size=1)
-        self._poses = rospy.Publisher("pose", PoseWithCovarianceStamped, **told)
-        self._fixes = rospy.Publisher("fix", NavSatFix, **told)
+        self._places = rospy.Publisher("places", Places, queue_size=10)
+        self._hypotheses = rospy.Publisher("hypotheses", PlaceHypotheses, queue_size=10)
+        self._matches = rospy.Publisher("matches/image", Image, queue_size=1)
+        self._poses = rospy.Publisher("pose", PoseWithCovarianceStamped, queue_size=10)
+        self._fixes = rospy.Publisher("fix", NavSatFix, queue_size=10)
         self._initialpose = rospy.Publisher("initialpose", PoseWithCovarianceStamped, queue_size=1)
 
-    # ---- listening, while somebody listens
-
-    def peer_subscribe(self, *_args) -> None:
-        self._listen()
-
-    def peer_unsubscribe(self, *_args) -> None:
-        self._listen()
+    # ---- listening
 
     def _listen(self) -> None:
+        """To pictures while somebody listens; not in a call by rospy, whose locks would meet ours."""
         outputs = (self._places, self._hypotheses, self._matches, self._poses, self._fixes)
-        wanted = any(each.get_num_connections() for each in outputs)
-        wanted = wanted or self._params.initialpose != "never"
-        with self._lock:
-            if wanted and self._subscriber is None:
-                name, kind = (
-                    ("image/compressed", CompressedImage) if self._params.compressed else ("image", Image)
-                )
-                self._subscriber = rospy.Subscriber(
-                    name, kind, self._on_picture, queue_size=1, buff_size=2**24
-                )
-            elif not wanted and self._subscriber is not None:
-                self._subscriber.unregister()
-                self._subscriber = None
+        wanted = self._params.initialpose != "never" or any(each.get_num_connections() for each in outputs)
+        if wanted and self._subscriber is None:
+            name, kind = self._input
+            self._subscriber = rospy.Subscriber(name, kind, self._on_picture, queue_size=1, buff_size=2**24)
+        elif not wanted and self._subscriber is not None:
+            self._subscriber.unregister()
+            self._subscriber = None
 
     def _on_picture(self, message) -> None:
         self._waiting = message
@@ -123,7 +112,8 @@ class PlaceLocalizerNode(rospy.SubscribeListener):
     def run(self) -> None:
         """Until the node ends."""
         while not self._stop.is_set():
-            if self._news.wait(0.2):
+            self._listen()
+            if self._news.wait(PAUSE):
                 self._news.clear()
                 self._work(self._waiting)
             self._updater.update()
@@ -134,7 +124,7 @@ class PlaceLocalizerNode(rospy.SubscribeListener):
         except DamagedMessage as error:
             self.report.damaged += 1
             rospy.logwarn_throttle(
-                WARN_EVERY, "a picture of %s is left out: %s", self._subscriber_name(), error
+                WARN_EVERY, "a picture of %s is left out: %s", rospy.resolve_name(self._input[0]), error
             )
             return
         begin = time.perf_counter()
@@ -142,9 +132,6 @@ class PlaceLocalizerNode(rospy.SubscribeListener):
             found = self._loaded.localizer.localize(image, self._gone(message.header.stamp))
             self._last = message.header.stamp
             self._tell(image, found, message.header, time.perf_counter() - begin)
-
-    def _subscriber_name(self) -> str:
-        return rospy.resolve_name("image/compressed" if self._params.compressed else "image")
 
     def _gone(self, stamp: rospy.Time) -> Optional[float]:
         """Metres since the last picture."""

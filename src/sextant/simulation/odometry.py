@@ -54,6 +54,10 @@ class WheelOdometry:
         self._pose = self._pose + [measured[0] * np.cos(heading), measured[0] * np.sin(heading), measured[1]]
         return self._reading(*(measured / seconds), (sigmas / seconds) ** 2)
 
+    def carry(self, motion: Motion) -> None:
+        """The robot is lifted and put down here; its wheels do not turn."""
+        self._last = motion
+
     def _reading(self, speed: float, turn_rate: float, variances: np.ndarray) -> OdometryReading:
         x, y, yaw = self._pose
         return OdometryReading(Motion(x, y, 0.0, yaw, speed, turn_rate), self._covariance.copy(), *variances)
