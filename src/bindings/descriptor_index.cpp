@@ -45,7 +45,7 @@ void bindDescriptorIndex(py::module_& module) {
           "owner"_a, "descriptors"_a)
       .def("remove", &DescriptorIndex::remove, "owner"_a)
       .def("search", &search, "descriptors"_a, "k"_a,
-           "(distances, owners, rows), each (n, k), nearest first; owner -1: there are no more.")
+           "(distances, owners, rows), each (n, k), nearest first; owner -1, infinitely far: no more.")
       .def_property_readonly("bytes", &DescriptorIndex::bytes)
       .def("append", &DescriptorIndex::append, "path"_a)
       .def("__len__", &DescriptorIndex::size);

@@ -4,6 +4,7 @@
 
 #include <faiss/IndexBinaryIVF.h>
 #include <faiss/IndexIVF.h>
+#include <faiss/IndexIVFPQ.h>
 #include <faiss/IndexPreTransform.h>
 #include <faiss/impl/FaissException.h>
 #include <faiss/impl/IDSelector.h>
@@ -15,6 +16,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <numeric>
 #include <stdexcept>
 
 namespace sextant {
@@ -23,26 +25,36 @@ namespace {
 using faiss::Index;
 using Id = faiss::Index::idx_t;
 
-constexpr int ROW_BITS = 16;         // of an id; the others are its owner's
-constexpr int REDUCED_WIDTH = 64;    // of descriptors with more numbers
-constexpr int64_t MANY = 2000000;    // descriptors from which on they are stored in half of the bytes
-constexpr int POINTS_PER_LIST = 39;  // that k-means wants at least, by faiss
-constexpr int PROBES = 8;            // lists that are looked into, at least
+constexpr int kReducedWidth = 64;   // of descriptors with more numbers
+constexpr int kEnoughSamples = 10;  // times the width, to learn from how to reduce them
+constexpr int64_t kMany = 2000000;  // descriptors from which on reduced ones are stored in half of the bytes
+constexpr int kPointsPerList = 39;  // that k-means wants at least, by faiss
+constexpr int kProbes = 8, kMostProbes = 16;    // lists that are looked into
+constexpr int kListsPerProbe = 64;              // for each that is looked into, between the two
+constexpr int kRounds = 10, kRoundsOfMany = 4;  // of k-means
 
-Id idOf(int32_t owner, int row) { return (static_cast<Id>(owner) << ROW_BITS) | row; }
+Id firstId(Id owner) { return owner * DescriptorIndex::kMaxRows; }
 
 int listCount(int64_t expected, int samples) {
   const auto wanted = static_cast<int64_t>(2 * std::sqrt(static_cast<double>(expected)));
-  return static_cast<int>(std::clamp<int64_t>(wanted, 1, std::max(1, samples / POINTS_PER_LIST)));
+  return static_cast<int>(std::clamp<int64_t>(wanted, 1, std::max(1, samples / kPointsPerList)));
 }
 
-int probeCount(size_t lists) { return std::max(PROBES, static_cast<int>(lists / 64)); }
+int probeCount(size_t lists) {
+  return std::clamp(static_cast<int>(lists / kListsPerProbe), kProbes, kMostProbes);
+}
 
 std::string description(int width, int samples, int64_t expected) {
-  const bool reduce = width > REDUCED_WIDTH && samples >= 10 * width;
-  const std::string codes = reduce && expected >= MANY ? "PQ32" : "SQ8";
-  return (reduce ? "PCA" + std::to_string(REDUCED_WIDTH) + "," : std::string()) + "IVF" +
-         std::to_string(listCount(expected, samples)) + "," + codes;
+  const std::string lists = "IVF" + std::to_string(listCount(expected, samples));
+  if (width <= kReducedWidth || samples < kEnoughSamples * width) return lists + ",SQ8";
+  const std::string reduced = "PCA" + std::to_string(kReducedWidth) + "," + lists;
+  // Not polysemous: what that trains for minutes, no search uses.
+  return reduced + (expected < kMany ? ",SQ8" : "_HNSW32,PQ32np");
+}
+
+/// A table for every list takes more memory than the lists themselves.
+void leaveOutTables(Index* lists) {
+  if (auto* products = dynamic_cast<faiss::IndexIVFPQ*>(lists)) products->use_precomputed_table = -1;
 }
 
 /// What float and binary indexes differ in, and faiss has no common base for.
@@ -51,11 +63,13 @@ struct Floats {
   using Lists = faiss::IndexIVF;
   using Value = float;
   using Distance = float;
-  static constexpr int TYPE = CV_32F;
+  static constexpr int kType = CV_32F;
 
   static std::unique_ptr<Base> make(const cv::Mat& samples, int64_t expected) {
     const std::string text = description(samples.cols, samples.rows, expected);
-    return std::unique_ptr<Base>(faiss::index_factory(samples.cols, text.c_str()));
+    std::unique_ptr<Base> index(faiss::index_factory(samples.cols, text.c_str()));
+    leaveOutTables(lists(index.get()));
+    return index;
   }
   static Lists* lists(Base* index) {
     if (auto* reduced = dynamic_cast<faiss::IndexPreTransform*>(index)) index = reduced->index;
@@ -63,7 +77,8 @@ struct Floats {
   }
   static int width(const Base& index) { return static_cast<int>(index.d); }
   static float distance(Distance squared) { return std::sqrt(std::max(squared, 0.0F)); }
-  static Base* read(faiss::IOReader* reader) { return faiss::read_index(reader, faiss::IO_FLAG_MMAP); }
+  static constexpr int kReading = faiss::IO_FLAG_MMAP | faiss::IO_FLAG_SKIP_PRECOMPUTE_TABLE;
+  static Base* read(faiss::IOReader* reader) { return faiss::read_index(reader, kReading); }
   static void write(const Base* index, faiss::IOWriter* writer) { faiss::write_index(index, writer); }
 };
 
@@ -72,7 +87,7 @@ struct Bits {
   using Lists = faiss::IndexBinaryIVF;
   using Value = uint8_t;
   using Distance = int32_t;
-  static constexpr int TYPE = CV_8U;
+  static constexpr int kType = CV_8U;
 
   static std::unique_ptr<Base> make(const cv::Mat& samples, int64_t expected) {
     const std::string text = "BIVF" + std::to_string(listCount(expected, samples.rows));
@@ -90,48 +105,25 @@ class FaissIndex : public DescriptorIndex {
  public:
   using Base = typename Kind::Base;
 
-  FaissIndex(const cv::Mat& samples, int64_t expected) : index_(Kind::make(samples, expected)) {
+  /// @param samples not empty and without gaps
+  FaissIndex(const cv::Mat& samples, int64_t expected)
+      : DescriptorIndex(Kind::kType, samples.cols), index_(Kind::make(samples, expected)) {
     lists().cp.min_points_per_centroid = 1;  // few pictures make few points: no reason for a warning
+    lists().cp.niter = expected < kMany ? kRounds : kRoundsOfMany;
     index_->train(samples.rows, values(samples));
     lists().nprobe = probeCount(lists().nlist);
   }
 
-  explicit FaissIndex(std::unique_ptr<Base> index) : index_(std::move(index)), mapped_(true) {
+  /// @param index as faiss read it, with its lists mapped; not null
+  explicit FaissIndex(std::unique_ptr<Base> index)
+      : DescriptorIndex(Kind::kType, Kind::width(*index)), index_(std::move(index)), mapped_(true) {
     if (!Kind::lists(index_.get())) throw std::runtime_error("no inverted lists in it");
     lists().nprobe = probeCount(lists().nlist);
   }
 
-  void add(int32_t owner, const cv::Mat& descriptors) override {
-    if (owner < 0) throw std::invalid_argument("DescriptorIndex: an owner is 0 or above");
-    if (descriptors.rows > 1 << ROW_BITS) throw std::invalid_argument("DescriptorIndex: over 65536 rows");
-    if (descriptors.empty()) return;
-    const cv::Mat checked = continuous(descriptors);
-    std::vector<Id> ids(descriptors.rows);
-    for (int row = 0; row < descriptors.rows; ++row) ids[row] = idOf(owner, row);
-    ownLists();
-    index_->add_with_ids(checked.rows, values(checked), ids.data());
-  }
-
   void remove(int32_t owner) override {
     ownLists();
-    index_->remove_ids(faiss::IDSelectorRange(idOf(owner, 0), idOf(owner + 1, 0)));
-  }
-
-  Neighbours search(const cv::Mat& descriptors, int k) const override {
-    if (k < 1) throw std::invalid_argument("DescriptorIndex: k is 1 or above");
-    const size_t count = static_cast<size_t>(descriptors.rows) * k;
-    Neighbours found{k, std::vector<float>(count), std::vector<int32_t>(count), std::vector<int32_t>(count)};
-    if (descriptors.empty()) return found;
-    const cv::Mat checked = continuous(descriptors);
-    std::vector<typename Kind::Distance> distances(count);
-    std::vector<Id> ids(count);
-    index_->search(checked.rows, values(checked), k, distances.data(), ids.data());
-    for (size_t i = 0; i < count; ++i) {
-      found.distances[i] = Kind::distance(distances[i]);
-      found.owners[i] = ids[i] < 0 ? -1 : static_cast<int32_t>(ids[i] >> ROW_BITS);
-      found.rows[i] = ids[i] < 0 ? -1 : static_cast<int32_t>(ids[i] & ((1 << ROW_BITS) - 1));
-    }
-    return found;
+    index_->remove_ids(faiss::IDSelectorRange(firstId(owner), firstId(Id{owner} + 1)));
   }
 
   int64_t size() const override { return index_->ntotal; }
@@ -139,10 +131,11 @@ class FaissIndex : public DescriptorIndex {
   int64_t bytes() const override {
     const auto& all = *Kind::lists(index_.get());
     return index_->ntotal * static_cast<int64_t>(all.code_size + sizeof(Id)) +
-           static_cast<int64_t>(all.nlist * Kind::width(*index_) * sizeof(typename Kind::Value));
+           static_cast<int64_t>(all.nlist * Kind::width(all) * sizeof(typename Kind::Value));
   }
 
-  void append(const std::string& path) const override {
+  void append(const std::string& path) override {
+    ownLists();  // of mapped ones faiss writes where they are, not what is in them
     std::unique_ptr<FILE, int (*)(FILE*)> file(std::fopen(path.c_str(), "ab"), std::fclose);
     if (!file) throw std::runtime_error(path + ": cannot be written to");
     faiss::FileIOWriter writer(file.get());
@@ -161,10 +154,24 @@ class FaissIndex : public DescriptorIndex {
 
   typename Kind::Lists& lists() { return *Kind::lists(index_.get()); }
 
-  cv::Mat continuous(const cv::Mat& descriptors) const {
-    if (descriptors.type() != Kind::TYPE || descriptors.cols != Kind::width(*index_))
-      throw std::invalid_argument("DescriptorIndex: descriptors of another kind than the index has");
-    return descriptors.isContinuous() ? descriptors : descriptors.clone();
+  void addChecked(int32_t owner, const cv::Mat& descriptors) override {
+    std::vector<Id> ids(descriptors.rows);
+    std::iota(ids.begin(), ids.end(), firstId(owner));
+    ownLists();
+    index_->add_with_ids(descriptors.rows, values(descriptors), ids.data());
+  }
+
+  void searchChecked(const cv::Mat& descriptors, Neighbours& found) const override {
+    const size_t count = found.owners.size();
+    std::vector<typename Kind::Distance> distances(count);
+    std::vector<Id> ids(count);
+    index_->search(descriptors.rows, values(descriptors), found.k, distances.data(), ids.data());
+    for (size_t i = 0; i < count; ++i) {
+      if (ids[i] < 0) continue;
+      found.distances[i] = Kind::distance(distances[i]);
+      found.owners[i] = static_cast<int32_t>(ids[i] / kMaxRows);
+      found.rows[i] = static_cast<int32_t>(ids[i] % kMaxRows);
+    }
   }
 
   /// What lies in a file cannot be changed there.
@@ -188,7 +195,11 @@ class FaissIndex : public DescriptorIndex {
 template <class Kind>
 std::unique_ptr<DescriptorIndex> readKind(FILE* file) {
   faiss::FileIOReader reader(file);
-  return std::make_unique<FaissIndex<Kind>>(std::unique_ptr<typename Kind::Base>(Kind::read(&reader)));
+  auto index = std::make_unique<FaissIndex<Kind>>(std::unique_ptr<typename Kind::Base>(Kind::read(&reader)));
+  // faiss maps lists without a look whether they are there; a search in lacking ones would end the process.
+  const long end = std::ftell(file);
+  if (std::fseek(file, 0, SEEK_END) || std::ftell(file) < end) throw std::runtime_error("it is cut short");
+  return index;
 }
 
 }  // namespace
@@ -201,7 +212,7 @@ std::unique_ptr<DescriptorIndex> makeFaissIndex(const cv::Mat& samples, int64_t 
 std::unique_ptr<DescriptorIndex> readFaissIndex(const std::string& path, int64_t offset) {
   std::unique_ptr<FILE, int (*)(FILE*)> file(std::fopen(path.c_str(), "rb"), std::fclose);
   if (!file) throw std::runtime_error(path + ": cannot be read");
-  char begin[2] = {};
+  char begin[2] = {};  // of the names of faiss's binary indexes: IB
   if (std::fseek(file.get(), offset, SEEK_SET) || std::fread(begin, 1, 2, file.get()) != 2 ||
       std::fseek(file.get(), offset, SEEK_SET))
     throw std::runtime_error(path + ": is too short");

@@ -9,7 +9,9 @@
 
 namespace sextant {
 
-/// Inverted lists: descriptors of numbers reduced to 64 bytes or fewer each, bits as they are.
+/// Inverted lists: numbers as a byte each, of wide descriptors with samples enough at most 64; bits as they
+/// are.
+/// @param samples CV_32F or CV_8U, not empty, without gaps
 std::unique_ptr<DescriptorIndex> makeFaissIndex(const cv::Mat& samples, int64_t expected);
 
 /// See readDescriptorIndex().

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <map>
 #include <opencv2/features2d.hpp>
 #include <opencv2/imgproc.hpp>
@@ -20,22 +19,25 @@ namespace {
 
 using KeyPoints = std::vector<cv::KeyPoint>;
 
-// OpenCV's ORB
-constexpr int ORB_FEATURES = 500, ORB_LEVELS = 8, ORB_PATCH = 31;
-constexpr float ORB_SCALE = 1.2F;
-// OpenCV's SIFT: sigma of the first layer, layers an octave
-constexpr double SIFT_SIGMA = 1.6;
-constexpr int SIFT_LAYERS = 3;
+constexpr int kLeastSide = 8;  // pixels; nothing is seen in less, and OpenCV's AKAZE throws
 
-constexpr float SIFT_UNIT = 512;  // of a descriptor of length 1, as OpenCV scales SIFT's
+// OpenCV's ORB
+constexpr int kOrbFeatures = 500, kOrbLevels = 8, kOrbPatch = 31;
+constexpr float kOrbScale = 1.2F;
+
+// OpenCV's SIFT
+constexpr double kSiftSigma = 1.6;  // of an octave's first layer
+constexpr int kSiftLayers = 3;      // an octave
+constexpr double kSiftEdge = 10;    // ratio of curvatures from which on a keypoint lies on an edge
+constexpr float kSiftUnit = 512;    // of a descriptor of length 1
 
 cv::Ptr<cv::Feature2D> sift(const FeatureParams& params) {
-  return cv::SIFT::create(0, SIFT_LAYERS, params.sift_contrast, 10, SIFT_SIGMA);
+  return cv::SIFT::create(0, kSiftLayers, params.sift_contrast, kSiftEdge, kSiftSigma);
 }
 
 cv::Ptr<cv::Feature2D> orb(const FeatureParams& params) {
-  return cv::ORB::create(params.max_features ? params.max_features : ORB_FEATURES, ORB_SCALE, ORB_LEVELS,
-                         ORB_PATCH, 0, params.orb_wta_k);
+  return cv::ORB::create(params.max_features ? params.max_features : kOrbFeatures, kOrbScale, kOrbLevels,
+                         kOrbPatch, 0, params.orb_wta_k);
 }
 
 cv::Ptr<cv::Feature2D> akaze(const FeatureParams& params) {
@@ -43,10 +45,10 @@ cv::Ptr<cv::Feature2D> akaze(const FeatureParams& params) {
   return cv::AKAZE::create(type, 0, 3, static_cast<float>(params.akaze_threshold));
 }
 
-template <cv::Ptr<cv::Feature2D> create(const FeatureParams&)>
+template <cv::Ptr<cv::Feature2D> Create(const FeatureParams&)>
 KeyPoints detectBy(const FeatureParams& params, const cv::Mat& image) {
   KeyPoints keypoints;
-  create(params)->detect(image, keypoints);
+  Create(params)->detect(image, keypoints);
   return keypoints;
 }
 
@@ -56,21 +58,20 @@ KeyPoints detectBySurf(const FeatureParams& params, const cv::Mat& image) {
 
 /// The smallest octave of SIFT's pyramid that still shows something.
 int topOctave(const cv::Mat& image) {
-  return std::max(-1, static_cast<int>(std::log2(std::min(image.rows, image.cols))) - 3);
+  return static_cast<int>(std::log2(std::min(image.rows, image.cols) / kLeastSide));
 }
 
 /// The octave and layer of SIFT's pyramid where a neighbourhood of this size is described, packed as OpenCV
 /// does.
 int siftOctave(double size, int top) {
-  const double level = std::log2(size / (2 * SIFT_SIGMA));
+  const double level = std::log2(size / (2 * kSiftSigma));
   const int octave = std::clamp(static_cast<int>(std::ceil(level)) - 1, -1, top);
-  const int layer =
-      std::clamp(static_cast<int>(std::lround((level - octave) * SIFT_LAYERS)), 1, int{SIFT_LAYERS});
+  const int layer = std::clamp(static_cast<int>(std::lround((level - octave) * kSiftLayers)), 1, kSiftLayers);
   return (octave & 255) | (layer << 8);
 }
 
-/// A neighbourhood that is larger by a factor of two or more is described one octave up: as much of it, in a
-/// quarter of the time.
+/// A neighbourhood that is larger by a factor of two or more is described one octave up: as much is seen of
+/// it, in a quarter of the time.
 void goUp(cv::KeyPoint& point, int top) {
   const int octave = static_cast<int8_t>(point.octave & 255);
   if (octave < top) point.octave = (point.octave & ~255) | ((octave + 1) & 255);
@@ -78,7 +79,7 @@ void goUp(cv::KeyPoint& point, int top) {
 
 cv::Mat describeBySift(const FeatureParams& params, const cv::Mat& image, KeyPoints& keypoints) {
   const int top = topOctave(image);
-  // SIFT's first octave is the picture enlarged twice.
+  // SIFT's lowest octave is the picture enlarged twice: it takes the most time, and a small picture needs it.
   const bool up =
       params.support >= 2 && params.max_side && 2 * std::max(image.cols, image.rows) > params.max_side;
   for (cv::KeyPoint& point : keypoints) {
@@ -91,7 +92,7 @@ cv::Mat describeBySift(const FeatureParams& params, const cv::Mat& image, KeyPoi
     for (int i = 0; i < descriptors.rows; ++i) {
       cv::Mat row = descriptors.row(i);
       cv::sqrt(row / std::max(cv::norm(row, cv::NORM_L1), 1e-9), row);  // Arandjelovic, Zisserman 2012
-      for (float& value : cv::Mat_<float>(row)) value = std::min(std::round(SIFT_UNIT * value), 255.0F);
+      for (float& value : cv::Mat_<float>(row)) value = std::min(std::round(kSiftUnit * value), 255.0F);
     }
   return descriptors;
 }
@@ -104,8 +105,8 @@ cv::Mat describeByOrb(const FeatureParams& params, const cv::Mat& image, KeyPoin
   if (params.detector != "ORB")
     for (cv::KeyPoint& point : keypoints)
       point.octave =
-          std::clamp(static_cast<int>(std::lround(std::log(point.size / ORB_PATCH) / std::log(ORB_SCALE))), 0,
-                     ORB_LEVELS - 1);
+          std::clamp(static_cast<int>(std::lround(std::log(point.size / kOrbPatch) / std::log(kOrbScale))), 0,
+                     kOrbLevels - 1);
   cv::Mat descriptors;
   orb(params)->compute(image, keypoints, descriptors);
   return descriptors;
@@ -118,8 +119,9 @@ cv::Mat describeByAkaze(const FeatureParams& params, const cv::Mat& image, KeyPo
 }
 
 struct Method {
-  std::function<KeyPoints(const FeatureParams&, const cv::Mat&)> detect;
-  std::function<cv::Mat(const FeatureParams&, const cv::Mat&, KeyPoints&)> describe;
+  KeyPoints (*detect)(const FeatureParams&, const cv::Mat&);
+  // Takes out keypoints that it cannot describe.
+  cv::Mat (*describe)(const FeatureParams&, const cv::Mat&, KeyPoints&);
   bool binary;
   int descriptor_width;
   bool scalable;  // whether the neighbourhood that is described follows the keypoint's size
@@ -178,6 +180,23 @@ void scaleSizes(KeyPoints& keypoints, double factor) {
   for (cv::KeyPoint& point : keypoints) point.size *= static_cast<float>(factor);
 }
 
+/// From pixels of a picture to those of a larger one of the same, whose sides are rounded to whole pixels.
+void enlarge(KeyPoints& keypoints, const cv::Size& from, const cv::Size& to) {
+  const double x = static_cast<double>(to.width) / from.width,
+               y = static_cast<double>(to.height) / from.height;
+  for (cv::KeyPoint& point : keypoints)  // 0 is the middle of the first pixel
+    point.pt = cv::Point2d((point.pt.x + 0.5) * x - 0.5, (point.pt.y + 0.5) * y - 0.5);
+  scaleSizes(keypoints, std::sqrt(x * y));
+}
+
+KeyPoints detect(const FeatureParams& params, const cv::Mat& image) {
+  if (std::min(image.rows, image.cols) < kLeastSide) return {};
+  KeyPoints keypoints = method("detector", params.detector).detect(params, image);
+  if (params.upright) makeUpright(keypoints);
+  if (params.max_features) keepStrongest(keypoints, params.max_features);
+  return keypoints;
+}
+
 }  // namespace
 
 FeatureParams FeatureParams::plain(const std::string& detector, const std::string& extractor) {
@@ -223,19 +242,15 @@ LocalFeatures FeatureExtractor::extract(const cv::Mat& image) const {
     throw std::invalid_argument("FeatureExtractor: the image must be 8-bit grey and not empty");
   const Method& extractor = method("extractor", params_.extractor);
   const cv::Mat picture = reduced(image, params_.max_side);
-  KeyPoints keypoints = method("detector", params_.detector).detect(params_, picture);
-  if (params_.upright) makeUpright(keypoints);
-  if (params_.max_features) keepStrongest(keypoints, params_.max_features);
+  KeyPoints keypoints = detect(params_, picture);
   const double support = extractor.scalable ? params_.support : 1;
   scaleSizes(keypoints, support);
   LocalFeatures features{image.size(), {}, cv::Mat()};
   if (!keypoints.empty()) features.descriptors = extractor.describe(params_, picture, keypoints);
   if (features.descriptors.empty())
     features.descriptors.create(0, extractor.descriptor_width, extractor.binary ? CV_8U : CV_32F);
-  const double enlarged = static_cast<double>(image.cols) / picture.cols;
-  scaleSizes(keypoints, enlarged / support);
-  const cv::Point2f half(0.5F, 0.5F);  // the middle of the first pixel is at 0
-  for (cv::KeyPoint& point : keypoints) point.pt = (point.pt + half) * enlarged - half;
+  scaleSizes(keypoints, 1 / support);
+  enlarge(keypoints, picture.size(), image.size());
   features.keypoints = std::move(keypoints);
   return features;
 }

@@ -7,22 +7,39 @@
 
 #include <algorithm>
 #include <cmath>
+#include <opencv2/core.hpp>
 
 namespace sextant {
 namespace {
 
 // Octaves, intervals and first step of the pyramid of dlib's own get_surf_points().
-constexpr long OCTAVES = 4, INTERVALS = 6, FIRST_STEP = 2;
-constexpr double EXTENT = 32;  // what dlib's descriptor sees of the picture, in scales
+constexpr long kOctaves = 4, kIntervals = 6, kFirstStep = 2;
+constexpr double kExtent = 32;       // scales; of the square that dlib asks for to describe a keypoint
+constexpr double kAngleExtent = 17;  // and to find its angle
 
 /// Sums of the picture over rectangles; dlib's own can neither be copied nor moved.
 struct Integral : dlib::integral_image {
   explicit Integral(const cv::Mat& image) { load(dlib::cv_image<unsigned char>(image)); }
 };
 
-bool canBeDescribed(const dlib::integral_image& sums, const dlib::vector<double, 2>& centre, double scale) {
-  const auto extent = static_cast<unsigned long>(EXTENT * scale);
-  return dlib::get_rect(sums).contains(dlib::centered_rect(centre, extent, extent));
+/// At which a keypoint is described. At less than one, dlib's boxes have no width, or lie outside the
+/// picture.
+double describedScale(const cv::KeyPoint& point) { return std::max(point.size / 2.0, 1.0); }
+
+/// How far what dlib describes the keypoints by goes over the picture's border, pixels.
+int overhang(const cv::Size& size, const std::vector<cv::KeyPoint>& keypoints) {
+  double most = 0;
+  for (const cv::KeyPoint& point : keypoints) {
+    const double x = std::min(point.pt.x, size.width - point.pt.x);
+    const double y = std::min(point.pt.y, size.height - point.pt.y);
+    most = std::max(most, kExtent / 2 * describedScale(point) - std::min(x, y));
+  }
+  return static_cast<int>(std::ceil(most)) + 1;  // dlib rounds
+}
+
+bool isInside(const dlib::integral_image& sums, const dlib::vector<double, 2>& centre, double extent) {
+  const auto side = static_cast<unsigned long>(extent);
+  return dlib::get_rect(sums).contains(dlib::centered_rect(centre, side, side));
 }
 
 }  // namespace
@@ -30,13 +47,13 @@ bool canBeDescribed(const dlib::integral_image& sums, const dlib::vector<double,
 std::vector<cv::KeyPoint> detectSurf(const cv::Mat& image, double threshold, bool upright) {
   const Integral sums(image);
   dlib::hessian_pyramid pyramid;
-  pyramid.build_pyramid(sums, OCTAVES, INTERVALS, FIRST_STEP);
+  pyramid.build_pyramid(sums, kOctaves, kIntervals, kFirstStep);
   std::vector<dlib::interest_point> points;
   dlib::get_interest_points(pyramid, threshold, points);
   std::sort(points.rbegin(), points.rend());  // by score
   std::vector<cv::KeyPoint> keypoints;
   for (const dlib::interest_point& point : points) {
-    if (!canBeDescribed(sums, point.center, point.scale)) continue;
+    if (!upright && !isInside(sums, point.center, kAngleExtent * point.scale)) continue;
     const double angle = upright ? 0 : dlib::compute_dominant_angle(sums, point.center, point.scale);
     keypoints.emplace_back(static_cast<float>(point.center.x()), static_cast<float>(point.center.y()),
                            static_cast<float>(2 * point.scale),
@@ -47,18 +64,23 @@ std::vector<cv::KeyPoint> detectSurf(const cv::Mat& image, double threshold, boo
 }
 
 cv::Mat describeSurf(const cv::Mat& image, std::vector<cv::KeyPoint>& keypoints) {
-  const Integral sums(image);
-  keypoints.erase(std::remove_if(keypoints.begin(), keypoints.end(),
-                                 [&](const cv::KeyPoint& point) {
-                                   return !canBeDescribed(sums, {point.pt.x, point.pt.y}, point.size / 2);
-                                 }),
-                  keypoints.end());
+  const int margin = std::min(overhang(image.size(), keypoints), std::max(image.cols, image.rows));
+  cv::Mat widened;
+  cv::copyMakeBorder(image, widened, margin, margin, margin, margin, cv::BORDER_REPLICATE);
+  const Integral sums(widened);
+  const auto centre = [margin](const cv::KeyPoint& point) {
+    return dlib::vector<double, 2>(point.pt.x + margin, point.pt.y + margin);
+  };
+  const auto is_too_large = [&](const cv::KeyPoint& point) {
+    return !isInside(sums, centre(point), kExtent * describedScale(point));
+  };
+  keypoints.erase(std::remove_if(keypoints.begin(), keypoints.end(), is_too_large), keypoints.end());
   cv::Mat descriptors(static_cast<int>(keypoints.size()), 64, CV_32F);
   dlib::matrix<double, 64, 1> descriptor;
   for (int i = 0; i < descriptors.rows; ++i) {
     const cv::KeyPoint& point = keypoints[i];
-    const dlib::vector<double, 2> centre(point.pt.x, point.pt.y);
-    dlib::compute_surf_descriptor(sums, centre, point.size / 2, point.angle * CV_PI / 180, descriptor);
+    dlib::compute_surf_descriptor(sums, centre(point), describedScale(point), point.angle * CV_PI / 180,
+                                  descriptor);
     std::copy(descriptor.begin(), descriptor.end(), descriptors.ptr<float>(i));
   }
   return descriptors;

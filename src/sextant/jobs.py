@@ -143,7 +143,7 @@ def _portable(error: Exception) -> Exception:
 def _in_order(
     executor: Executor, function: Callable[[Any], Any], arguments: List[Any], bar: tqdm
 ) -> Iterator[_Outcome]:
-    with _as_children_need_it():
+    with as_children_need_it():
         waiting = deque(_submitted(executor, function, argument) for argument in arguments)
     for future in waiting:
         future.add_done_callback(lambda _: bar.update())
@@ -195,7 +195,7 @@ def _leave_interrupts() -> None:
 
 
 @contextlib.contextmanager
-def _as_children_need_it() -> Iterator[None]:
+def as_children_need_it() -> Iterator[None]:
     """What processes that are started now inherit: one thread, the way to this package, and no interrupt.
 
     In a devel space of catkin, sys.path leads first to the package's sources, which lack _core.

@@ -3,10 +3,12 @@
 """Photos of places that the tests make: smooth noise, of which no two are alike."""
 
 from pathlib import Path
+from typing import Optional
 
 import cv2
 import numpy as np
 
+from sextant.places.place_index import IndexSettings, PlaceIndex, extract_all
 from sextant.places.place_map import Overview, Photo, PlaceMap
 from sextant.places.place_map_file import write_place_map
 
@@ -36,3 +38,11 @@ def written_photos(folder: Path, count: int, first: int = 0) -> PlaceMap:
     place_map = PlaceMap(folder, Overview("park.png", 1000, 100), tuple(photos))
     write_place_map(folder / "park.txt", place_map)
     return place_map
+
+
+def index_of(place_map: PlaceMap, settings: Optional[IndexSettings] = None) -> PlaceIndex:
+    """Of the photos of a map, without a cache."""
+    settings = settings or IndexSettings()
+    images = [photo.image for photo in place_map.photos]
+    features = extract_all(settings, [place_map.folder / image for image in images])
+    return PlaceIndex.built(settings, images, features)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""benchmark/markers.py and marker_trust.py as their caller sees them: exit status, table, JSON, pictures."""
+"""The benchmarks as their caller sees them: exit status, table, JSON, pictures."""
 
 import json
 import subprocess
@@ -14,6 +14,7 @@ sys.path.insert(0, str(BENCHMARK))
 
 from chain import Run, numbered  # noqa: E402
 from chain_frames import PlayedDrive  # noqa: E402
+from real_data import EXTERNAL  # noqa: E402
 from tables import Table, Value  # noqa: E402
 
 
@@ -139,3 +140,38 @@ def test_quick_run_of_the_maps(tmp_path):
     for row in topics["series"][0]["rows"][:8]:  # of simulated corners, whose noise is known
         assert 0.5 < row["z: least"]["value"] <= row["z: largest"]["value"] < 2.0
     assert [row["differs"]["value"] for row in topics["bags"][0]["rows"]] == [0, 0, 0]
+
+
+def run_places(topic, folder):
+    """Its tables."""
+    command = [sys.executable, str(BENCHMARK / "places.py"), "--quick", "--only", topic, "--json", "-"]
+    done = subprocess.run([*command, "--plots", str(folder)], capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)["topics"][topic]
+
+
+def test_quick_run_of_the_seasons(tmp_path):
+    (table,) = run_places("seasons", tmp_path)
+    rows = {row["name"]: row for row in table["rows"]}
+    assert rows["summer -> autumn, filter"]["recall@1"]["value"] > 0.8
+
+
+@pytest.mark.skipif(not (EXTERNAL / "places").is_dir(), reason="external test data")
+def test_quick_run_of_recall(tmp_path):
+    corridor, nowhere, lund = run_places("recall", tmp_path)
+    modes = {row["name"]: row["recall@1"]["value"] for row in corridor["rows"]}
+    assert modes["single"] > modes["votes"] > 0
+    assert nowhere["rows"][0]["nowhere in the map"]["value"] == lund["rows"][0]["placed"]["value"] == 8
+    for name in ("recall", "reliability_single"):
+        assert (tmp_path / f"{name}.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_quick_run_of_speed_and_size(tmp_path):
+    (speed,) = run_places("speed", tmp_path)
+    votes, ours = speed["rows"]
+    assert ours["right, %"]["value"] >= 25 < votes["right, %"]["value"]  # the photos are 30 m apart
+    assert ours["index, MB"]["value"] < votes["index, MB"]["value"]
+    (size,) = run_places("size", tmp_path)
+    few, many = size["rows"]
+    assert few["right, %"]["value"] == many["right, %"]["value"] == 100
+    assert few["index, MB"]["value"] < many["index, MB"]["value"]

@@ -8,7 +8,7 @@ import pytest
 from sextant.places.place_belief import BeliefParams, PlaceBelief
 
 LINE = np.c_[np.arange(20.0), np.zeros(20)]
-WHOLLY = BeliefParams(trust=1.0, leave=0.02)  # as if pictures erred independently
+WHOLLY = BeliefParams(reach=3.0, trust=1.0, doubt=0.0, leave=0.02)  # as if pictures erred independently
 
 
 def saying(place, strength=3.0, count=20):
@@ -28,14 +28,21 @@ def test_a_picture_weighs_by_bayes_rule():
 
 
 def test_a_picture_counts_by_the_part_that_is_trusted():
-    half, whole = PlaceBelief(LINE, BeliefParams(trust=0.5)), PlaceBelief(LINE, WHOLLY)
+    half, whole = PlaceBelief(LINE, BeliefParams(trust=0.5, doubt=0.0)), PlaceBelief(LINE, WHOLLY)
     half.see(saying(7, 4.0))
     whole.see(saying(7, 2.0))
     assert half.places == pytest.approx(whole.places)
 
 
+def test_doubt_makes_every_place_less_likely():
+    doubting = PlaceBelief(LINE, BeliefParams(trust=1.0, doubt=2.0))
+    doubting.see(saying(7, 2.0 + np.log(5.0)))
+    assert doubting.places[7] / doubting.nowhere == pytest.approx(5.0 * 0.025 / 0.5)
+    assert doubting.places[3] / doubting.nowhere == pytest.approx(np.exp(-2.0) * 0.025 / 0.5)
+
+
 def test_places_around_the_likeliest_are_one_answer():
-    belief = PlaceBelief(LINE, BeliefParams(trust=1.0, radius=1.0))
+    belief = PlaceBelief(LINE, BeliefParams(trust=1.0, doubt=0.0, radius=1.0))
     ratios = np.full(20, -50.0)
     ratios[[5, 6, 7, 12]] = np.log([40.0, 80.0, 40.0, 20.0])
     belief.see(ratios)  # each place was at 0.025, nowhere at 0.5
@@ -76,7 +83,7 @@ def test_a_sequence_decides_what_a_picture_cannot():
 
 
 def test_odometry_moves_it_as_far_as_it_says():
-    sure = BeliefParams(restart=0.0, leave=0.0, trust=1.0)
+    sure = BeliefParams(restart=0.0, leave=0.0, trust=1.0, doubt=0.0)
     belief = PlaceBelief(LINE, sure)
     belief.see(saying(10, 30.0))
     belief.move(4.0)
@@ -87,7 +94,7 @@ def test_odometry_moves_it_as_far_as_it_says():
 
 
 def test_without_odometry_it_spreads_to_neighbours():
-    belief = PlaceBelief(LINE, BeliefParams(restart=0.0, leave=0.0, trust=1.0))
+    belief = PlaceBelief(LINE, BeliefParams(reach=3.0, restart=0.0, leave=0.0, trust=1.0, doubt=0.0))
     belief.see(saying(10, 30.0))
     belief.move()
     assert belief.places[8:13].sum() > 0.9 and belief.places[10] == belief.places.max()

@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from made_photos import picture, shifted, written_photos
+from made_photos import index_of, picture, shifted, written_photos
 
-from sextant.places.place_index import IndexSettings, PlaceIndex, extract_all, plain_features
+from sextant.places.place_index import IndexSettings, plain_features
 from sextant.places.place_localization import LocalizationParams, PlaceLocalizer, Status
 from sextant.places.place_map import MetricFrame
 
@@ -17,13 +17,6 @@ COUNT = 24
 ELSEWHERE, EMPTY = 200, np.full((240, 320), 90, np.uint8)
 FRAME = MetricFrame("town", 0.1, (0.0, 0.0, 0.0))  # photos are 1 m apart
 MESSAGE = Path(__file__).resolve().parents[2] / "msg" / "PlaceHypotheses.msg"
-
-
-def index_of(place_map, settings):
-    images = [photo.image for photo in place_map.photos]
-    return PlaceIndex.built(
-        settings, images, extract_all(settings, [place_map.folder / each for each in images])
-    )
 
 
 @pytest.fixture(scope="module")

@@ -65,6 +65,7 @@ def test_a_right_map_is_let_through():
     "photo, reason",
     [
         (Photo(0, "c.jpg", 1, 1), "photo 0 is there twice: a.jpg and c.jpg"),
+        (Photo(9, "a.jpg", 1, 1), "a.jpg is there twice: as photo 0 and 9"),
         (Photo(-1, "c.jpg", 1, 1), "id is -1, allowed are 0 to 2147483647"),
         (Photo(2**31, "c.jpg", 1, 1), "id is 2147483648"),
         (Photo(9, "", 1, 1), "an image has no name"),

@@ -68,6 +68,7 @@ def test_a_written_map_is_read_bit_for_bit(file):
     [
         ("4;c.jpg;1", "4: 3 fields, expected id;image;x;y"),
         ("0;c.jpg;1;1", "4: id 0 again, it is that of line 2"),
+        ("9;a.jpg;1;1", "4: image a.jpg again, it is that of line 2"),
         ("x;c.jpg;1;1", "4: id is 'x', not a whole number"),
         ("4.0;c.jpg;1;1", "4: id is '4.0', not a whole number"),
         ("-4;c.jpg;1;1", "4: id is '-4', not a whole number"),

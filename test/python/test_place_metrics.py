@@ -4,10 +4,12 @@
 
 import numpy as np
 import pytest
+import scipy.stats
 
 from sextant.places.place_metrics import (
     calibration_error,
     perfect_calibration_error,
+    perfect_frequencies,
     precision_recall,
     recall_at,
     reliability,
@@ -57,3 +59,15 @@ def test_a_perfect_forecaster_stays_below_its_bound_in_19_of_20_cases():
 
 def test_few_answers_leave_bins_out():
     assert len(reliability([0.5, 0.6], [1, 0], 10)) == 2
+
+
+def test_recall_is_of_all_queries_that_can_be_found():
+    curve = precision_recall([0.9, 0.8], [True, True], findable=4)
+    assert curve.recall == pytest.approx([1 / 4, 2 / 4])
+    assert curve.area == pytest.approx(1 / 2)
+
+
+def test_frequencies_of_a_perfect_forecaster_are_binomial():
+    low, high = perfect_frequencies(np.repeat([0.2, 0.5], 100), 2)
+    assert low == pytest.approx(scipy.stats.binom.ppf(0.025, 100, [0.2, 0.5]) / 100, abs=0.011)
+    assert high == pytest.approx(scipy.stats.binom.ppf(0.975, 100, [0.2, 0.5]) / 100, abs=0.011)

@@ -9,7 +9,7 @@ from sextant.places.place_belief import BeliefParams
 from sextant.places.place_modes import MODES, Seen
 
 LINE = np.c_[np.arange(10.0), np.zeros(10)]
-PARAMS = BeliefParams(trust=0.5, restart=0.01, leave=0.01)
+PARAMS = BeliefParams(trust=0.5, doubt=0.0, restart=0.01, leave=0.01)
 
 
 def saying(place, ratio):

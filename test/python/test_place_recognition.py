@@ -8,24 +8,16 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from made_photos import picture, shifted, written_photos
+from made_photos import index_of, picture, shifted, written_photos
 
 from sextant.places.place_belief import PlaceBelief
-from sextant.places.place_index import IndexSettings, PlaceIndex, extract_all, plain_features
+from sextant.places.place_index import IndexSettings, plain_features
 from sextant.places.place_map import Overview, Photo, PlaceMap
 from sextant.places.place_metrics import precision_recall
 from sextant.places.place_recognition import PlaceRecognizer, RecognitionParams
 
 CORRIDOR = Path(__file__).resolve().parents[3] / "shared" / "data" / "places" / "corridor"
 COUNT = 20
-
-
-def index_of(place_map, settings=None):
-    settings = settings or IndexSettings()
-    images = [photo.image for photo in place_map.photos]
-    return PlaceIndex.built(
-        settings, images, extract_all(settings, [place_map.folder / each for each in images])
-    )
 
 
 @pytest.fixture(scope="module")

@@ -8,20 +8,13 @@ import cv2
 import numpy as np
 import pytest
 from made_network import pooling_network
-from made_photos import picture, shifted, written_photos
+from made_photos import index_of, picture, shifted, written_photos
 
 from sextant.places.global_descriptor import GlobalDescriptorSettings
-from sextant.places.place_index import IndexSettings, PlaceIndex, extract_all
+from sextant.places.place_index import IndexSettings
 from sextant.places.place_recognition import PlaceRecognizer, RecognitionParams
 
 COUNT = 30
-
-
-def index_of(place_map, settings):
-    images = [photo.image for photo in place_map.photos]
-    return PlaceIndex.built(
-        settings, images, extract_all(settings, [place_map.folder / each for each in images])
-    )
 
 
 @pytest.fixture(scope="module")

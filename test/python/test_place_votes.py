@@ -49,6 +49,15 @@ def test_a_weight_is_the_part_that_a_neighbour_is_nearer_than_the_last():
     assert lnbnn_weights(distances, owners).tolist() == weights
 
 
+@pytest.mark.filterwarnings("error")
+def test_what_is_not_there_is_infinitely_far():
+    distances = np.array([[1.0, 2.0, np.inf], [2.0, np.inf, np.inf], [np.inf] * 3])
+    owners = np.array([[0, 1, -1], [1, -1, -1], [-1] * 3])
+    assert lnbnn_weights(distances, owners).tolist() == [[0.5, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]]
+    assert count_votes(distances, owners, 1, 10).photos.tolist() == [0]
+    assert match_statistics(distances, owners).total == 3.0
+
+
 def test_scores_are_sums_for_the_size_of_the_photo():
     weights = np.array([[4.0, 3.0, 0.0], [1.0, 0.0, 0.0]])
     owners = np.array([[0, 1, 2], [1, 1, -1]])

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <memory>
 #include <opencv2/core/mat.hpp>
 #include <opencv2/core/types.hpp>
 #include <string>
@@ -35,6 +34,7 @@ struct FeatureParams {
 std::vector<std::string> featureNames();
 
 /// Whether descriptors of an extractor are bits (Hamming distance), not numbers (L2).
+/// @throws std::invalid_argument where there is no such extractor
 bool isBinaryExtractor(const std::string& extractor);
 
 /// What is kept of a picture.
@@ -44,7 +44,7 @@ struct LocalFeatures {
   cv::Mat descriptors;  ///< a row a keypoint; CV_32F, or CV_8U for bits; whole numbers up to 255 of SIFT
 };
 
-/// Not thread-safe: one a thread.
+/// Finds and describes the keypoints of pictures; thread-safe.
 class FeatureExtractor {
  public:
   /// @throws std::invalid_argument as FeatureParams::validate()

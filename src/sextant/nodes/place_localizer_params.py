@@ -10,7 +10,7 @@ import sextant
 from sextant.nodes.params import not_empty, one_of, param, required, within
 from sextant.places.global_descriptor import GlobalDescriptorSettings
 from sextant.places.place_belief import BeliefParams
-from sextant.places.place_index import IndexSettings, default_features, plain_features
+from sextant.places.place_index import PROFILES, IndexSettings
 from sextant.places.place_library import Library
 from sextant.places.place_localization import VOTES, LocalizationParams
 from sextant.places.place_map_file import read_place_map
@@ -20,11 +20,6 @@ from sextant.places.place_recognition import RecognitionParams
 _FEATURES, _BELIEF = sextant.FeatureParams(), BeliefParams()
 _LOCALIZATION, _RECOGNITION = LocalizationParams(), RecognitionParams()
 _GLOBAL = GlobalDescriptorSettings()
-
-PROFILES: Dict[str, Callable[[str, str], Dict[str, Any]]] = {
-    "tuned": lambda detector, extractor: {**default_features(), "detector": detector, "extractor": extractor},
-    "plain": plain_features,
-}
 
 
 @dataclass(frozen=True)
@@ -47,6 +42,7 @@ class PlaceLocalizerParams:
     restart: float = param(_BELIEF.restart, within(0.0, 1.0))
     leave: float = param(_BELIEF.leave, within(0.0, 1.0))
     trust: float = param(_BELIEF.trust, within(1e-6, 1.0))
+    doubt: float = param(_BELIEF.doubt, within(0.0, 20.0))
     use_odometry: bool = param(False)  # hear odom
     network: str = param("")  # ONNX file of a global descriptor
     network_backend: str = param(_GLOBAL.backend)
@@ -81,7 +77,11 @@ class PlaceLocalizerParams:
                 min_keypoints=self.min_keypoints, global_weight=self.network_weight
             ),
             belief=BeliefParams(
-                reach=self.reach, restart=self.restart, leave=self.leave, trust=self.trust
+                reach=self.reach,
+                restart=self.restart,
+                leave=self.leave,
+                trust=self.trust,
+                doubt=self.doubt,
             ),
         )
 

@@ -9,6 +9,7 @@ import cv2
 import numpy as np
 
 from sextant.places.onnx_model import BACKENDS, ImageInput, open_network, read_input
+from sextant.ranges import check_ranges
 
 LARGEST = 4096  # pixels
 IMAGENET_MEAN, IMAGENET_STD = (0.485, 0.456, 0.406), (0.229, 0.224, 0.225)  # of R, G, B
@@ -44,9 +45,7 @@ class GlobalDescriptorSettings:
         for name, allowed in (("backend", ("auto", *BACKENDS)), ("channels", tuple(_CHANNELS))):
             if getattr(self, name) not in allowed:
                 raise ValueError(f"{name} is '{getattr(self, name)}', allowed is one of {', '.join(allowed)}")
-        for name in ("width", "height"):
-            if not 0 <= getattr(self, name) <= LARGEST:
-                raise ValueError(f"{name} is {getattr(self, name)}, allowed is [0, {LARGEST}]")
+        check_ranges(self, width=(0, LARGEST), height=(0, LARGEST))
         count = _CHANNELS[self.channels][0]
         for name, low in (("mean", -1000), ("std", 1e-6)):
             values = getattr(self, name)

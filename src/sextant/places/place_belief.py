@@ -14,6 +14,8 @@ import numpy as np
 from scipy.sparse import csr_matrix
 from scipy.spatial import cKDTree
 
+from sextant.ranges import check_ranges
+
 ROUND = 0.1  # of a spacing: distances that differ by less are moved by as one
 REMEMBERED = 64  # ways to move, by distance
 
@@ -22,29 +24,19 @@ REMEMBERED = 64  # ways to move, by distance
 class BeliefParams:
     """How a robot moves among the places, and how far pictures are believed."""
 
-    reach: float = 3.0  # [1, 20]; spacings of places that it may go between two pictures, without odometry
+    reach: float = 4.0  # [1, 20]; spacings of places that it may go between two pictures, without odometry
     restart: float = 0.01  # [0, 1]; probability that it was carried anywhere between two pictures
     leave: float = 0.01  # [0, 1]; that it left for where the map knows nothing
     nowhere: float = 0.5  # [0, 1]; that it is there at first; 0: it never is, leave has to be 0, too
-    trust: float = 0.4  # (0, 1]; part of a picture's evidence that counts: successive pictures err alike
+    trust: float = 0.6  # (0, 1]; part of a picture's evidence that counts: successive pictures err alike
+    doubt: float = 2.0  # [0, 20]; taken from a log ratio: what is like no place is like one of them for long
     distance_noise: float = 0.1  # [0.001, 1]; deviation of a distance that odometry says, part of it
     radius: float = 2.2  # [0, 20]; spacings within which places are one answer
 
     def validate(self) -> None:
         """:raises ValueError: names the first field out of range"""
-        ranges = {
-            "reach": (1, 20),
-            "restart": (0, 1),
-            "leave": (0, 1),
-            "nowhere": (0, 1),
-            "trust": (1e-6, 1),
-            "distance_noise": (0.001, 1),
-            "radius": (0, 20),
-        }
-        for name, (low, high) in ranges.items():
-            value = getattr(self, name)
-            if not low <= value <= high:
-                raise ValueError(f"{name} is {value}, allowed is [{low:g}, {high:g}]")
+        check_ranges(self, reach=(1, 20), restart=(0, 1), leave=(0, 1), nowhere=(0, 1), trust=(1e-6, 1))
+        check_ranges(self, doubt=(0, 20), distance_noise=(0.001, 1), radius=(0, 20))
         if self.leave and not self.nowhere:
             raise ValueError("leave has to be 0 where nowhere is 0")
 
@@ -92,7 +84,7 @@ class PlaceBelief:
 
         :param log_ratios: (n,) log of how much likelier the picture is at each place than nowhere
         """
-        trusted = self._params.trust * np.asarray(log_ratios, float)
+        trusted = self._params.trust * (np.asarray(log_ratios, float) - self._params.doubt)
         largest = np.max(trusted) if not self._params.nowhere else max(np.max(trusted), 0.0)
         places = self.places * np.exp(trusted - largest)
         nowhere = self.nowhere * np.exp(-largest)

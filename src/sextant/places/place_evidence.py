@@ -9,6 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from sextant.ranges import check_ranges
+
 MAD_TO_DEVIATION = 1.4826  # of a normal distribution
 REFERENCE = 100  # best photos that tell how much the scores of wrong ones differ
 ROUNDING = 1e-6  # of the largest score: what single precision leaves
@@ -25,19 +27,17 @@ class EvidenceParams:
     log ratio = deviation * z + score * ln(s) + size * ln(n) - offset; score s, its deviations() z, n photos
     """
 
-    deviation: float = 0.216  # [0, 100]
-    score: float = 4.98  # [0, 100]
-    size: float = 3.63  # [0, 100]
-    offset: float = 13.05  # [-100, 100]
+    deviation: float = 0.313  # [0, 100]
+    score: float = 3.33  # [0, 100]
+    size: float = 3.40  # [0, 100]
+    offset: float = 11.9  # [-100, 100]
     limit: float = 12.0  # (0, 100]; of a log ratio: more is never believed of one picture
     shift: float = 1.0  # [0, 100]; deviations that a right photo scores higher by, in relative evidence
 
     def validate(self) -> None:
         """:raises ValueError: names the first field out of range"""
-        ranges = {name: (0, 100) for name in ("deviation", "score", "size", "shift")}
-        for name, (low, high) in {**ranges, "offset": (-100, 100), "limit": (1e-6, 100)}.items():
-            if not low <= getattr(self, name) <= high:
-                raise ValueError(f"{name} is {getattr(self, name)}, allowed is [{low:g}, {high:g}]")
+        check_ranges(self, deviation=(0, 100), score=(0, 100), size=(0, 100), offset=(-100, 100))
+        check_ranges(self, limit=(1e-6, 100), shift=(0, 100))
 
 
 def deviations(scores: np.ndarray, least: float = 0.0) -> np.ndarray:
@@ -58,12 +58,16 @@ def deviations(scores: np.ndarray, least: float = 0.0) -> np.ndarray:
     return (scores - centre) / deviation
 
 
+def score_features(scores: np.ndarray) -> np.ndarray:
+    """(n, 3) z, ln(s) and ln(n) of EvidenceParams, within what can be trusted."""
+    z = np.minimum(deviations(scores, LEAST_DEVIATION), HIGHEST)
+    logs = np.log(np.maximum(scores, LEAST_SCORE))
+    return np.stack([z, logs, np.full(len(scores), np.log(min(len(scores), REFERENCE)))], axis=1)
+
+
 def absolute_log_ratios(scores: np.ndarray, params: EvidenceParams) -> np.ndarray:
     """(n,) of the scores by votes. A picture can speak against all photos."""
-    z = np.minimum(deviations(scores, LEAST_DEVIATION), HIGHEST)
-    logs = params.score * np.log(np.maximum(scores, LEAST_SCORE))
-    logs += params.size * np.log(min(len(scores), REFERENCE))
-    ratios = params.deviation * z + logs - params.offset
+    ratios = score_features(scores) @ (params.deviation, params.score, params.size) - params.offset
     excess = max(ratios.max() - params.limit, 0.0)  # so that good photos differ still
     return np.maximum(ratios - excess, -params.limit)
 

@@ -10,7 +10,7 @@ import json
 from dataclasses import asdict, dataclass, field
 from functools import lru_cache, partial
 from pathlib import Path
-from typing import Any, Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
 
 import cv2
 import numpy as np
@@ -35,6 +35,13 @@ def default_features() -> Dict[str, Any]:
 def plain_features(detector: str, extractor: str) -> Dict[str, Any]:
     """The fields of sextant.FeatureParams that leave everything to the detector and the extractor."""
     return _fields(sextant.FeatureParams.plain(detector, extractor))
+
+
+# by name: of a detector and an extractor, the fields of sextant.FeatureParams
+PROFILES: Dict[str, Callable[[str, str], Dict[str, Any]]] = {
+    "tuned": lambda detector, extractor: {**default_features(), "detector": detector, "extractor": extractor},
+    "plain": plain_features,
+}
 
 
 def _fields(params: "sextant.FeatureParams") -> Dict[str, Any]:
@@ -242,7 +249,11 @@ class PlaceIndex:
 
 def _samples(features: Sequence[PhotoFeatures], total: int) -> np.ndarray:
     """Descriptors to learn from: all, or as many as are enough, evenly drawn."""
-    stacked = np.concatenate([each.descriptors for each in features if len(each.descriptors)])
-    if total <= SAMPLES:
-        return stacked
-    return stacked[np.sort(np.random.default_rng(SEED).choice(total, SAMPLES, replace=False))]
+    chosen = np.arange(total)
+    if total > SAMPLES:
+        chosen = np.sort(np.random.default_rng(SEED).choice(total, SAMPLES, replace=False))
+    ends = np.cumsum([len(each.descriptors) for each in features])
+    parts = np.split(chosen, np.searchsorted(chosen, ends[:-1]))
+    firsts = [0, *ends[:-1]]
+    picked = [each.descriptors[part - first] for each, part, first in zip(features, parts, firsts)]
+    return np.concatenate([part for part in picked if len(part)])

@@ -17,6 +17,7 @@ from sextant.places.place_modes import MODES, Seen
 from sextant.places.place_recognition import PlaceRecognizer, Recognition, RecognitionParams
 from sextant.places.place_voter import PlaceVoter
 from sextant.places.place_votes import MatchStatistics
+from sextant.ranges import check_ranges
 
 VOTES = "votes"  # the mode that counts matches, with no belief
 
@@ -36,7 +37,7 @@ class LocalizationParams:
 
     mode: str = "filter"  # one of sextant.places.place_modes.MODES, or votes
     max_places: int = 5  # [1, 1000]; that are told
-    window: int = 20  # [2, 1000]; pictures of mode sequence
+    window: int = 30  # [2, 1000]; pictures of mode sequence
     min_matches: int = 10  # [1, 100000]; votes, in mode votes, with less nothing is told
     recognition: RecognitionParams = field(default_factory=RecognitionParams)
     belief: BeliefParams = field(default_factory=BeliefParams)
@@ -45,9 +46,7 @@ class LocalizationParams:
         """:raises ValueError: names the first field out of range"""
         if self.mode not in (*MODES, VOTES):
             raise ValueError(f"mode is '{self.mode}', allowed is one of {', '.join((*MODES, VOTES))}")
-        for name, low, high in (("max_places", 1, 1000), ("window", 2, 1000), ("min_matches", 1, 100000)):
-            if not low <= getattr(self, name) <= high:
-                raise ValueError(f"{name} is {getattr(self, name)}, allowed is [{low}, {high}]")
+        check_ranges(self, max_places=(1, 1000), window=(2, 1000), min_matches=(1, 100000))
         self.recognition.validate()
         self.belief.validate()
 

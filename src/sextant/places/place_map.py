@@ -121,11 +121,15 @@ class PlaceMap(NamedTuple):
         check_overview(self.overview)
         check_georeference(self.georeference)
         ids: Dict[int, Photo] = {}
+        images: Dict[str, Photo] = {}
         for photo in self.photos:
             check_photo(self.overview, photo)
             if photo.id in ids:
                 raise ValueError(f"photo {photo.id} is there twice: {ids[photo.id].image} and {photo.image}")
-            ids[photo.id] = photo
+            if photo.image in images:
+                first = images[photo.image].id
+                raise ValueError(f"{photo.image} is there twice: as photo {first} and {photo.id}")
+            ids[photo.id] = images[photo.image] = photo
 
 
 def image_in(folder: Path, path: Path) -> Optional[str]:

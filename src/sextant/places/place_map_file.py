@@ -94,16 +94,18 @@ def _georeference(named: Dict[str, str]) -> Union[MetricFrame, GeoCorners, None]
 
 
 def _photos(path: Path, lines: Iterator[Tuple[int, List[str]]], overview: Overview) -> Iterator[Photo]:
-    line_of: Dict[int, int] = {}
+    line_of: Dict[Union[int, str], int] = {}
     for number, fields in lines:
         try:
             photo = _photo(fields)
             check_photo(overview, photo)
             if photo.id in line_of:
                 raise ValueError(f"id {photo.id} again, it is that of line {line_of[photo.id]}")
+            if photo.image in line_of:
+                raise ValueError(f"image {photo.image} again, it is that of line {line_of[photo.image]}")
         except ValueError as error:
             raise ValueError(f"{path}:{number}: {error}") from None
-        line_of[photo.id] = number
+        line_of[photo.id] = line_of[photo.image] = number
         yield photo
 
 

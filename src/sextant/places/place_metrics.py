@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """How good a recognition is: recall, precision, and whether its probabilities mean what they say."""
 
-from typing import List, NamedTuple, Sequence
+from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -32,17 +32,22 @@ def recall_at(n: int, ranks: Sequence[float]) -> float:
     return float(np.mean(np.asarray(ranks) <= n))
 
 
-def precision_recall(confidence: Sequence[float], right: Sequence[bool]) -> PrecisionRecall:
+def precision_recall(
+    confidence: Sequence[float], right: Sequence[bool], findable: Optional[int] = None
+) -> PrecisionRecall:
     """Of the best answer of each query. Equal confidences are let through together.
 
     The area is that below the curve from recall 0 to the last recall reached: never above recall@1.
+
+    :param confidence: of one answer or more
+    :param findable: queries that have a right answer, above 0; by default all that were answered
     """
     order = np.argsort(-np.asarray(confidence, float), kind="stable")
     sorted_confidence = np.asarray(confidence, float)[order]
     found = np.cumsum(np.asarray(right, bool)[order])
     last_of_tie = np.append(np.nonzero(np.diff(sorted_confidence))[0], len(order) - 1)
     precision = found[last_of_tie] / (last_of_tie + 1)
-    recall = found[last_of_tie] / len(order)
+    recall = found[last_of_tie] / (findable or len(order))
     area = np.trapz(np.append(precision[0], precision), np.append(0.0, recall))
     return PrecisionRecall(precision, recall, float(area))
 
@@ -71,7 +76,28 @@ def perfect_calibration_error(
 
     Even then it is not 0: a finite number of answers is right now more, now less often than it should.
     """
-    p = np.asarray(probabilities, float)
-    rng = np.random.default_rng(SEED)
-    errors = [calibration_error(p, rng.random(len(p)) < p, bins) for _ in range(RESAMPLES)]
+    frequencies = _perfect_frequencies(probabilities, bins)
+    said = reliability(probabilities, np.zeros(len(probabilities)), bins)
+    weights = np.array([each.count for each in said]) / len(probabilities)
+    errors = np.abs(frequencies - [each.probability for each in said]) @ weights
     return float(np.quantile(errors, quantile))
+
+
+def perfect_frequencies(
+    probabilities: Sequence[float], bins: int = 10, share: float = 0.95
+) -> Tuple[np.ndarray, np.ndarray]:
+    """Between which frequencies, low and high, each bin of reliability() lies in that share of cases, if the
+    probabilities were true.
+    """
+    low, high = np.quantile(
+        _perfect_frequencies(probabilities, bins), [(1 - share) / 2, (1 + share) / 2], axis=0
+    )
+    return low, high
+
+
+def _perfect_frequencies(probabilities: Sequence[float], bins: int) -> np.ndarray:
+    """(RESAMPLES, bins of reliability()): of answers that are right as often as their probabilities say."""
+    rng = np.random.default_rng(SEED)
+    p = np.sort(np.asarray(probabilities, float))
+    parts = [part for part in np.array_split(p, bins) if len(part)]
+    return np.column_stack([(rng.random((RESAMPLES, len(part))) < part).mean(axis=1) for part in parts])

@@ -22,7 +22,7 @@ class Single:
     """Every picture for itself."""
 
     def __init__(self, positions: np.ndarray, params: BeliefParams, window: int):
-        self.belief = PlaceBelief(positions, replace(params, trust=1.0))
+        self.belief = PlaceBelief(positions, replace(params, trust=1.0, doubt=0.0))
 
     def update(self, seen: Seen) -> None:
         self.belief.reset()

@@ -15,6 +15,7 @@ from sextant.places.place_map import Photo, PlaceMap
 from sextant.places.place_matches import MapPhotos, MatchedPhoto, Matches
 from sextant.places.place_verification import displacement_support
 from sextant.places.place_votes import MatchStatistics, lnbnn_scores, lnbnn_weights, match_statistics
+from sextant.ranges import check_ranges
 
 # how scores by votes become evidence
 EVIDENCE = {
@@ -39,17 +40,8 @@ class RecognitionParams:
 
     def validate(self) -> None:
         """:raises ValueError: names the first field out of range"""
-        ranges = {
-            "neighbours": (2, 128),
-            "hub_exponent": (0, 1),
-            "arrangement": (0, 100),
-            "min_keypoints": (1, 100000),
-            "global_weight": (0, 100),
-        }
-        for name, (low, high) in ranges.items():
-            value = getattr(self, name)
-            if not low <= value <= high:
-                raise ValueError(f"{name} is {value}, allowed is [{low:g}, {high:g}]")
+        check_ranges(self, neighbours=(2, 128), hub_exponent=(0, 1), arrangement=(0, 100))
+        check_ranges(self, min_keypoints=(1, 100000), global_weight=(0, 100))
         if self.evidence not in EVIDENCE:
             raise ValueError(f"evidence is '{self.evidence}', allowed is one of {', '.join(EVIDENCE)}")
         self.evidence_params.validate()

@@ -34,5 +34,7 @@ def displacement_support(
     taken, cell = np.unique(np.concatenate(keys), return_inverse=True)
     votes = np.bincount(cell, np.concatenate(shares), minlength=len(taken))
     support = np.zeros(count)
-    np.maximum.at(support, taken // side**2, votes)
+    if len(taken):
+        voted, begin = np.unique(taken // side**2, return_index=True)
+        support[voted] = np.maximum.reduceat(votes, begin)
     return support

@@ -3,7 +3,7 @@
 """Which photos of a map the neighbours of a picture's descriptors speak for.
 
 Neighbours come from sextant.DescriptorIndex: distances and owners, each (n, k), nearest first; an owner is a
-photo's place in the list of all, -1 where there is no neighbour.
+photo's place in the list of all, -1 where there is no neighbour; its distance is infinite then.
 """
 
 from typing import NamedTuple
@@ -31,7 +31,7 @@ class VoteCount(NamedTuple):
 
 
 def match_statistics(distances: np.ndarray, owners: np.ndarray) -> MatchStatistics:
-    """Of the first neighbours; distances are 0 where there is none."""
+    """Of the first neighbours; all distances are 0 where there is none at all."""
     found = distances[owners[:, 0] >= 0, 0] if len(distances) else np.zeros(0)
     if not len(found):
         return MatchStatistics(len(distances), 0, 0, 0.0, 0.0, 0.0, 0.0)

@@ -17,12 +17,12 @@ from sextant.printing.print_layout import (
     Paper,
     Piece,
     arrange,
-    check_ranges,
     draw_cut_marks,
     largest_sizes,
 )
 from sextant.printing.print_page import PrintPages
 from sextant.printing.sheets import SheetParams, check_ids, id_ranges
+from sextant.ranges import check_ranges
 
 
 @dataclass(frozen=True)

@@ -14,11 +14,11 @@ from sextant.printing.print_layout import (
     Paper,
     Piece,
     arrange,
-    check_ranges,
     largest_size,
     largest_sizes,
 )
 from sextant.printing.print_page import Box, PrintPages
+from sextant.ranges import check_ranges
 
 QUIET = 0.5  # squares of white around the board, which the search for it wants
 

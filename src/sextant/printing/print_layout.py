@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Callable, List, Optional, Tuple
 
 from sextant.printing.print_page import FOOTER, PrintPages
+from sextant.ranges import check_ranges
 
 PAGES = {"A4": (0.210, 0.297), "A3": (0.297, 0.420), "Letter": (0.2159, 0.2794)}  # upright: width, height
 CUT_GREY = 0.5
@@ -29,14 +30,6 @@ class Paper:
         if self.page not in PAGES:
             raise ValueError(f"page is {self.page}, allowed are {', '.join(PAGES)}")
         check_ranges(self, margin=(0.0, 0.05))
-
-
-def check_ranges(params: object, **ranges: Tuple[float, float]) -> None:
-    """:raises ValueError: names the first field out of its (low, high), its value and what is allowed."""
-    for name, (low, high) in ranges.items():
-        value = getattr(params, name)
-        if not low <= value <= high:
-            raise ValueError(f"{name} is {value}, allowed is [{low}, {high}]")
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ from typing import Iterator, List, Optional
 import numpy as np
 
 import sextant
+from sextant.ranges import check_ranges
 from sextant.simulation.camera import HORIZONTAL_FOV, camera_calibration, camera_mount
 from sextant.simulation.motion import FigureEight, Motion, free_floor
 from sextant.simulation.odometry import OdometryNoise, OdometryReading, WheelOdometry
@@ -54,10 +55,7 @@ class DriveParams:
 
     def validate(self) -> None:
         """:raises ValueError: names the first field out of range, its value and what is allowed."""
-        for name, (low, high) in _RANGES.items():
-            value = getattr(self, name)
-            if not low <= value <= high:
-                raise ValueError(f"{name} is {value}, allowed is [{low}, {high}]")
+        check_ranges(self, **_RANGES)
         for name in ("camera_xyz", "camera_rpy"):
             value = np.asarray(getattr(self, name), dtype=float)
             if value.shape != (3,) or not np.all(np.isfinite(value)):

@@ -11,6 +11,7 @@ from typing import List, NamedTuple, Optional, Tuple
 import cv2
 import numpy as np
 
+from sextant.ranges import check_ranges
 from sextant.simulation.street_ground import ground
 from sextant.simulation.street_plants import bush, tree
 from sextant.simulation.street_sky import panorama
@@ -36,9 +37,7 @@ class StreetConditions:
         """:raises ValueError: names the first field out of range"""
         if self.season not in SEASONS:
             raise ValueError(f"season is '{self.season}', it must be one of {', '.join(SEASONS)}")
-        for name, low, high in (("direct", 0, 1), ("exposure", 1e-3, 4), ("noise", 0, 50)):
-            if not low <= getattr(self, name) <= high:
-                raise ValueError(f"{name} is {getattr(self, name)}, allowed is [{low:g}, {high:g}]")
+        check_ranges(self, direct=(0, 1), exposure=(1e-3, 4), noise=(0, 50))
 
 
 CONDITIONS = {

@@ -161,8 +161,8 @@ def _grain(rng: np.random.Generator, look_rng: np.random.Generator, season: str)
     side = GRAIN_SIDE
     stones = grain(rng, side, side)
     chips = np.maximum(np.abs(repeating_noise(rng, side, 0.3)) - 1.6, 0)  # light chips in the tar
-    stone = 19 * stones + 50 * chips
-    blades = 28 * grain(rng, side, side) + 11 * repeating_noise(rng, side, 0.2)
+    stone = 15 * stones + 38 * chips
+    blades = 24 * grain(rng, side, side) + 9 * repeating_noise(rng, side, 0.2)
     snow = 6 * grain(look_rng, side, side)
     covering = _leaves(look_rng, side) + 0.5 * stone if season == "autumn" else snow
     return cv2.merge([_bytes(MIDDLE + each) for each in (stone, blades, covering)])

@@ -1,0 +1,36 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Measures the recognition of places: how many pictures, how true the probabilities are, time and memory.
+
+Exit status: 0 when every bar holds, 1 when one fails, 2 when something could not be measured.
+"""
+
+import sys
+from pathlib import Path
+
+from command import Results, run
+from place_calibration import calibration_tables
+from place_recall import recall_tables
+from place_seasons import season_tables
+from place_size import size_tables
+from place_speed import speed_tables
+
+TOPICS = {
+    "recall": lambda options: recall_tables(options.data / "places", options.quick),
+    "calibration": lambda options: calibration_tables(options.data / "places", options.quick),
+    "seasons": lambda options: season_tables(options.quick),
+    "speed": lambda options: speed_tables(options.quick),
+    "size": lambda options: size_tables(options.quick),
+}
+
+
+def plot(folder: str, results: Results) -> None:
+    """Precision over recall in the corridor, and whether probabilities are true."""
+    from place_recall_plot import plot_recall  # only now: matplotlib takes a second to load
+
+    plot_recall(Path(folder), results)
+
+
+if __name__ == "__main__":
+    sys.exit(run(TOPICS, __doc__, plot, sys.argv[1:]))
