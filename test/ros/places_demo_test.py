@@ -41,13 +41,17 @@ class PlacesDemoTest(unittest.TestCase):
         args = [f"{name}:={value}" for name, value in ARGS.items()]
         command = ["roslaunch", "sextant", "places_demo.launch", f"folder:={cls.folder}", *args]
         cls.truth, cls.poses = Recorder("ground_truth", Odometry), Recorder("pose", PoseWithCovarianceStamped)
-        cls.demo = subprocess.Popen(command)
+        cls.log = Path(folder.name) / "log"
+        with open(cls.log, "w") as log:
+            cls.demo = subprocess.Popen(command, stdout=log, stderr=subprocess.STDOUT)
         cls.addClassCleanup(cls.stop)
 
     @classmethod
     def stop(cls):
         cls.demo.send_signal(signal.SIGINT)
         cls.demo.wait(40)
+        said = cls.log.read_text()
+        assert "SIGKILL" not in said and "Traceback" not in said, said
 
     def errors(self, count):
         """Metres from the truth, of so many further poses."""
@@ -63,7 +67,7 @@ class PlacesDemoTest(unittest.TestCase):
         return np.hypot(told.x - true.x, told.y - true.y)
 
     def test_the_walker_is_followed_and_found_again_after_it_was_carried_away(self):
-        self.assertLess(np.median(self.errors(12)), SPACING)
+        self.assertLess(np.median(self.errors(12)), SPACING, self.log.read_text())
         self.assertLess(self.errors(12).max(), 2 * SPACING)
         answer = rospy.ServiceProxy("street_simulator/kidnap", Trigger)()
         self.assertTrue(answer.success, answer.message)
@@ -79,6 +83,14 @@ class PlacesDemoTest(unittest.TestCase):
         self.assertEqual([each[:2] for each in exact.photos], [each[:2] for each in clusters.photos])
         self.assertEqual(len(exact.places()), len(exact.photos))
         self.assertEqual(len(clusters.places()), ARGS["parts"])
+
+    def test_a_season_that_is_none_stops_the_simulator(self):
+        command = ["rosrun", "sextant", "street_simulator", "__name:=refused", "_seasons:=[spring]"]
+        ended = subprocess.run(
+            command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=PATIENCE
+        )
+        self.assertEqual(ended.returncode, 1, ended.stdout)
+        self.assertIn("seasons is 'spring', allowed are summer, evening, autumn", ended.stdout)
 
 
 if __name__ == "__main__":
