@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""A simulated walk along a street: what a camera sees, what the wheels say, the truth; and a map of the street."""
+"""A simulated walk along a street: pictures, odometry, the truth; and a map of the street."""
 
 import sys
 import threading
