@@ -7,6 +7,7 @@ from typing import List, NamedTuple, Optional
 
 import numpy as np
 
+from sextant.ranges import check_ranges
 from sextant.simulation.motion import Motion
 from sextant.simulation.odometry import OdometryNoise, OdometryReading, WheelOdometry
 from sextant.simulation.street import CONDITIONS, Street
@@ -30,20 +31,9 @@ class WalkParams:
 
     def validate(self) -> None:
         """:raises ValueError: names the first field out of range"""
-        for name, (low, high) in _RANGES.items():
-            if not low <= getattr(self, name) <= high:
-                raise ValueError(f"{name} is {getattr(self, name)}, allowed is [{low}, {high}]")
+        check_ranges(self, seed=(0, 2**31 - 1), rate=(0.1, 100.0), speed=(0.01, 20.0), sway=(0.0, 1.5))
+        check_ranges(self, width=(16, 8192), height=(16, 8192))
         check_seasons("seasons", self.seasons)
-
-
-_RANGES = {
-    "seed": (0, 2**31 - 1),
-    "rate": (0.1, 100.0),
-    "speed": (0.01, 20.0),
-    "sway": (0.0, 1.5),
-    "width": (16, 8192),
-    "height": (16, 8192),
-}
 
 
 def check_seasons(name: str, seasons: List[str]) -> None:
