@@ -47,6 +47,19 @@ bool fits(const Compares& compares, const cv::Mat& samples) {
   return samples.type() == CV_32F && compares.numbers;
 }
 
+/// While it lives, OpenCV draws the same numbers in this thread every time.
+class RepeatedRandomness {
+ public:
+  RepeatedRandomness() : before_(cv::theRNG()) { cv::theRNG() = cv::RNG(kSeed); }
+  ~RepeatedRandomness() { cv::theRNG() = before_; }
+  RepeatedRandomness(const RepeatedRandomness&) = delete;
+  RepeatedRandomness& operator=(const RepeatedRandomness&) = delete;
+
+ private:
+  static constexpr uint64_t kSeed = 1;
+  cv::RNG before_;
+};
+
 /// One of OpenCV's, over the descriptors as they are.
 class MatcherIndex : public DescriptorIndex {
  public:
@@ -107,6 +120,7 @@ class MatcherIndex : public DescriptorIndex {
     matcher_->clear();
     for (int piece = 0; piece < pieces(); ++piece)
       matcher_->add(std::vector<cv::Mat>{descriptors_.rowRange(pieceBegin(piece), pieceBegin(piece + 1))});
+    const RepeatedRandomness same;  // FLANN's trees
     matcher_->train();
     trained_ = true;
   }

@@ -75,6 +75,14 @@ TEST(DescriptorIndex, BruteForceFindsTheNearestNeighbours) {
   }
 }
 
+TEST(DescriptorIndex, FlannFindsTheSameEveryTime) {
+  const Descriptors all = pictures(40, 32, CV_32F);
+  const cv::Mat queries = randomDescriptors(100, 32, CV_32F, 1000);
+  const std::vector<int32_t> first = indexOf("FlannBased", all)->search(queries, 3).rows;
+  cv::theRNG().next();
+  EXPECT_EQ(indexOf("FlannBased", all)->search(queries, 3).rows, first);
+}
+
 TEST(DescriptorIndex, EveryMatcherFindsWhatIsSimilar) {
   for (const MatcherCase& each : matcherCases()) {
     SCOPED_TRACE(each.matcher + std::to_string(each.width));

@@ -19,6 +19,7 @@ from sextant.bags.bag_file import DamagedMessage
 from sextant.bags.pictures import colour_compressed, colour_image
 from sextant.jobs import JobError, SchedulerError
 from sextant.msg import PlaceHypotheses, Places
+from sextant.nodes.awaited_file import wait_for_file
 from sextant.nodes.conversions import image_to_message
 from sextant.nodes.params import read_params
 from sextant.nodes.place_localizer_params import PlaceLocalizerParams
@@ -203,6 +204,7 @@ def main() -> None:
     """Runs the node; a map that cannot be used ends it with status 1 and the reason."""
     rospy.init_node("place_localizer")
     params = read_params(PlaceLocalizerParams)
+    wait_for_file(params.map_file, params.wait_for_map)
     try:
         node = PlaceLocalizerNode(params, LoadedMap(params))
     except (OSError, ValueError, JobError, SchedulerError) as error:

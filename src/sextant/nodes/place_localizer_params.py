@@ -27,6 +27,7 @@ class PlaceLocalizerParams:
     """The map, how pictures are described and compared, and what is told."""
 
     map_file: str = required(not_empty)
+    wait_for_map: float = param(0.0, within(0.0, 3600.0))  # seconds that the map may not be there yet
     mode: str = param(_LOCALIZATION.mode, one_of(*MODES, VOTES))
     profile: str = param("tuned", one_of(*PROFILES))  # plain: detector and extractor as OpenCV has them
     detector: str = param(_FEATURES.detector, one_of(*sextant.feature_names()))

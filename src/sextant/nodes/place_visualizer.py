@@ -18,6 +18,7 @@ from std_srvs.srv import Trigger, TriggerResponse
 from visualization_msgs.msg import MarkerArray
 
 from sextant.msg import Places
+from sextant.nodes.awaited_file import wait_for_file
 from sextant.nodes.conversions import image_to_message
 from sextant.nodes.params import not_empty, param, read_params, required, within
 from sextant.nodes.picture_window import PictureWindow
@@ -35,6 +36,7 @@ class VisualizerParams:
     """What is shown, and how large."""
 
     map_file: str = required(not_empty)
+    wait_for_map: float = param(0.0, within(0.0, 3600.0))  # seconds that the map may not be there yet
     window: bool = param(False)
     trail: int = param(20, within(1, 1000))  # best places that are shown, the last one's included
     max_side: int = param(1600, within(100, 8192))  # pixels of the overview
@@ -175,6 +177,7 @@ def main() -> None:
     """Runs the node; what cannot be read or shown ends it with status 1 and the reason."""
     rospy.init_node("place_visualizer")
     params = read_params(VisualizerParams)
+    wait_for_file(params.map_file, params.wait_for_map)
     try:
         visualizer = PlaceVisualizer(params)
     except (OSError, ValueError) as error:
