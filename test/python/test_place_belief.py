@@ -27,6 +27,15 @@ def test_a_picture_weighs_by_bayes_rule():
     assert belief.nowhere == pytest.approx(0.5 / total)
 
 
+def test_what_is_impossible_stays_so_whatever_a_picture_says():
+    belief = PlaceBelief(LINE, BeliefParams(nowhere=0.0, leave=0.0, restart=0.0, trust=1.0, doubt=0.0))
+    belief.see(saying(2, 2000.0))
+    belief.move()
+    before = belief.places
+    belief.see(saying(18, 2000.0))  # out of reach
+    assert belief.places == pytest.approx(before)
+
+
 def test_a_picture_counts_by_the_part_that_is_trusted():
     half, whole = PlaceBelief(LINE, BeliefParams(trust=0.5, doubt=0.0)), PlaceBelief(LINE, WHOLLY)
     half.see(saying(7, 4.0))
@@ -139,7 +148,12 @@ def test_photos_at_one_spot_do_not_make_the_spacing_zero():
 
 @pytest.mark.parametrize(
     "changed, reason",
-    [({"reach": 0.5}, r"reach is 0.5, allowed is \[1, 20\]"), ({"restart": float("nan")}, "restart is nan")],
+    [
+        ({"reach": 0.5}, r"reach is 0.5, allowed is \[1, 20\]"),
+        ({"restart": float("nan")}, "restart is nan"),
+        ({"restart": 0.7, "leave": 0.4}, r"restart \+ leave is 1.1, allowed is up to 1"),
+        ({"nowhere": 0.0}, "leave has to be 0"),
+    ],
 )
 def test_parameters_out_of_range_are_refused(changed, reason):
     with pytest.raises(ValueError, match=reason):

@@ -39,6 +39,8 @@ class BeliefParams:
         check_ranges(self, doubt=(0, 20), distance_noise=(0.001, 1), radius=(0, 20))
         if self.leave and not self.nowhere:
             raise ValueError("leave has to be 0 where nowhere is 0")
+        if self.restart + self.leave > 1:
+            raise ValueError(f"restart + leave is {self.restart + self.leave:g}, allowed is up to 1")
 
 
 class Hypothesis(NamedTuple):
@@ -85,11 +87,11 @@ class PlaceBelief:
         :param log_ratios: (n,) log of how much likelier the picture is at each place than nowhere
         """
         trusted = self._params.trust * (np.asarray(log_ratios, float) - self._params.doubt)
-        largest = np.max(trusted) if not self._params.nowhere else max(np.max(trusted), 0.0)
-        places = self.places * np.exp(trusted - largest)
-        nowhere = self.nowhere * np.exp(-largest)
-        total = places.sum() + nowhere
-        self.places, self.nowhere = places / total, float(nowhere / total)
+        with np.errstate(divide="ignore"):  # logs of 0: what is impossible stays so
+            logs = np.log(np.append(self.places, self.nowhere)) + np.append(trusted, 0.0)
+        weights = np.exp(logs - logs.max())  # the largest of what is possible: the sum is never 0
+        weights /= weights.sum()
+        self.places, self.nowhere = weights[:-1], float(weights[-1])
 
     def hypotheses(self, count: int) -> List[Hypothesis]:
         """The most probable places, each with those around it that no better one has; most probable first."""
