@@ -5,6 +5,7 @@
 import numpy as np
 import pytest
 
+from sextant.places import place_belief
 from sextant.places.place_belief import BeliefParams, PlaceBelief
 
 LINE = np.c_[np.arange(20.0), np.zeros(20)]
@@ -100,6 +101,16 @@ def test_odometry_moves_it_as_far_as_it_says():
     assert belief.places[10] < 1e-3
     belief.move(0.0)
     assert belief.places[10] < 1e-2
+
+
+def test_a_leap_that_no_memory_holds_leads_anywhere(monkeypatch):
+    belief = PlaceBelief(LINE, BeliefParams(restart=0.0, leave=0.0, nowhere=0.0, trust=1.0, doubt=0.0))
+    belief.see(saying(10, 30.0))
+    monkeypatch.setattr(place_belief, "PAIRS", 150)  # of 400
+    belief.move(1.0)
+    assert belief.places[8:13].sum() > 0.9
+    belief.move(8.0)
+    assert belief.places == pytest.approx(np.full(20, 0.05))
 
 
 def test_without_odometry_it_spreads_to_neighbours():
