@@ -50,6 +50,14 @@ def test_what_was_before_odometry_is_not_known():
     assert track.distance(SECOND, SECOND) == 0.0
 
 
+def test_a_position_that_is_no_number_is_not_known():
+    track = OdometryTrack()
+    for stamp, x in ((0, 0.0), (SECOND, math.nan), (2 * SECOND, 2.0), (3 * SECOND, 4.0)):
+        track.add(stamp, x, 0.0)
+    assert track.distance(0, SECOND) is None
+    assert track.distance(2 * SECOND, 3 * SECOND) == 2.0
+
+
 def test_a_clock_that_is_set_back_begins_anew():
     track = on_a_circle()
     track.add(5, 7.0, 7.0)

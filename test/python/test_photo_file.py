@@ -96,6 +96,30 @@ def test_colours_are_blue_green_red(tmp_path):
         assert image.shape == (6, 8, 3) and image.flags.c_contiguous and image[2, 3].tolist() == expected
 
 
+@pytest.mark.parametrize("name", ["a.png", "a.tif"])
+def test_of_16_bits_the_upper_8_are_taken(tmp_path, name):
+    pixels = np.arange(12, dtype=np.uint16).reshape(3, 4) * 5000
+    Image.fromarray(pixels).save(tmp_path / name)
+    assert read_grey(tmp_path / name).tolist() == (pixels // 256).tolist()
+    assert read_rgb(tmp_path / name)[:, :, 1].tolist() == (pixels // 256).tolist()
+
+
+@pytest.mark.parametrize("pixels", [np.zeros((3, 4), np.float32), np.full((3, 4), 70000, np.int32)])
+def test_pixels_of_no_photo_are_refused(tmp_path, pixels):
+    Image.fromarray(pixels).save(tmp_path / "a.tif")
+    with pytest.raises(ValueError, match="a.tif: its pixels .* save it with 8 or 16"):
+        read_grey(tmp_path / "a.tif")
+
+
+def test_a_damaged_exif_is_told(tmp_path):
+    exif = Image.Exif()
+    exif[ORIENTATION], exif[0x010F] = 6, "maker"
+    words_for_a_width = exif.tobytes().replace(b"\x01\x0f\x00\x02", b"\x01\x00\x00\x02")
+    Image.new("L", (8, 6)).save(tmp_path / "a.jpg", exif=words_for_a_width)
+    with pytest.raises(ValueError, match="a.jpg: the picture is damaged"):
+        read_grey(tmp_path / "a.jpg")
+
+
 def test_a_large_jpeg_in_colour_is_read_smaller_too(tmp_path):
     path = written(tmp_path / "a.jpg", size=(2048, 1536), orientation=6)
     assert decode_colour(path.read_bytes(), path, 320).shape == (512, 384, 3)

@@ -5,6 +5,7 @@
 import numpy as np
 import pytest
 
+from sextant.places import place_belief
 from sextant.places.place_belief import BeliefParams, PlaceBelief
 
 LINE = np.c_[np.arange(20.0), np.zeros(20)]
@@ -25,6 +26,15 @@ def test_a_picture_weighs_by_bayes_rule():
     assert belief.places[7] == pytest.approx(0.125 / total)
     assert belief.places[3] == pytest.approx(0.025 / total)
     assert belief.nowhere == pytest.approx(0.5 / total)
+
+
+def test_what_is_impossible_stays_so_whatever_a_picture_says():
+    belief = PlaceBelief(LINE, BeliefParams(nowhere=0.0, leave=0.0, restart=0.0, trust=1.0, doubt=0.0))
+    belief.see(saying(2, 2000.0))
+    belief.move()
+    before = belief.places
+    belief.see(saying(18, 2000.0))  # out of reach
+    assert belief.places == pytest.approx(before)
 
 
 def test_a_picture_counts_by_the_part_that_is_trusted():
@@ -93,6 +103,16 @@ def test_odometry_moves_it_as_far_as_it_says():
     assert belief.places[10] < 1e-2
 
 
+def test_a_leap_that_no_memory_holds_leads_anywhere(monkeypatch):
+    belief = PlaceBelief(LINE, BeliefParams(restart=0.0, leave=0.0, nowhere=0.0, trust=1.0, doubt=0.0))
+    belief.see(saying(10, 30.0))
+    monkeypatch.setattr(place_belief, "PAIRS", 150)  # of 400
+    belief.move(1.0)
+    assert belief.places[8:13].sum() > 0.9
+    belief.move(8.0)
+    assert belief.places == pytest.approx(np.full(20, 0.05))
+
+
 def test_without_odometry_it_spreads_to_neighbours():
     belief = PlaceBelief(LINE, BeliefParams(reach=3.0, restart=0.0, leave=0.0, trust=1.0, doubt=0.0))
     belief.see(saying(10, 30.0))
@@ -139,7 +159,12 @@ def test_photos_at_one_spot_do_not_make_the_spacing_zero():
 
 @pytest.mark.parametrize(
     "changed, reason",
-    [({"reach": 0.5}, r"reach is 0.5, allowed is \[1, 20\]"), ({"restart": float("nan")}, "restart is nan")],
+    [
+        ({"reach": 0.5}, r"reach is 0.5, allowed is \[1, 20\]"),
+        ({"restart": float("nan")}, "restart is nan"),
+        ({"restart": 0.7, "leave": 0.4}, r"restart \+ leave is 1.1, allowed is up to 1"),
+        ({"nowhere": 0.0}, "leave has to be 0"),
+    ],
 )
 def test_parameters_out_of_range_are_refused(changed, reason):
     with pytest.raises(ValueError, match=reason):

@@ -2,13 +2,16 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """How good a map of places is: figures that can be told by hand, and pictures of which it is known."""
 
+from itertools import permutations
 from pathlib import Path
 
 import cv2
 import numpy as np
 import pytest
+from made_network import projection_network
 from made_photos import picture, shifted, written_photos
 
+from sextant.places.global_descriptor import GlobalDescriptorSettings
 from sextant.places.place_estimate import PlaceEstimate
 from sextant.places.place_evaluation import Cost, Outcome, PlaceEvaluation, evaluate, evaluate_left_out
 from sextant.places.place_index import IndexSettings, plain_features
@@ -16,6 +19,7 @@ from sextant.places.place_library import Library
 from sextant.places.place_localization import Answer, Localization, LocalizationParams, Status
 from sextant.places.place_map import Overview, Photo, PlaceMap
 from sextant.places.place_queries import Query
+from sextant.places.place_recognition import RecognitionParams
 
 PLACES = [Photo(i, f"{i}.png", 10.0 * i, 5.0) for i in range(12)]
 
@@ -146,6 +150,27 @@ def test_a_place_that_the_map_does_not_have_is_nowhere(tmp_path):
         library_of(place_map), LocalizationParams(mode="single"), queries_of(tmp_path, place_map, 20, 21, 3)
     )
     assert (found.nowhere(False), found.nowhere(True), found.recall(1)) == (1.0, 0.0, 1.0)
+
+
+def test_a_network_sees_the_colours_of_queries(tmp_path):
+    """Photos of one scene that differ in their tint, seen again with noise."""
+    grey, tints = picture(3), list(permutations((1.0, 0.6, 0.3)))
+    for i, tint in enumerate(tints):
+        photo = (grey[..., None] * tint).astype(np.uint8)
+        cv2.imwrite(str(tmp_path / f"{i}.png"), photo)
+        noise = np.random.default_rng(i).integers(0, 30, photo.shape)
+        cv2.imwrite(str(tmp_path / f"q{i}.png"), np.clip(photo + noise, 0, 255).astype(np.uint8))
+    photos = tuple(Photo(i, f"{i}.png", 100.0 * i, 50.0) for i in range(len(tints)))
+    place_map = PlaceMap(tmp_path, Overview("park.png", 1000, 100), photos)
+    model = projection_network(tmp_path / "net.onnx", np.eye(3, dtype=np.float32))
+    network = GlobalDescriptorSettings(model, width=64, height=48, mean=(0, 0, 0), std=(1, 1, 1))
+    queries = [Query(tmp_path / f"q{i}.png", frozenset({(100.0 * i, 50.0)})) for i in range(len(tints))]
+    found = evaluate(
+        library_of(place_map, IndexSettings(global_descriptor=network)),
+        LocalizationParams("single", recognition=RecognitionParams(global_weight=10.0)),
+        queries,
+    )
+    assert found.recall(1) == 1.0
 
 
 def twins(folder):

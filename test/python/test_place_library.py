@@ -11,6 +11,7 @@ import pytest
 from made_photos import picture, shifted, written_photos
 
 import sextant
+from sextant.places import place_index
 from sextant.places.place_cache import VERSION, CacheError, cache_path, read_cache
 from sextant.places.place_index import IndexSettings, default_features, plain_features
 from sextant.places.place_library import Library
@@ -171,6 +172,12 @@ def test_a_photo_that_cannot_be_used_is_named(place_map, content, reason):
     if content:
         (place_map.folder / "3.png").write_bytes(content)
     with pytest.raises(ValueError, match=reason):
+        index_of(place_map)
+
+
+def test_a_photo_with_more_keypoints_than_an_index_takes_is_named(place_map, monkeypatch):
+    monkeypatch.setattr(place_index, "MOST_KEYPOINTS", 9)
+    with pytest.raises(ValueError, match="0.png: .* keypoints, allowed are 9; set max_features"):
         index_of(place_map)
 
 

@@ -30,7 +30,10 @@ class OdometryTrack:
     def distance(self, begin: int, end: int) -> Optional[float]:
         """Metres between where the robot was at two stamps; None: odometry does not tell it."""
         first, last = self._at(begin), self._at(end)
-        return None if first is None or last is None else float(np.hypot(*(last - first)))
+        if first is None or last is None:
+            return None
+        distance = float(np.hypot(*(last - first)))
+        return distance if np.isfinite(distance) else None  # a driver may say nan
 
     def _at(self, stamp: int) -> Optional[np.ndarray]:
         stamps = [each[0] for each in self._track]

@@ -64,9 +64,22 @@ def _decoded(content: bytes, path: Union[str, Path], mode: str, max_side: int) -
             image.draft(mode, (max_side, max_side))
         try:
             image.load()
-            return ImageOps.exif_transpose(image)
-        except (OSError, SyntaxError, ValueError, Image.DecompressionBombError) as error:
+            upright = ImageOps.exif_transpose(image)
+        except Exception as error:  # of a damaged EXIF Pillow raises anything
             raise ValueError(f"{path}: the picture is damaged: {error}") from None
+    return _of_bytes(upright, path)
+
+
+def _of_bytes(image: Image.Image, path: Union[str, Path]) -> Image.Image:
+    """Pillow itself makes white of all that is above 255."""
+    if image.mode == "F":
+        raise ValueError(f"{path}: its pixels are floating-point numbers; save it with 8 or 16 bits")
+    if not image.mode.startswith("I"):
+        return image
+    pixels = np.asarray(image)
+    if pixels.min() < 0 or pixels.max() > 65535:
+        raise ValueError(f"{path}: its pixels have more than 16 bits; save it with 8 or 16")
+    return Image.fromarray((pixels >> 8).astype(np.uint8))
 
 
 def photo_size(path: Union[str, Path]) -> Tuple[int, int]:

@@ -18,6 +18,7 @@ from sextant.ranges import check_ranges
 
 ROUND = 0.1  # of a spacing: distances that differ by less are moved by as one
 REMEMBERED = 64  # ways to move, by distance
+PAIRS = 16_000_000  # of places, that a way to move, or all that are remembered, go between: some 200 MB
 
 
 @dataclass(frozen=True)
@@ -39,6 +40,8 @@ class BeliefParams:
         check_ranges(self, doubt=(0, 20), distance_noise=(0.001, 1), radius=(0, 20))
         if self.leave and not self.nowhere:
             raise ValueError("leave has to be 0 where nowhere is 0")
+        if self.restart + self.leave > 1:
+            raise ValueError(f"restart + leave is {self.restart + self.leave:g}, allowed is up to 1")
 
 
 class Hypothesis(NamedTuple):
@@ -74,7 +77,8 @@ class PlaceBelief:
         :param distance: since the last one, by odometry; None: there is none
         """
         params, count = self._params, len(self._positions)
-        moved = self._way(distance).T @ self.places
+        way = self._way(distance)
+        moved = np.full(count, self.places.sum() / count) if way is None else way.T @ self.places
         stay, back = 1 - params.restart - params.leave, params.restart / count
         self.places = stay * moved + back * (self.places.sum() + self.nowhere)
         self.nowhere = max(1 - self.places.sum(), 0.0) if params.nowhere else 0.0
@@ -85,11 +89,11 @@ class PlaceBelief:
         :param log_ratios: (n,) log of how much likelier the picture is at each place than nowhere
         """
         trusted = self._params.trust * (np.asarray(log_ratios, float) - self._params.doubt)
-        largest = np.max(trusted) if not self._params.nowhere else max(np.max(trusted), 0.0)
-        places = self.places * np.exp(trusted - largest)
-        nowhere = self.nowhere * np.exp(-largest)
-        total = places.sum() + nowhere
-        self.places, self.nowhere = places / total, float(nowhere / total)
+        with np.errstate(divide="ignore"):  # logs of 0: what is impossible stays so
+            logs = np.log(np.append(self.places, self.nowhere)) + np.append(trusted, 0.0)
+        weights = np.exp(logs - logs.max())  # the largest of what is possible: the sum is never 0
+        weights /= weights.sum()
+        self.places, self.nowhere = weights[:-1], float(weights[-1])
 
     def hypotheses(self, count: int) -> List[Hypothesis]:
         """The most probable places, each with those around it that no better one has; most probable first."""
@@ -113,22 +117,26 @@ class PlaceBelief:
         apart = nearest[nearest > 0]
         return float(np.median(apart)) if len(apart) else 1.0
 
-    def _way(self, distance: Optional[float]) -> csr_matrix:
-        """(n, n): row i holds where a robot at place i is next."""
+    def _way(self, distance: Optional[float]) -> Optional[csr_matrix]:
+        """(n, n): row i holds where a robot at place i is next; None: anywhere."""
         step = None if distance is None else round(distance / (ROUND * self.spacing))
         if step not in self._ways:
-            if len(self._ways) >= REMEMBERED:
+            way = self._transition(None if step is None else step * ROUND * self.spacing)
+            pairs = sum(each.nnz for each in (way, *self._ways.values()) if each is not None)
+            if len(self._ways) >= REMEMBERED or pairs > PAIRS:
                 self._ways.clear()
-            self._ways[step] = self._transition(None if step is None else step * ROUND * self.spacing)
+            self._ways[step] = way
         return self._ways[step]
 
-    def _transition(self, distance: Optional[float]) -> csr_matrix:
+    def _transition(self, distance: Optional[float]) -> Optional[csr_matrix]:
         sigma, centre = self.spacing * self._params.reach / 2, 0.0
         if distance is not None:
             # half a spacing: a place stands for its surroundings
             sigma, centre = np.hypot(self.spacing / 2, self._params.distance_noise * distance), distance
-        count = len(self._positions)
-        pairs = self._tree.sparse_distance_matrix(self._tree, centre + 3 * sigma, output_type="coo_matrix")
+        count, farthest = len(self._positions), centre + 3 * sigma
+        if self._tree.count_neighbors(self._tree, farthest) > PAIRS:  # after a leap of odometry on a large map
+            return None
+        pairs = self._tree.sparse_distance_matrix(self._tree, farthest, output_type="coo_matrix")
         others = pairs.row != pairs.col
         rows = np.concatenate([pairs.row[others], np.arange(count)])
         columns = np.concatenate([pairs.col[others], np.arange(count)])

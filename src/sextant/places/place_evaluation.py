@@ -13,8 +13,7 @@ import numpy as np
 from scipy.stats import chi2
 from tqdm import tqdm
 
-from sextant.places.photo_file import read_grey
-from sextant.places.place_index import PlaceIndex, photo_features
+from sextant.places.place_index import PlaceIndex, decode_photo, photo_features
 from sextant.places.place_library import Library
 from sextant.places.place_localization import Localization, LocalizationParams, PlaceLocalizer, Status
 from sextant.places.place_map import Photo, PlaceMap
@@ -234,7 +233,7 @@ def _ready(localizer: PlaceLocalizer) -> PlaceLocalizer:
 
 
 def _outcome(index: PlaceIndex, localizer: PlaceLocalizer, query: Query) -> Outcome:
-    image = read_grey(query.path, index.settings.feature_params().max_side)
+    image = decode_photo(index.settings, query.path.read_bytes(), query.path)
     begin = time.perf_counter()
     found = localizer.localize(image)
     return Outcome(query, found, time.perf_counter() - begin)

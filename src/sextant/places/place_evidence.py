@@ -32,12 +32,11 @@ class EvidenceParams:
     size: float = 3.40  # [0, 100]
     offset: float = 11.9  # [-100, 100]
     limit: float = 12.0  # (0, 100]; of a log ratio: more is never believed of one picture
-    shift: float = 1.0  # [0, 100]; deviations that a right photo scores higher by, in relative evidence
 
     def validate(self) -> None:
         """:raises ValueError: names the first field out of range"""
         check_ranges(self, deviation=(0, 100), score=(0, 100), size=(0, 100), offset=(-100, 100))
-        check_ranges(self, limit=(1e-6, 100), shift=(0, 100))
+        check_ranges(self, limit=(1e-6, 100))
 
 
 def deviations(scores: np.ndarray, least: float = 0.0) -> np.ndarray:

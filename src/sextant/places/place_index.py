@@ -23,6 +23,7 @@ from sextant.places.photo_file import decode_colour, decode_grey
 UNIT = 65535  # of a keypoint's coordinates: the longer side of its photo
 SAMPLES = 400_000  # descriptors that an index learns from, at most
 SEED = 1
+MOST_KEYPOINTS = 65536  # of a photo, that sextant.DescriptorIndex takes
 NAMED_AT_MOST = 5  # photos in an error
 FEATURE_FIELDS = tuple(name for name in vars(sextant.FeatureParams) if not name.startswith("_"))
 
@@ -132,18 +133,26 @@ def photo_features(settings: IndexSettings, path: Path) -> PhotoFeatures:
     :raises OSError: it cannot be read
     :raises ValueError: it is no picture, or not all of one
     """
-    params = settings.feature_params()
     state, content = file_state(path), path.read_bytes()
-    if settings.global_descriptor:
-        descriptor = _descriptor_of(settings.global_descriptor)
-        image = decode_colour(content, path, params.max_side and max(params.max_side, *descriptor.size))
-        vector = descriptor.describe(image)
-    else:
-        image, vector = decode_grey(content, path, params.max_side), NO_VECTOR
-    found = sextant.FeatureExtractor(params).extract(image)
+    image, network = decode_photo(settings, content, path), settings.global_descriptor
+    vector = _descriptor_of(network).describe(image) if network else NO_VECTOR
+    found = sextant.FeatureExtractor(settings.feature_params()).extract(image)
+    if len(found.keypoints) > MOST_KEYPOINTS:
+        raise ValueError(f"{len(found.keypoints)} keypoints, allowed are {MOST_KEYPOINTS}; set max_features")
     parts = found.keypoints[:, :3] * (UNIT / max(found.size))
     keypoints = np.clip(np.rint(parts), 0, UNIT).astype(np.uint16)
     return PhotoFeatures(content_digest(content), state, found.size, keypoints, found.descriptors, vector)
+
+
+def decode_photo(settings: IndexSettings, content: bytes, path: Path) -> np.ndarray:
+    """What is described of a photo: it in grey, or in colour for a global descriptor, at the size it takes.
+
+    :raises: as decode_grey()
+    """
+    side = settings.feature_params().max_side
+    if not settings.global_descriptor:
+        return decode_grey(content, path, side)
+    return decode_colour(content, path, side and max(side, *_descriptor_of(settings.global_descriptor).size))
 
 
 def _descriptor_of(settings: GlobalDescriptorSettings) -> GlobalDescriptor:

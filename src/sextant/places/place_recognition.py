@@ -17,12 +17,6 @@ from sextant.places.place_verification import displacement_support
 from sextant.places.place_votes import MatchStatistics, lnbnn_scores, lnbnn_weights, match_statistics
 from sextant.ranges import check_ranges
 
-# how scores by votes become evidence
-EVIDENCE = {
-    "absolute": absolute_log_ratios,
-    "relative": lambda scores, params: relative_log_ratios(scores, params.shift),
-}
-
 LEAST = 500.0  # below the largest log ratio: that its exponential is not 0
 
 
@@ -34,17 +28,14 @@ class RecognitionParams:
     hub_exponent: float = 0.5  # [0, 1]; of a photo's number of descriptors, which its votes are divided by
     arrangement: float = 2.0  # [0, 100]; weight of the votes that agree in their displacement
     min_keypoints: int = 10  # [1, 100000]; a picture with fewer says nothing by votes
-    evidence: str = "absolute"  # absolute, relative; relative is for sequences
-    evidence_params: EvidenceParams = field(default_factory=EvidenceParams)
+    evidence: EvidenceParams = field(default_factory=EvidenceParams)
     global_weight: float = 1.0  # [0, 100]; deviations that a right photo's vector is nearer by; 0: not used
 
     def validate(self) -> None:
         """:raises ValueError: names the first field out of range"""
         check_ranges(self, neighbours=(2, 128), hub_exponent=(0, 1), arrangement=(0, 100))
         check_ranges(self, min_keypoints=(1, 100000), global_weight=(0, 100))
-        if self.evidence not in EVIDENCE:
-            raise ValueError(f"evidence is '{self.evidence}', allowed is one of {', '.join(EVIDENCE)}")
-        self.evidence_params.validate()
+        self.evidence.validate()
 
 
 class Recognition(NamedTuple):
@@ -80,15 +71,12 @@ class PlaceRecognizer:
         matches = Matches(picture_xy, numbers, rows, lnbnn_weights(distances, numbers))
         enough = len(picture_xy) >= self._params.min_keypoints
         scores = self._scores(matches)
-        ratios = self._voted(scores) if enough else np.zeros(len(scores))
+        ratios = absolute_log_ratios(scores, self._params.evidence) if enough else np.zeros(len(scores))
         if self._descriptor is not None:
             similarities = (self._index.vectors @ self._descriptor.describe(image))[self._photos.rows]
             ratios = ratios + relative_log_ratios(similarities, self._params.global_weight)
         usable = enough or self._descriptor is not None
         return self._by_place(scores, ratios, matches, usable, match_statistics(distances, numbers))
-
-    def _voted(self, scores: np.ndarray) -> np.ndarray:
-        return EVIDENCE[self._params.evidence](scores, self._params.evidence_params)
 
     def _scores(self, matches: Matches) -> np.ndarray:
         """(photos,) by votes, and by those that agree in their displacement."""
