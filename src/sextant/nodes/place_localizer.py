@@ -122,17 +122,15 @@ class PlaceLocalizerNode:
     def _work(self, message) -> None:
         try:
             image = _DECODE[type(message)](message)
-        except DamagedMessage as error:
+            with self._lock:
+                begin = time.perf_counter()
+                found = self._loaded.localizer.localize(image, self._gone(message.header.stamp))
+                self._last = message.header.stamp
+                self._tell(image, found, message.header, time.perf_counter() - begin)
+        except (DamagedMessage, ValueError) as error:  # a network that cannot make anything of it
             self.report.damaged += 1
-            rospy.logwarn_throttle(
-                WARN_EVERY, "a picture of %s is left out: %s", rospy.resolve_name(self._input[0]), error
-            )
-            return
-        begin = time.perf_counter()
-        with self._lock:
-            found = self._loaded.localizer.localize(image, self._gone(message.header.stamp))
-            self._last = message.header.stamp
-            self._tell(image, found, message.header, time.perf_counter() - begin)
+            topic = rospy.resolve_name(self._input[0])
+            rospy.logwarn_throttle(WARN_EVERY, "a picture of %s is left out: %s", topic, error)
 
     def _gone(self, stamp: rospy.Time) -> Optional[float]:
         """Metres since the last picture."""
