@@ -32,6 +32,7 @@ from sextant.places.place_localization import Localization, PlaceLocalizer, Stat
 from sextant.places.place_map import GeoCorners, MetricFrame
 
 WARN_EVERY = 10.0  # seconds
+REPORT_EVERY = 1.0  # seconds, to diagnostics
 PAUSE = 0.2  # seconds, between two looks at who listens
 MATCH_SIDE = 640  # pixels of the map's photo, in the picture of matches
 
@@ -112,12 +113,15 @@ class PlaceLocalizerNode:
 
     def run(self) -> None:
         """Until the node ends."""
+        due = 0.0
         while not self._stop.is_set():
             self._listen()
             if self._news.wait(PAUSE):
                 self._news.clear()
                 self._work(self._waiting)
-            self._updater.update()
+            if time.monotonic() >= due:  # update() asks the master for the period: without it the node would end
+                due = time.monotonic() + REPORT_EVERY
+                self._updater.force_update()
 
     def _work(self, message) -> None:
         try:
