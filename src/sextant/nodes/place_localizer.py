@@ -119,7 +119,7 @@ class PlaceLocalizerNode:
             if self._news.wait(PAUSE):
                 self._news.clear()
                 self._work(self._waiting)
-            if time.monotonic() >= due:  # update() asks the master for the period: without it the node would end
+            if time.monotonic() >= due:  # update() asks the master for the period, and fails without it
                 due = time.monotonic() + REPORT_EVERY
                 self._updater.force_update()
 

@@ -134,7 +134,7 @@ class PlaceBelief:
             # half a spacing: a place stands for its surroundings
             sigma, centre = np.hypot(self.spacing / 2, self._params.distance_noise * distance), distance
         count, farthest = len(self._positions), centre + 3 * sigma
-        if self._tree.count_neighbors(self._tree, farthest) > PAIRS:  # after a leap of odometry on a large map
+        if self._tree.count_neighbors(self._tree, farthest) > PAIRS:  # odometry leapt, on a large map
             return None
         pairs = self._tree.sparse_distance_matrix(self._tree, farthest, output_type="coo_matrix")
         others = pairs.row != pairs.col
