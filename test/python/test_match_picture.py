@@ -5,7 +5,7 @@
 import numpy as np
 import pytest
 
-from sextant.places.match_picture import BAR, BORDER, GAP, HEIGHT, SHOWN, match_picture
+from sextant.places.match_picture import BAR, BORDER, GAP, HEIGHT, SHOWN, WIDEST, match_picture
 from sextant.places.place_map import Photo
 from sextant.places.place_matches import MatchedPhoto
 from sextant.places.probability_scale import probability_colour
@@ -26,6 +26,13 @@ def test_pictures_lie_side_by_side_at_one_height():
     assert (sheet[:HEIGHT, :640] == 128).all() and (sheet[:HEIGHT, 640 + GAP :] == 40).all()
     assert (sheet[:HEIGHT, 640 : 640 + GAP] == 255).all()
     assert (sheet[HEIGHT:] < 200).any()  # the words
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (1, 9000), (9000, 1)])
+def test_a_line_of_pixels_makes_no_huge_picture(shape):
+    sheet = match_picture(np.full(shape, 90, np.uint8), GREY, matched(), "")
+    assert sheet.shape[0] == HEIGHT + BAR and sheet.shape[1] <= WIDEST + GAP + 640
+    assert (sheet[0, 0] == 90).all()
 
 
 def test_a_match_is_a_line_between_its_two_points():

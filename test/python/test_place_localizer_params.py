@@ -58,3 +58,22 @@ def test_a_network_comes_with_its_settings(map_file):
 def test_who_describes_the_photos_is_told(map_file):
     library = made(map_file=map_file, jobs=3, scheduler="tcp://host:1").library(print)
     assert (library.jobs, library.scheduler) == (3, "tcp://host:1")
+
+
+@pytest.mark.parametrize("profile", ["tuned", "plain"])
+@pytest.mark.parametrize("points, matcher", [(2, "BruteForce-Hamming"), (4, "BruteForce-Hamming(2)")])
+def test_each_kind_of_orb_has_its_matcher(map_file, profile, points, matcher):
+    orb = {"detector": "ORB", "extractor": "ORB", "profile": profile, "orb_wta_k": points}
+    taken = settings(map_file, matcher=matcher, **orb)
+    taken.validate()
+    assert taken.features["orb_wta_k"] == points
+    with pytest.raises(ValueError, match="matcher is"):
+        settings(map_file, matcher=matcher, **{**orb, "orb_wta_k": 6 - points}).validate()
+
+
+@pytest.mark.parametrize(
+    "name, value", [("network_backend", "torch"), ("network_channels", "HSV"), ("orb_wta_k", 5)]
+)
+def test_what_cannot_be_is_named_in_full(name, value):
+    with pytest.raises(ValueError, match=f"/robot/{name}: must be"):
+        made(**{name: value})

@@ -33,6 +33,14 @@ def test_too_few_votes_are_none(count):
     assert len(count_votes(DISTANCES[:count], OWNERS[:count], 4, 10).photos) == 0
 
 
+def test_where_all_are_as_far_all_vote():
+    owners = np.zeros((1000, 1), int)
+    for distance in np.random.default_rng(1).uniform(50, 500, 50):
+        distances = np.full((1000, 1), distance, np.float32)
+        assert len(count_votes(distances, owners, 1000, 1).photos) == 1
+        assert match_statistics(distances, owners).kept == 1000
+
+
 def test_descriptors_without_a_neighbour_do_not_vote():
     assert len(count_votes(DISTANCES, np.full_like(OWNERS, -1), 1, 10).photos) == 0
 

@@ -32,6 +32,7 @@ from sextant.places.place_localization import Localization, PlaceLocalizer, Stat
 from sextant.places.place_map import GeoCorners, MetricFrame
 
 WARN_EVERY = 10.0  # seconds
+REPORT_EVERY = 1.0  # seconds, to diagnostics
 PAUSE = 0.2  # seconds, between two looks at who listens
 MATCH_SIDE = 640  # pixels of the map's photo, in the picture of matches
 
@@ -112,27 +113,28 @@ class PlaceLocalizerNode:
 
     def run(self) -> None:
         """Until the node ends."""
+        due = 0.0
         while not self._stop.is_set():
             self._listen()
             if self._news.wait(PAUSE):
                 self._news.clear()
                 self._work(self._waiting)
-            self._updater.update()
+            if time.monotonic() >= due:  # update() asks the master for the period, and fails without it
+                due = time.monotonic() + REPORT_EVERY
+                self._updater.force_update()
 
     def _work(self, message) -> None:
         try:
             image = _DECODE[type(message)](message)
-        except DamagedMessage as error:
+            with self._lock:
+                begin = time.perf_counter()
+                found = self._loaded.localizer.localize(image, self._gone(message.header.stamp))
+                self._last = message.header.stamp
+                self._tell(image, found, message.header, time.perf_counter() - begin)
+        except (DamagedMessage, ValueError) as error:  # a network that cannot make anything of it
             self.report.damaged += 1
-            rospy.logwarn_throttle(
-                WARN_EVERY, "a picture of %s is left out: %s", rospy.resolve_name(self._input[0]), error
-            )
-            return
-        begin = time.perf_counter()
-        with self._lock:
-            found = self._loaded.localizer.localize(image, self._gone(message.header.stamp))
-            self._last = message.header.stamp
-            self._tell(image, found, message.header, time.perf_counter() - begin)
+            topic = rospy.resolve_name(self._input[0])
+            rospy.logwarn_throttle(WARN_EVERY, "a picture of %s is left out: %s", topic, error)
 
     def _gone(self, stamp: rospy.Time) -> Optional[float]:
         """Metres since the last picture."""

@@ -8,7 +8,7 @@ from typing import Any, Callable, Dict, List
 
 import sextant
 from sextant.nodes.params import not_empty, one_of, param, required, within
-from sextant.places.global_descriptor import GlobalDescriptorSettings
+from sextant.places.global_descriptor import BACKEND_NAMES, CHANNELS, GlobalDescriptorSettings
 from sextant.places.place_belief import BeliefParams
 from sextant.places.place_index import PROFILES, IndexSettings
 from sextant.places.place_library import Library
@@ -33,6 +33,7 @@ class PlaceLocalizerParams:
     detector: str = param(_FEATURES.detector, one_of(*sextant.feature_names()))
     extractor: str = param(_FEATURES.extractor, one_of(*sextant.feature_names()))
     matcher: str = param(IndexSettings().matcher, one_of(*sextant.matcher_names()))
+    orb_wta_k: int = param(_FEATURES.orb_wta_k, within(2, 4))  # points that decide a bit
     max_side: int = param(_FEATURES.max_side, within(0, 16384))  # pixels; of profile tuned; 0: any
     max_features: int = param(_FEATURES.max_features, within(0, 1000000))  # of profile tuned; 0: all
     max_places: int = param(_LOCALIZATION.max_places, within(1, 1000))  # that are told
@@ -46,10 +47,10 @@ class PlaceLocalizerParams:
     doubt: float = param(_BELIEF.doubt, within(0.0, 20.0))
     use_odometry: bool = param(False)  # hear odom
     network: str = param("")  # ONNX file of a global descriptor
-    network_backend: str = param(_GLOBAL.backend)
+    network_backend: str = param(_GLOBAL.backend, one_of(*BACKEND_NAMES))
     network_width: int = param(_GLOBAL.width, within(0, 4096))  # pixels; 0: as the model says
     network_height: int = param(_GLOBAL.height, within(0, 4096))
-    network_channels: str = param(_GLOBAL.channels)
+    network_channels: str = param(_GLOBAL.channels, one_of(*CHANNELS))
     network_mean: List[float] = param(list(_GLOBAL.mean))
     network_std: List[float] = param(list(_GLOBAL.std))
     network_weight: float = param(_RECOGNITION.global_weight, within(0.0, 100.0))
@@ -89,7 +90,7 @@ class PlaceLocalizerParams:
     def _features(self) -> Dict[str, Any]:
         features = PROFILES[self.profile](self.detector, self.extractor)
         tuned = {"max_side": self.max_side, "max_features": self.max_features}
-        return {**features, **tuned} if self.profile == "tuned" else features
+        return {**features, **(tuned if self.profile == "tuned" else {}), "orb_wta_k": self.orb_wta_k}
 
     def _network(self):
         if not self.network:

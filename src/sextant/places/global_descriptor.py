@@ -12,10 +12,11 @@ from sextant.places.onnx_model import BACKENDS, ImageInput, open_network, read_i
 from sextant.ranges import check_ranges
 
 LARGEST = 4096  # pixels
+BACKEND_NAMES = ("auto", *BACKENDS)
 IMAGENET_MEAN, IMAGENET_STD = (0.485, 0.456, 0.406), (0.229, 0.224, 0.225)  # of R, G, B
 
 # how many there are, and how they are made of BGR and of grey; None: as it is
-_CHANNELS = {
+CHANNELS = {
     "RGB": (3, cv2.COLOR_BGR2RGB, cv2.COLOR_GRAY2RGB),
     "BGR": (3, None, cv2.COLOR_GRAY2BGR),
     "grey": (1, cv2.COLOR_BGR2GRAY, None),
@@ -42,11 +43,11 @@ class GlobalDescriptorSettings:
         """:raises ValueError: names the first field that cannot be, and what can"""
         if not self.model:
             raise ValueError("model is empty, it must be an ONNX file")
-        for name, allowed in (("backend", ("auto", *BACKENDS)), ("channels", tuple(_CHANNELS))):
+        for name, allowed in (("backend", BACKEND_NAMES), ("channels", tuple(CHANNELS))):
             if getattr(self, name) not in allowed:
                 raise ValueError(f"{name} is '{getattr(self, name)}', allowed is one of {', '.join(allowed)}")
         check_ranges(self, width=(0, LARGEST), height=(0, LARGEST))
-        count = _CHANNELS[self.channels][0]
+        count = CHANNELS[self.channels][0]
         for name, low in (("mean", -1000), ("std", 1e-6)):
             values = getattr(self, name)
             if len(values) != count or not all(low <= value <= 1000 for value in values):
@@ -90,7 +91,7 @@ class GlobalDescriptor:
         return (vector / (length or 1.0)).astype(np.float32)
 
     def _blob(self, image: np.ndarray) -> np.ndarray:
-        count, of_bgr, of_grey = _CHANNELS[self._settings.channels]
+        count, of_bgr, of_grey = CHANNELS[self._settings.channels]
         small = cv2.resize(image, self.size, interpolation=cv2.INTER_AREA)
         conversion = of_bgr if image.ndim == 3 else of_grey
         if conversion is not None:
@@ -102,7 +103,7 @@ class GlobalDescriptor:
 
 def _size(settings: GlobalDescriptorSettings, taken: ImageInput) -> Tuple[int, int]:
     """Width and height of what the model takes."""
-    count = _CHANNELS[settings.channels][0]
+    count = CHANNELS[settings.channels][0]
     if taken.channels not in (0, count):
         raise ValueError(f"{settings.model}: takes {taken.channels} channels; {settings.channels} is {count}")
     for name, wanted, fixed in (

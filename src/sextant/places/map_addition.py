@@ -35,13 +35,14 @@ def add_photos(place_map: PlaceMap, photos: Sequence[NewPhoto], merge: float = 0
     """
     known = {photo.image for photo in place_map.photos}
     places = [(place[0].x, place[0].y) for place in place_map.places()]
+    first = place_map.next_id()
     added: List[Photo] = []
     left_out: Dict[str, str] = {}
     for new in photos:
         position = round(new.x, DIGITS), round(new.y, DIGITS)
         x, y = _place(places, position, merge)
         photo = Photo(
-            place_map.next_id() + len(added),
+            first + len(added),
             new.image,
             x,
             y,

@@ -48,11 +48,14 @@ class MapDraft:
         return {photo.image: photo for photo in self._map.photos} if self._map else {}
 
     def guess(self, image: str) -> Optional[Tuple[float, float]]:
-        """Pixels of the overview where a photo was taken by its EXIF; None: it says nothing, or elsewhere."""
+        """Pixels of the overview where a photo was taken by its EXIF; None: it says nothing, or elsewhere.
+
+        :param image: one of images(), which is not looked for again
+        """
         if not self._map or not isinstance(self._map.georeference, GeoCorners):
             return None
         try:
-            position = geo_position(self.file(image))
+            position = geo_position(self.path.parent / image)
         except (OSError, ValueError):  # said when the photo is used
             return None
         if position is None:

@@ -11,6 +11,7 @@ from sextant.places.place_matches import MatchedPhoto
 from sextant.places.probability_scale import Colour, probability_colour
 
 HEIGHT = 480  # pixels of both pictures
+WIDEST = 4 * HEIGHT  # pixels; wider ones, of a line camera, are less high
 GAP, BAR = 8, 36  # pixels between them, and of the line of words
 PAPER, INK = (255, 255, 255), (40, 40, 40)
 SHOWN = 60  # matches, the best ones
@@ -27,8 +28,8 @@ def match_picture(picture: np.ndarray, photo: np.ndarray, match: MatchedPhoto, w
     left, right = _scaled(picture), _scaled(photo)
     offset = left.shape[1] + GAP
     sheet = np.full((HEIGHT + BAR, offset + right.shape[1], 3), PAPER, np.uint8)
-    sheet[:HEIGHT, : left.shape[1]] = left
-    sheet[:HEIGHT, offset:] = right
+    sheet[: left.shape[0], : left.shape[1]] = left
+    sheet[: right.shape[0], offset:] = right
     best = np.argsort(-match.weights, kind="stable")[:SHOWN][::-1]  # the best ones on top
     most = match.weights.max(initial=1e-9)
     for each in best:
@@ -40,11 +41,12 @@ def match_picture(picture: np.ndarray, photo: np.ndarray, match: MatchedPhoto, w
 
 
 def _scaled(image: np.ndarray) -> np.ndarray:
-    """RGB, as high as the sheet."""
+    """RGB, as high as the sheet, if there is room."""
     colour = image if image.ndim == 3 else cv2.cvtColor(image, cv2.COLOR_GRAY2RGB)
-    width = max(1, round(image.shape[1] * HEIGHT / image.shape[0]))
-    smaller = image.shape[0] > HEIGHT
-    return cv2.resize(colour, (width, HEIGHT), interpolation=cv2.INTER_AREA if smaller else cv2.INTER_LINEAR)
+    height, width = image.shape[:2]
+    scale = min(HEIGHT / height, WIDEST / width)
+    size = (max(1, round(width * scale)), max(1, round(height * scale)))
+    return cv2.resize(colour, size, interpolation=cv2.INTER_AREA if scale < 1 else cv2.INTER_LINEAR)
 
 
 def _pixel(xy: np.ndarray, shape: Sequence[int]) -> Tuple[int, int]:

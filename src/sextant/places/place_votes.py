@@ -35,7 +35,7 @@ def match_statistics(distances: np.ndarray, owners: np.ndarray) -> MatchStatisti
     found = distances[owners[:, 0] >= 0, 0] if len(distances) else np.zeros(0)
     if not len(found):
         return MatchStatistics(len(distances), 0, 0, 0.0, 0.0, 0.0, 0.0)
-    mean = float(found.mean())
+    mean = _mean(found)
     return MatchStatistics(
         len(distances),
         len(found),
@@ -51,7 +51,12 @@ def kept_matches(distances: np.ndarray, owners: np.ndarray) -> np.ndarray:
     """bool (n, k): nearest neighbours that are not farther than their mean."""
     there = owners >= 0
     there[:, 1:] = False
-    return there & (distances <= np.mean(distances[there])) if there.any() else there
+    return there & (distances <= _mean(distances[there])) if there.any() else there
+
+
+def _mean(distances: np.ndarray) -> float:
+    """In single precision that of equal ones can be less than each of them."""
+    return float(np.mean(distances, dtype=np.float64))
 
 
 def count_votes(distances: np.ndarray, owners: np.ndarray, min_matches: int, max_photos: int) -> VoteCount:
