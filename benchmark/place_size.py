@@ -26,7 +26,7 @@ from sextant.places.place_recognition import PlaceRecognizer
 FEW, MANY = 1000, 100_000  # places
 DESCRIPTORS, WIDTH, QUERIES = 250, 128, 20
 KINDS, SHAPES = 8192, 65536  # of descriptors: what they look like, and how each differs from its kind
-NOISE, MOVED = 12.0, 0.05  # of a query's descriptors; of its keypoints, in widths
+NOISE, MOVED = 12.0, 0.05  # of a query's descriptors; of its keypoints, in longer sides
 SIFT_UNIT = 512  # of RootSIFT as whole numbers
 COLUMNS = ["made in, s", "index, MB", "process, MB", "query, ms", "of few", "right, %"]
 MEMORY, SLOWER = 2000.0, 10.0  # MB; times
@@ -59,8 +59,8 @@ class Drawn:
         return np.minimum(np.rint(SIFT_UNIT * np.sqrt(parts)), 255)
 
     def keypoints(self, place: int) -> np.ndarray:
-        """uint16 (DESCRIPTORS, 3), as the index has them."""
-        return np.random.default_rng([3, place]).integers(UNIT, size=(DESCRIPTORS, 3), dtype=np.uint16)
+        """uint16 (DESCRIPTORS, 2), as the index has them."""
+        return np.random.default_rng([3, place]).integers(UNIT, size=(DESCRIPTORS, 2), dtype=np.uint16)
 
 
 class Features(NamedTuple):
@@ -132,12 +132,12 @@ def _index(drawn: Drawn, places: int) -> PlaceIndex:
     learned = np.unique(np.linspace(0, places - 1, SAMPLES // DESCRIPTORS).astype(int))
     samples = np.concatenate([drawn.descriptors(int(place)) for place in learned])
     descriptors = sextant.DescriptorIndex("faiss", samples, places * DESCRIPTORS)
-    keypoints = np.empty((places * DESCRIPTORS, 3), np.uint16)
+    keypoints = np.empty((places * DESCRIPTORS, 2), np.uint16)
     photos = []
     for place in tqdm(range(places), desc="places", disable=None):
         first = place * DESCRIPTORS
         keypoints[first : first + DESCRIPTORS] = drawn.keypoints(place)
-        photos.append(IndexedPhoto(f"{place}.jpg", "", (0, 0, 0), (640, 480), place, first, DESCRIPTORS))
+        photos.append(IndexedPhoto(f"{place}.jpg", "", (0, 0, 0), place, first, DESCRIPTORS))
         descriptors.add(place, drawn.descriptors(place))
     return PlaceIndex(IndexSettings(), photos, keypoints, descriptors, places)
 
@@ -151,4 +151,4 @@ def _seen_again(drawn: Drawn, place: int) -> Features:
     rng = np.random.default_rng([4, place])
     seen = drawn.descriptors(place)
     seen = np.clip(np.rint(seen + rng.normal(0, NOISE, seen.shape)), 0, 255).astype(np.float32)
-    return Features((1, 1), drawn.keypoints(place)[:, :2] / UNIT + rng.normal(0, MOVED, 2), seen)
+    return Features((1, 1), drawn.keypoints(place) / UNIT + rng.normal(0, MOVED, 2), seen)

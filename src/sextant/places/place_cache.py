@@ -22,7 +22,7 @@ from sextant.atomic_file import atomic_file
 from sextant.places.place_index import IndexedPhoto, IndexSettings, PlaceIndex
 
 MAGIC = b"SEXTANT PLACES\n\0"
-VERSION = 2
+VERSION = 3
 _MAPPED = {"vectors": np.float32, "keypoints": np.uint16}  # vectors first: their place is a multiple of 4
 _BEGIN = struct.Struct("<16sI")
 _END = struct.Struct("<QI16s")  # length and checksum of the table, magic
@@ -138,12 +138,8 @@ def _checksum(path: Path, begin: int, length: int) -> int:
 
 
 def _index(path: Path, table: Dict[str, Any], settings: IndexSettings) -> PlaceIndex:
-    tuples = ("state", "size")  # JSON has lists
-    photos = [
-        IndexedPhoto(**{**photo, **{name: tuple(photo[name]) for name in tuples}})
-        for photo in table["photos"]
-    ]
-    keypoints = _mapped(path, table, "keypoints").reshape(-1, 3)
+    photos = [IndexedPhoto(**{**photo, "state": tuple(photo["state"])}) for photo in table["photos"]]
+    keypoints = _mapped(path, table, "keypoints").reshape(-1, 2)
     vectors = _mapped(path, table, "vectors").reshape(len(photos), -1)
     descriptors = sextant.DescriptorIndex.read(str(path), table["parts"]["index"][0])
     return PlaceIndex(settings, photos, keypoints, descriptors, table["learned_from"], vectors)

@@ -98,8 +98,7 @@ class PhotoFeatures(NamedTuple):
 
     digest: str  # of the file's content
     state: FileState
-    size: Tuple[int, int]  # width and height, pixels
-    keypoints: np.ndarray  # uint16 (n, 3): x, y, size in parts of the longer side
+    keypoints: np.ndarray  # uint16 (n, 2): x, y in parts of the longer side
     descriptors: np.ndarray  # float32 or uint8 (n, width)
     vector: np.ndarray = NO_VECTOR  # float32 (d,) of GlobalDescriptor.describe(); d is 0 without one
 
@@ -110,7 +109,6 @@ class IndexedPhoto(NamedTuple):
     image: str  # as the map names it
     digest: str
     state: FileState  # as long as it is the same, so is the digest
-    size: Tuple[int, int]
     owner: int  # of its descriptors
     first: int  # row of its keypoints
     count: int
@@ -139,9 +137,9 @@ def photo_features(settings: IndexSettings, path: Path) -> PhotoFeatures:
     found = sextant.FeatureExtractor(settings.feature_params()).extract(image)
     if len(found.keypoints) > MOST_KEYPOINTS:
         raise ValueError(f"{len(found.keypoints)} keypoints, allowed are {MOST_KEYPOINTS}; set max_features")
-    parts = found.keypoints[:, :3] * (UNIT / max(found.size))
+    parts = found.keypoints[:, :2] * (UNIT / max(found.size))
     keypoints = np.clip(np.rint(parts), 0, UNIT).astype(np.uint16)
-    return PhotoFeatures(content_digest(content), state, found.size, keypoints, found.descriptors, vector)
+    return PhotoFeatures(content_digest(content), state, keypoints, found.descriptors, vector)
 
 
 def decode_photo(settings: IndexSettings, content: bytes, path: Path) -> np.ndarray:
@@ -199,7 +197,7 @@ class PlaceIndex:
         self.settings = settings
         self.learned_from = learned_from  # photos, when it was made
         self.photos = list(photos)
-        self.keypoints = keypoints  # uint16 (all, 3)
+        self.keypoints = keypoints  # uint16 (all, 2)
         self.descriptors = descriptors
         # float32 (photos, d): of every photo a unit vector; d is 0 without a global descriptor
         self.vectors = np.zeros((len(self.photos), 0), np.float32) if vectors is None else vectors
@@ -213,7 +211,7 @@ class PlaceIndex:
         if not total:
             raise ValueError("no keypoint in any photo of the map")
         descriptors = sextant.DescriptorIndex(settings.matcher, _samples(features, total), total)
-        keypoints = np.zeros((0, 3), np.uint16)
+        keypoints = np.zeros((0, 2), np.uint16)
         vectors = np.zeros((0, len(features[0].vector)), np.float32)
         index = cls(settings, [], keypoints, descriptors, len(features), vectors)
         index.add(images, features)
@@ -227,7 +225,7 @@ class PlaceIndex:
         first = len(self.keypoints)
         for image, each in zip(images, features):
             count = len(each.keypoints)
-            self.photos.append(IndexedPhoto(image, each.digest, each.state, each.size, owner, first, count))
+            self.photos.append(IndexedPhoto(image, each.digest, each.state, owner, first, count))
             self.descriptors.add(owner, each.descriptors)
             owner, first = owner + 1, first + count
         self.keypoints = np.concatenate([self.keypoints, *(each.keypoints for each in features)])
@@ -247,7 +245,7 @@ class PlaceIndex:
         self.photos = [photo._replace(first=int(first)) for photo, first in zip(kept, firsts)]
 
     def keypoints_of(self, photo: IndexedPhoto) -> np.ndarray:
-        """uint16 (n, 3): x, y, size in parts of the longer side."""
+        """uint16 (n, 2): x, y in parts of the longer side."""
         return self.keypoints[photo.first : photo.first + photo.count]
 
     @property

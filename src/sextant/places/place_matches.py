@@ -50,7 +50,7 @@ class MapPhotos:
 
     def xy(self, numbers: np.ndarray, rows: np.ndarray) -> np.ndarray:
         """(m, 2) keypoints by the number of their photo and their row in it, in longer sides of the photo."""
-        return self._keypoints[self._first[numbers] + rows, :2] / UNIT
+        return self._keypoints[self._first[numbers] + rows] / UNIT
 
     def match(self, matches: Matches, number: int) -> MatchedPhoto:
         """What counts of a picture's matches with one photo."""

@@ -8,8 +8,8 @@ of more than a few, and its cost does not depend on how many are wrong.
 
 import numpy as np
 
-CELL = 0.2  # of a width: so much a displacement may differ between near and far
-REACH = 1.6  # widths, a whole number of cells; displacements beyond it do not occur
+CELL = 0.2  # of a longer side: so much a displacement may differ between near and far
+REACH = 1.6  # longer sides, a whole number of cells; displacements beyond it do not occur
 
 
 def displacement_support(
@@ -17,8 +17,8 @@ def displacement_support(
 ) -> np.ndarray:
     """The weight of the most common displacement of matched keypoints, of each photo; (count,).
 
-    :param query_xy: (m, 2) keypoints of the picture, in widths of it
-    :param photo_xy: (m, 2) their counterparts, in widths of their photo
+    :param query_xy: (m, 2) keypoints of the picture, in longer sides of it
+    :param photo_xy: (m, 2) their counterparts, in longer sides of their photo
     :param weights: (m,)
     :param photos: int (m,) from 0 to count - 1: which photo a match is of
     """

@@ -32,11 +32,6 @@ class Ground(NamedTuple):
     layout: Pyramid
     grain: Pyramid
 
-    @property
-    def bytes(self) -> int:
-        """Of memory."""
-        return sum(level.nbytes for level in (*self.layout, *self.grain))
-
     def seen(self, x: np.ndarray, y: np.ndarray, footprint: np.ndarray) -> np.ndarray:
         """Brightness, float32.
 
