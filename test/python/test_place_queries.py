@@ -82,6 +82,13 @@ def test_a_table_that_cannot_be_is_refused_with_its_line(text, reason, tmp_path)
         queries_of_table(row_of_places(tmp_path, 0), tmp_path / "truth.csv", tmp_path)
 
 
+@pytest.mark.parametrize("content", [b"", b"\x89PNG\r\n\xff", b"query,right_refs\n" + 200_000 * b"a"])
+def test_what_is_no_table_is_named(content, tmp_path):
+    (tmp_path / "truth.csv").write_bytes(content)
+    with pytest.raises(ValueError, match=r"truth.csv:\d: "):
+        queries_of_table(row_of_places(tmp_path, 0), tmp_path / "truth.csv", tmp_path)
+
+
 def test_a_photo_that_is_left_out_is_right_at_its_neighbours_only(tmp_path):
     found = list(left_out_queries(row_of_places(tmp_path, 0, 10, 40), 15.0))
     assert [(photo.id, query.right) for photo, _, query in found] == [

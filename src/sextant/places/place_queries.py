@@ -73,12 +73,12 @@ def queries_of_table(place_map: PlaceMap, path: Path, folder: Path) -> List[Quer
     places = {photo.image: (photo.x, photo.y) for photo in place_map.photos}
     with open(path, newline="", encoding="utf-8-sig") as file:
         rows = csv.DictReader(file)
-        if not set(COLUMNS) <= set(rows.fieldnames or ()):
-            raise ValueError(f"{path}:1: the columns have to be {','.join(COLUMNS)}")
         try:
+            if not set(COLUMNS) <= set(rows.fieldnames or ()):
+                raise ValueError(f"the columns have to be {','.join(COLUMNS)}")
             return [_row_query(row, places, folder) for row in rows]
-        except ValueError as error:
-            raise ValueError(f"{path}:{rows.line_num}: {error}") from None
+        except (ValueError, csv.Error) as error:
+            raise ValueError(f"{path}:{max(rows.line_num, 1)}: {error}") from None
 
 
 def _row_query(row: Dict[str, Optional[str]], places: Dict[str, Position], folder: Path) -> Query:
