@@ -166,3 +166,11 @@ def test_a_wrong_map_is_refused(path):
         MapDraft(path)
     with pytest.raises(NotADirectoryError):
         MapDraft(path.parent / "nowhere" / "map.txt")
+
+
+def test_corners_that_the_map_does_not_have_are_refused(path):
+    (path.parent / "over.png").write_bytes(encoded(1))
+    MapDraft(path, CORNERS).choose_overview("over.png")
+    assert MapDraft(path, CORNERS).place_map.georeference == CORNERS
+    with pytest.raises(ValueError, match="is there and lies elsewhere"):
+        MapDraft(path, GeoCorners((10.0, 10.0), (9.0, 11.0)))

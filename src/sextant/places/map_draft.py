@@ -21,11 +21,13 @@ class MapDraft:
         """:param georeference: of an overview that is chosen now; a map that is there has its own
 
         :raises OSError: the file or its folder cannot be read
-        :raises ValueError: the file is no map
+        :raises ValueError: the file is no map, or lies elsewhere
         """
         self.path = path
         self._georeference = georeference
         self._map: Optional[PlaceMap] = read_place_map(path) if path.exists() else None
+        if self._map and georeference and self._map.georeference != georeference:
+            raise ValueError(f"{path}: is there and lies elsewhere; its first line says where")
         self._history: List[PlaceMap] = []
         if not path.parent.is_dir():
             raise NotADirectoryError(20, "is no folder", str(path.parent))
