@@ -7,9 +7,10 @@ from pathlib import Path
 from typing import Any, Awaitable, Callable, Dict, Tuple
 
 from aiohttp import web
-from PIL import Image, ImageOps
+from PIL import Image
 
 from sextant.places.map_draft import MapDraft
+from sextant.places.photo_file import read_rgb
 
 ADDRESS = "127.0.0.1"
 LEAFLET = Path("/usr/share/javascript/leaflet")  # Debian's libjs-leaflet
@@ -158,18 +159,15 @@ async def _value(request: web.Request, name: str, kind: type) -> Any:
     value = values.get(name) if isinstance(values, dict) else None
     if isinstance(value, bool) or not isinstance(value, (int, float) if kind is float else kind):
         raise ValueError(f"{name} is {value!r}, expected {kind.__name__}")
-    return kind(value)
+    try:
+        return kind(value)
+    except OverflowError:
+        raise ValueError(f"{name} is too large") from None
 
 
 def _jpeg(path: Path, size: Tuple[int, int]) -> bytes:
     """The picture upright, no larger than size."""
-    try:
-        with Image.open(path) as image:
-            image.draft("RGB", size)
-            upright = ImageOps.exif_transpose(image).convert("RGB")
-            upright.thumbnail(size)
-            file = io.BytesIO()
-            upright.save(file, "JPEG", quality=88)
-            return file.getvalue()
-    except (OSError, SyntaxError, ValueError, Image.DecompressionBombError) as error:
-        raise ValueError(f"{path.name}: cannot be shown: {error}") from None
+    image, file = Image.fromarray(read_rgb(path, max(size))), io.BytesIO()
+    image.thumbnail(size)
+    image.save(file, "JPEG", quality=88)
+    return file.getvalue()
