@@ -15,6 +15,7 @@ import re
 import signal
 import socket
 import sys
+import threading
 import traceback
 from collections import deque
 from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future, ProcessPoolExecutor
@@ -175,7 +176,7 @@ def _outcome(future: Future) -> _Outcome:
 def _processes(count: int) -> Iterator[Executor]:
     others = set(multiprocessing.active_children())
     # spawn: a fork would copy the locks of OpenCV's and ROS's threads
-    executor = ProcessPoolExecutor(count, multiprocessing.get_context("spawn"), _leave_interrupts)
+    executor = ProcessPoolExecutor(count, multiprocessing.get_context("spawn"), _begin_worker)
     finished = False
     try:
         yield executor
@@ -189,9 +190,16 @@ def _processes(count: int) -> Iterator[Executor]:
         executor.shutdown()
 
 
-def _leave_interrupts() -> None:
+def _begin_worker() -> None:
     """Ctrl-C goes to all processes of the terminal: the first one ends the others."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    """A parent that is killed ends nobody; its workers would wait for ever for more to do."""
+    multiprocessing.parent_process().join()
+    os._exit(1)
 
 
 @contextlib.contextmanager

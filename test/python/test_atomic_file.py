@@ -1,6 +1,10 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
 import os
+import resource
+import signal
+import subprocess
+import sys
 
 import pytest
 
@@ -51,3 +55,64 @@ def test_a_folder_that_is_not_there_is_named(tmp_path):
         pass
     with pytest.raises(OSError, match="absent"), atomic_files(tmp_path / "absent"):
         pass
+
+
+KILLED = """
+import os, signal, sys
+from sextant.atomic_file import atomic_file, atomic_files
+with atomic_file(sys.argv[1]) as file, atomic_files(os.path.dirname(sys.argv[1])) as folder:
+    file.write("half")
+    file.flush()
+    (folder / "b.txt").write_text("half")
+    os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+def kill_a_writer(path):
+    done = subprocess.run([sys.executable, "-c", KILLED, str(path)], timeout=60)
+    assert done.returncode == -signal.SIGKILL
+
+
+def test_what_a_killed_writer_left_goes_with_the_next_write(tmp_path):
+    path = tmp_path / "a[1].txt"
+    path.write_text("old")
+    others = {".a[1].txt.20240101.txt": "a user's", ".b.txt.part_12345678.txt": "another file's"}
+    for name, text in others.items():
+        (tmp_path / name).write_text(text)
+    kill_a_writer(path)
+    assert path.read_text() == "old" and len(contents(tmp_path)) == 5
+    kill_a_writer(path)
+    assert path.read_text() == "old" and len(contents(tmp_path)) == 5
+    with atomic_file(path) as file, atomic_files(tmp_path):
+        file.write("new")
+    assert contents(tmp_path) == {path.name: "new", **others}
+
+
+def test_what_is_being_written_is_not_taken_for_left(tmp_path):
+    path = tmp_path / "a.txt"
+    with atomic_file(path) as slow, atomic_files(tmp_path) as folder:
+        (folder / "b.txt").write_text("slow")
+        with atomic_file(path) as file, atomic_files(tmp_path):
+            file.write("fast")
+        assert path.read_text() == "fast"
+        slow.write("slow")
+    assert contents(tmp_path) == {"a.txt": "slow", "b.txt": "slow"}
+
+
+@pytest.fixture
+def full_disk():
+    """No file can have more than 1000 bytes."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (1000, before[1]))
+    yield
+    resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
+def test_a_full_disk_is_told_and_the_old_file_stays(tmp_path, full_disk):
+    path = tmp_path / "a.txt"
+    path.write_text("old")
+    with pytest.raises(OSError, match=r"cannot be written: File too large: '.*/a\.txt'"), atomic_file(
+        path
+    ) as file:
+        file.write(2000 * "x")
+    assert contents(tmp_path) == {"a.txt": "old"}

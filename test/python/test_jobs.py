@@ -112,6 +112,24 @@ def test_who_stops_listening_ends_the_jobs():
 
 
 def test_ctrl_c_ends_all_processes_without_a_word_of_theirs():
+    with two_workers() as process:
+        os.killpg(process.pid, signal.SIGINT)
+        _, said = process.communicate(timeout=20.0)
+        assert process.returncode != 0
+        assert said.count("Traceback") == 1 and said.rstrip().endswith("KeyboardInterrupt")
+        wait_for(lambda: not session(process.pid), 10.0)
+
+
+def test_workers_end_with_a_process_that_is_killed():
+    with two_workers() as process:
+        process.kill()
+        process.wait(20.0)
+        wait_for(lambda: not session(process.pid), 10.0)
+
+
+@contextlib.contextmanager
+def two_workers():
+    """A process in a session of its own whose two workers are at work; nothing of it is left at the end."""
     code = "import signal, test_jobs, sextant.jobs as j\n"
     code += (
         "signal.signal(signal.SIGINT, signal.default_int_handler)\n"  # a shell's background job ignores it
@@ -126,27 +144,17 @@ def test_ctrl_c_ends_all_processes_without_a_word_of_theirs():
         start_new_session=True,
         text=True,
     )
-    with ended(process):
+    try:
         assert process.stdout.readline() == "begun\n"
         wait_for(
             lambda: len(children(process.pid)) >= 3, 20.0
         )  # two workers, and what Python tracks them with
         time.sleep(1.0)
-        os.killpg(process.pid, signal.SIGINT)
-        _, said = process.communicate(timeout=20.0)
-        assert process.returncode != 0
-        assert said.count("Traceback") == 1 and said.rstrip().endswith("KeyboardInterrupt")
-        wait_for(lambda: not session(process.pid), 10.0)
-
-
-@contextlib.contextmanager
-def ended(process):
-    try:
-        yield
+        yield process
     finally:
         with contextlib.suppress(ProcessLookupError):
             os.killpg(process.pid, signal.SIGKILL)
-        process.wait()
+        process.communicate()
 
 
 def stat_fields():

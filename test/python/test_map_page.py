@@ -1,28 +1,18 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""The page for placing photos, in a real browser; and what its server refuses."""
+"""The page for placing photos, in a real browser."""
 
-import asyncio
-import json
-import threading
 import time
-import urllib.error
-import urllib.request
 
-import cv2
 import pytest
-from aiohttp import web
-from made_photos import picture
 from selenium import webdriver
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
+from served_page import PATIENCE, Served, photos_in, written_picture
 
 from sextant.places.map_draft import MapDraft
-from sextant.places.map_page import ADDRESS, map_page
-from sextant.places.place_map_file import read_place_map
 
-PATIENCE = 20.0  # seconds
 CHROMIUM = (
     "--headless=new",
     "--no-sandbox",
@@ -33,47 +23,6 @@ CHROMIUM = (
     "--disable-sync",
     "--window-size=1200,800",
 )
-
-
-class Served:
-    """The page of a draft, on a port of its own."""
-
-    def __init__(self, draft):
-        self._loop = asyncio.new_event_loop()
-        self._runner = web.AppRunner(map_page(draft))
-        self._thread = threading.Thread(target=self._loop.run_forever, daemon=True)
-        self._thread.start()
-        self.port = self._wait(self._start())
-        self.address = f"http://{ADDRESS}:{self.port}"
-
-    async def _start(self):
-        await self._runner.setup()
-        site = web.TCPSite(self._runner, ADDRESS, 0)
-        await site.start()
-        return self._runner.addresses[0][1]
-
-    def _wait(self, coroutine):
-        return asyncio.run_coroutine_threadsafe(coroutine, self._loop).result(PATIENCE)
-
-    def close(self):
-        self._wait(self._runner.cleanup())
-        self._loop.call_soon_threadsafe(self._loop.stop)
-        self._thread.join(PATIENCE)
-
-    def ask(self, path, headers=None, body=None):
-        """(status, text) of an answer."""
-        request = urllib.request.Request(self.address + path, body, headers or {})
-        try:
-            with urllib.request.urlopen(request, timeout=PATIENCE) as answer:
-                return answer.status, answer.read().decode("utf-8", "replace")
-        except urllib.error.HTTPError as error:
-            return error.code, error.read().decode()
-
-    def change(self, path, values, **headers):
-        headers = {"Origin": self.address, "Content-Type": "application/json", **headers}
-        return self.ask(
-            path, {key: value for key, value in headers.items() if value}, json.dumps(values).encode()
-        )
 
 
 @pytest.fixture
@@ -109,11 +58,6 @@ def until(condition):
             return value
         time.sleep(0.05)
     raise AssertionError("it did not come true in time")
-
-
-def written_picture(path, seed, size=(64, 48)):
-    cv2.imwrite(str(path), picture(seed, size))
-    return path
 
 
 class Page:
@@ -171,11 +115,6 @@ class Page:
         actions.perform()
 
 
-def photos_in(folder):
-    path = folder / "map.txt"
-    return {photo.image: (photo.x, photo.y) for photo in read_place_map(path).photos} if path.exists() else {}
-
-
 def near(xy):
     return pytest.approx(xy, abs=4)  # a pixel of the screen is some of the overview
 
@@ -222,77 +161,3 @@ def test_what_is_no_picture_is_told_and_left_out(browser, served, folder, tmp_pa
     page.add(tmp_path / "text.png")
     until(lambda: page.error() == "text.png: is no picture")
     assert list(folder.iterdir()) == []
-
-
-@pytest.fixture
-def begun(served, folder):
-    written_picture(folder / "whole.png", 0, (800, 600))
-    written_picture(folder / "1.png", 1)
-    assert served.change("/overview", {"image": "whole.png"})[0] == 200
-    return served
-
-
-def test_a_click_is_saved_at_once(begun, folder):
-    status, text = begun.change("/place", {"image": "1.png", "x": 12.5, "y": 30})
-    assert status == 200 and json.loads(text)["photos"][0]["x"] == 12.5
-    assert photos_in(folder) == {"1.png": (12.5, 30)}
-
-
-@pytest.mark.parametrize(
-    "path", ["/", "/state", "/page/page.js", "/leaflet/leaflet.js", "/picture?image=1.png&small=1"]
-)
-def test_the_page_and_what_it_needs_is_served(begun, path):
-    assert begun.ask(path)[0] == 200
-
-
-@pytest.mark.parametrize(
-    "headers",
-    [
-        {"Host": "evil.example:80"},
-        {"Host": "evil.example"},
-        {"Origin": "http://evil.example"},
-        {"Origin": "null"},
-    ],
-)
-@pytest.mark.parametrize("path", ["/state", "/picture?image=1.png"])
-def test_other_origins_get_nothing(begun, headers, path):
-    assert begun.ask(path, headers) == (403, '{"error": "only this machine\'s own page is served"}')
-
-
-@pytest.mark.parametrize("origin", ["http://evil.example", "null", f"http://{ADDRESS}:1", None])
-def test_other_origins_change_nothing(begun, folder, origin):
-    assert begun.change("/place", {"image": "1.png", "x": 1, "y": 1}, Origin=origin)[0] == 403
-    assert photos_in(folder) == {}
-
-
-@pytest.mark.parametrize(
-    "path", ["../secret.png", "%2e%2e/secret.png", "..%2fsecret.png", "/etc/passwd", "map.txt", ""]
-)
-def test_files_outside_are_not_served(begun, folder, path):
-    written_picture(folder.parent / "secret.png", 9)
-    assert begun.ask(f"/picture?image={path}")[0] == 400
-    assert begun.ask(f"/page/{path}")[0] in (403, 404)
-
-
-@pytest.mark.parametrize(
-    "values, reason",
-    [
-        ({"image": "2.png", "x": 1, "y": 1}, "2.png: there is no such photo"),
-        ({"image": "1.png", "x": 801, "y": 1}, "x is 801, outside the overview"),
-        ({"image": "1.png", "x": "1", "y": 1}, "x is '1', expected float"),
-        ({"image": "1.png", "x": True, "y": 1}, "x is True, expected float"),
-        ({"x": 1, "y": 1}, "image is None, expected str"),
-        ([], "image is None, expected str"),
-    ],
-)
-def test_a_change_that_cannot_be_is_refused(begun, folder, values, reason):
-    status, text = begun.change("/place", values)
-    assert status == 400 and reason in json.loads(text)["error"]
-    assert photos_in(folder) == {}
-
-
-def test_a_form_of_another_page_is_no_change(begun, folder):
-    assert (
-        begun.change("/place", {"image": "1.png", "x": 1, "y": 1}, **{"Content-Type": "text/plain"})[0] == 400
-    )
-    assert photos_in(folder) == {}

@@ -157,3 +157,63 @@ def test_what_is_no_picture_is_refused(tmp_path, content, read):
 def test_a_file_that_is_not_there_is_an_os_error(tmp_path):
     with pytest.raises(FileNotFoundError):
         read_grey(tmp_path / "a.jpg")
+
+
+def half(dtype, white):
+    """The left half black, the right half white."""
+    pixels = np.zeros((48, 64), dtype)
+    pixels[:, 32:] = white
+    return pixels
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize(
+    "name, image, more",
+    [
+        ("a.png", Image.fromarray(half(np.uint16, 0xFFFF)), {}),
+        ("a.tif", Image.fromarray(half(np.uint16, 0xFFFF)), {}),
+        ("a.jpg", Image.fromarray(half(np.uint8, 255)).convert("CMYK"), {}),
+        ("a.png", Image.fromarray(half(np.uint8, 255)).convert("P"), {}),
+        ("a.png", Image.fromarray(half(np.uint8, 1)).convert("P"), {"transparency": bytes([255, 0])}),
+        ("a.png", Image.fromarray(half(np.uint8, 255)).convert("1"), {}),
+        ("a.png", Image.fromarray(half(np.uint8, 255)).convert("LA"), {}),
+        ("a.gif", Image.fromarray(half(np.uint8, 255)), {}),
+    ],
+)
+def test_black_is_black_and_white_is_white(tmp_path, name, image, more):
+    image.save(tmp_path / name, **more)
+    for read in (read_grey, read_rgb):
+        pixels = read(tmp_path / name)
+        assert pixels.dtype == np.uint8 and pixels.shape[:2] == (48, 64)
+        assert pixels[:, :28].max() < 5 and pixels[:, 36:].min() > 250
+
+
+@pytest.mark.parametrize("name", ["a.gif", "a.webp", "a.png"])
+def test_of_a_moving_picture_the_first_is_read(tmp_path, name):
+    frames = [Image.new("L", (8, 8), grey).convert("RGB") for grey in (200, 50)]
+    frames[0].save(tmp_path / name, save_all=True, append_images=frames[1:], lossless=True)
+    assert abs(int(read_grey(tmp_path / name)[0, 0]) - 200) < 3
+
+
+@pytest.mark.parametrize("dtype, white", [(np.float32, 1.0), (np.int32, -1), (np.int32, 1 << 20)])
+def test_what_is_no_brightness_is_refused(tmp_path, dtype, white):
+    Image.fromarray(half(dtype, white)).save(tmp_path / "a.tif")
+    with pytest.raises(ValueError, match="a.tif: its pixels .*; save it with 8 or 16"):
+        read_grey(tmp_path / "a.tif")
+
+
+@pytest.mark.parametrize("name, left", [("a.webp", 2000), ("a.png", 20), ("a.jpg", 100)])
+@pytest.mark.parametrize("read", [read_grey, read_rgb, photo_size, geo_position])
+def test_what_is_cut_off_in_its_header_is_named(tmp_path, name, left, read):
+    noise = np.random.default_rng(1).integers(0, 255, (99, 99)).astype(np.uint8)
+    Image.fromarray(noise).save(tmp_path / name)
+    (tmp_path / name).write_bytes((tmp_path / name).read_bytes()[:left])
+    with pytest.raises(ValueError, match=f"{name}: is no picture"):
+        read(tmp_path / name)
+
+
+def test_no_program_is_run_for_a_photo(tmp_path):
+    drawing = b"%!PS-Adobe-3.0 EPSF-3.0\n%%BoundingBox: 0 0 10 10\n%%EndComments\nshowpage\n"
+    (tmp_path / "a.jpg").write_bytes(drawing)
+    with pytest.raises(ValueError, match="a.jpg: is EPS, no photo; allowed are JPEG"):
+        read_grey(tmp_path / "a.jpg")

@@ -154,14 +154,6 @@ def test_a_cache_that_cannot_be_used_is_made_anew(place_map, damage, reason):
     assert index_of(place_map)[1] == []
 
 
-def test_a_build_that_was_killed_leaves_nothing_that_harms(place_map):
-    index_of(place_map)
-    content = cache_of(place_map).read_bytes()
-    cache_of(place_map).unlink()
-    (place_map.folder / f".{cache_of(place_map).name}.x1y2z3").write_bytes(content[: len(content) // 2])
-    assert image_of(index_of(place_map)[0], 4) == "4.png"
-
-
 @pytest.mark.parametrize(
     "content, reason",
     [(None, "park.txt: photos that are not there: 3.png"), (b"text", "3.png: is no picture")],

@@ -48,6 +48,7 @@ class PlaceLocalizerTest(unittest.TestCase):
         cls.odometry = rospy.Publisher("/robot/odom", Odometry, queue_size=100)
         cls.diagnostics = Diagnostics()
         cls.start("robot", cls.write("town.txt", METRIC), "_use_odometry:=true", "_initialpose:=found_again")
+        (cls.folder / "earth.txt.index").write_bytes(b"SEXTANT PLACES\n\0\1\0\0\0 of long ago")
         cls.start("walker", cls.write("earth.txt", CORNERS), "_mode:=single", "_compressed:=true")
         for name in ("robot", "walker"):
             rospy.wait_for_service(f"/{name}/reset", WAIT)
@@ -233,15 +234,47 @@ class PlaceLocalizerTest(unittest.TestCase):
         self.assertTrue(until(lambda: self.images.get_num_connections() == 1))  # initialpose is wanted, still
         self.assertTrue(until(lambda: subscribers_of("/walker/image/compressed") == []))
 
+    def test_a_cache_of_another_version_is_built_anew(self):
+        """walker's; the other tests show that it works."""
+        line = "earth.txt.index: is of version 1, this program's is "
+        self.assertRegex(self.log("walker"), f"{line}.; building it anew")
+
+    def test_a_photo_that_is_changed_behind_its_back_harms_nothing(self):
+        places, matches = self.hear("/robot/places", Places), self.hear("/robot/matches/image", Image)
+        photo = self.folder / "5.png"
+        self.addCleanup(self.call, "/robot/reload")
+        self.addCleanup(photo.write_bytes, photo.read_bytes())
+        self.walk(places, (4, 5))
+        cv2.imwrite(str(photo), picture(99, (200, 320)))
+        self.assertIsNotNone(matches.at(self.show(shifted(picture(5), 6, 2))))
+        for change, reason in (
+            (lambda: photo.write_bytes(photo.read_bytes()[:2000]), "5.png: the picture is damaged"),
+            (lambda: photo.write_text("text"), "5.png: is no picture"),
+            (photo.unlink, "town.txt: photos that are not there: 5.png"),
+        ):
+            change()
+            self.assertEqual(self.walk(places, (5,))[0].poses[0], 5)
+            answer = self.call("/robot/reload")
+            self.assertFalse(answer.success)
+            self.assertIn(reason, answer.message)
+            self.assertEqual(self.walk(places, (5,))[0].poses[0], 5)
+        self.assertIn("no picture of matches: ", self.log())
+
     def test_what_stops_the_start_up_is_named(self):
         given = self.write("broken.txt", "frame=town")
         lacking = self.write("lacking.txt", METRIC, count=COUNT + 3)
-        good = self.write("good.txt")
+        good, spoilt, outside = self.write("good.txt"), self.write("spoilt.txt"), self.write("outside.txt")
+        (self.folder / "text.png").write_text("text")
+        for name, image in (("spoilt.txt", "text.png"), ("outside.txt", "../out.png")):
+            with open(self.folder / name, "a") as file:
+                file.write(f"90;{image};1;1\n")
         refused = [
             ([given], "broken.txt:1: after the size come all of frame, resolution, origin"),
             ([lacking], "lacking.txt: photos that are not there: 13.png, 14.png"),
-            ([good, "_modus:=votes"], "/refused2/modus: unknown parameter; did you mean mode?"),
-            ([good, "_matcher:=BruteForce-Hamming"], "/refused3: matcher"),
+            ([spoilt], "text.png: is no picture"),
+            ([outside], "outside.txt:14: image '../out.png' lies outside the map's folder"),
+            ([good, "_modus:=votes"], "/refused4/modus: unknown parameter; did you mean mode?"),
+            ([good, "_matcher:=BruteForce-Hamming"], "/refused5: matcher"),
         ]
         nodes = [
             subprocess.Popen(

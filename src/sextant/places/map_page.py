@@ -159,7 +159,10 @@ async def _value(request: web.Request, name: str, kind: type) -> Any:
     value = values.get(name) if isinstance(values, dict) else None
     if isinstance(value, bool) or not isinstance(value, (int, float) if kind is float else kind):
         raise ValueError(f"{name} is {value!r}, expected {kind.__name__}")
-    return kind(value)
+    try:
+        return kind(value)
+    except OverflowError:
+        raise ValueError(f"{name} is too large") from None
 
 
 def _jpeg(path: Path, size: Tuple[int, int]) -> bytes:

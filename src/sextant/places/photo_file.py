@@ -11,6 +11,8 @@ import numpy as np
 from PIL import ExifTags, Image, ImageOps, UnidentifiedImageError
 
 SUFFIXES = (".jpg", ".jpeg", ".png", ".tif", ".tiff", ".webp", ".bmp", ".pgm", ".ppm")
+# not all that Pillow knows: it runs another program for some; MPO: several JPEGs in one
+FORMATS = ("JPEG", "MPO", "PNG", "TIFF", "WEBP", "BMP", "PPM", "GIF", "JPEG2000")
 
 # GPS fields of EXIF 2.32, table 15
 _LATITUDE_REF, _LATITUDE, _LONGITUDE_REF, _LONGITUDE, _DIRECTION = 1, 2, 3, 4, 17
@@ -38,24 +40,25 @@ def read_grey(path: Union[str, Path], max_side: int = 0) -> np.ndarray:
 
 def decode_grey(content: bytes, path: Union[str, Path], max_side: int = 0) -> np.ndarray:
     """read_grey() of what was read from path already."""
-    return np.asarray(_decoded(content, path, "L", max_side).convert("L"))
+    return np.asarray(_opaque(_decoded(content, path, "L", max_side)).convert("L"))
 
 
 def decode_colour(content: bytes, path: Union[str, Path], max_side: int = 0) -> np.ndarray:
     """As decode_grey(), but uint8 (height, width, 3) BGR."""
-    return np.ascontiguousarray(_opaque(_decoded(content, path, "RGB", max_side))[:, :, ::-1])
+    image = _opaque(_decoded(content, path, "RGB", max_side))
+    return np.ascontiguousarray(np.asarray(image.convert("RGB"))[:, :, ::-1])
 
 
 def read_rgb(path: Union[str, Path], max_side: int = 0) -> np.ndarray:
     """The picture in colour, uint8 (height, width, 3), white where it is transparent; else as read_grey()."""
-    return _opaque(_decoded(Path(path).read_bytes(), path, "RGB", max_side))
+    return np.asarray(_opaque(_decoded(Path(path).read_bytes(), path, "RGB", max_side)).convert("RGB"))
 
 
-def _opaque(image: Image.Image) -> np.ndarray:
+def _opaque(image: Image.Image) -> Image.Image:
     if "A" in image.getbands() or "transparency" in image.info:
         image = image.convert("RGBA")
         image = Image.alpha_composite(Image.new("RGBA", image.size, "white"), image)
-    return np.asarray(image.convert("RGB"))
+    return image
 
 
 def _decoded(content: bytes, path: Union[str, Path], mode: str, max_side: int) -> Image.Image:
@@ -109,11 +112,17 @@ def geo_position(path: Union[str, Path]) -> Optional[GeoPosition]:
 
 def _opened(path: Union[str, Path], content: Optional[BytesIO] = None) -> Image.Image:
     try:
-        return Image.open(content or path)
+        image = Image.open(content or path)
     except UnidentifiedImageError:
         raise ValueError(f"{path}: is no picture") from None
-    except (SyntaxError, ValueError, Image.DecompressionBombError) as error:
+    except (OSError, SyntaxError, ValueError, Image.DecompressionBombError) as error:
+        if isinstance(error, OSError) and error.errno is not None:
+            raise
         raise ValueError(f"{path}: is no picture: {error}") from None
+    if image.format not in FORMATS:
+        image.close()
+        raise ValueError(f"{path}: is {image.format}, no photo; allowed are {', '.join(FORMATS)}")
+    return image
 
 
 def _degrees(parts: Any, reference: Any, signs: str, limit: float) -> float:

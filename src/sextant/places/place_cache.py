@@ -13,7 +13,7 @@ import json
 import struct
 import zlib
 from pathlib import Path
-from typing import Any, Dict, Tuple
+from typing import IO, Any, Dict, Tuple
 
 import numpy as np
 
@@ -51,18 +51,15 @@ def write_cache(path: Path, index: PlaceIndex) -> None:
             parts[name] = (file.tell(), values.nbytes)
             file.write(np.ascontiguousarray(values).data)
         file.flush()
-        begin = file.tell()
+        begin, opened = file.tell(), _opened(file)
         try:
-            index.descriptors.append(f"/dev/fd/{file.fileno()}")
+            index.descriptors.append(opened)
         except RuntimeError as error:
-            raise OSError(str(error)) from None
+            raise OSError(str(error).replace(opened, str(path))) from None
         parts["index"] = (begin, file.seek(0, 2) - begin)
         table = _table(
             index,
-            {
-                name: (*part, _checksum(Path(f"/dev/fd/{file.fileno()}"), *part))
-                for name, part in parts.items()
-            },
+            {name: (*part, _checksum(opened, *part)) for name, part in parts.items()},
         )
         file.write(table)
         file.write(_END.pack(len(table), zlib.crc32(table), MAGIC))
@@ -74,21 +71,25 @@ def read_cache(path: Path, settings: IndexSettings) -> PlaceIndex:
     :raises OSError: it cannot be read
     :raises CacheError: it is no cache, or not all of one, or of another version or other settings
     """
-    size = path.stat().st_size
     with open(path, "rb") as file:
         _check_begin(path, file.read(_BEGIN.size))
-        table = _read_table(path, file, size)
-    try:
-        if table["settings"] != settings.as_json():
-            raise CacheError(f"{path}: is of other settings")
-        for name, (begin, length, checksum) in table["parts"].items():
-            if _checksum(path, begin, length) != checksum:
-                raise CacheError(f"{path}: its part '{name}' is damaged")
-        return _index(path, table, settings)
-    except (KeyError, TypeError, ValueError, RuntimeError) as error:
-        if isinstance(error, CacheError):
-            raise
-        raise CacheError(f"{path}: cannot be read: {error}") from None
+        try:
+            table = _read_table(path, file)
+            if table["settings"] != settings.as_json():
+                raise CacheError(f"{path}: is of other settings")
+            for name, (begin, length, checksum) in table["parts"].items():
+                if _checksum(_opened(file), begin, length) != checksum:
+                    raise CacheError(f"{path}: its part '{name}' is damaged")
+            return _index(_opened(file), table, settings)
+        except (KeyError, TypeError, ValueError, RuntimeError) as error:
+            if isinstance(error, CacheError):
+                raise
+            raise CacheError(f"{path}: cannot be read: {error}") from None
+
+
+def _opened(file: IO) -> str:
+    """A path to this very file, whichever other process gives its name to another one meanwhile."""
+    return f"/dev/fd/{file.fileno()}"
 
 
 def _table(index: PlaceIndex, parts: Dict[str, Tuple[int, int, int]]) -> bytes:
@@ -109,8 +110,8 @@ def _check_begin(path: Path, begin: bytes) -> None:
         raise CacheError(f"{path}: is of version {version}, this program's is {VERSION}")
 
 
-def _read_table(path: Path, file: Any, size: int) -> Dict[str, Any]:
-    short = CacheError(f"{path}: is cut short")
+def _read_table(path: Path, file: IO) -> Dict[str, Any]:
+    short, size = CacheError(f"{path}: is cut short"), file.seek(0, 2)
     if size < _BEGIN.size + _END.size:
         raise short
     file.seek(size - _END.size)
@@ -124,28 +125,29 @@ def _read_table(path: Path, file: Any, size: int) -> Dict[str, Any]:
     return json.loads(text)
 
 
-def _checksum(path: Path, begin: int, length: int) -> int:
+def _checksum(path: str, begin: int, length: int) -> int:
+    """Of as much as there is."""
     checksum = 0
     with open(path, "rb") as file:
         file.seek(begin)
         while length > 0:
             chunk = file.read(min(length, _CHUNK))
             if not chunk:
-                raise CacheError(f"{path}: is cut short")
+                break
             checksum = zlib.crc32(chunk, checksum)
             length -= len(chunk)
     return checksum
 
 
-def _index(path: Path, table: Dict[str, Any], settings: IndexSettings) -> PlaceIndex:
+def _index(path: str, table: Dict[str, Any], settings: IndexSettings) -> PlaceIndex:
     photos = [IndexedPhoto(**{**photo, "state": tuple(photo["state"])}) for photo in table["photos"]]
     keypoints = _mapped(path, table, "keypoints").reshape(-1, 2)
     vectors = _mapped(path, table, "vectors").reshape(len(photos), -1)
-    descriptors = sextant.DescriptorIndex.read(str(path), table["parts"]["index"][0])
+    descriptors = sextant.DescriptorIndex.read(path, table["parts"]["index"][0])
     return PlaceIndex(settings, photos, keypoints, descriptors, table["learned_from"], vectors)
 
 
-def _mapped(path: Path, table: Dict[str, Any], name: str) -> np.ndarray:
+def _mapped(path: str, table: Dict[str, Any], name: str) -> np.ndarray:
     begin, length, _ = table["parts"][name]
     if not length:  # nothing cannot be mapped
         return np.zeros(0, _MAPPED[name])

@@ -4,7 +4,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Callable, List, Optional
+from typing import Callable, Iterable, List, Optional
 
 from sextant.places.place_cache import CacheError, cache_path, read_cache, write_cache
 from sextant.places.place_index import (
@@ -47,9 +47,10 @@ class Library:
         index = self._cached()
         if index is None or len(images) > GROWTH * index.learned_from:
             self.report(f"{self.map_path}: describing {len(images)} photos")
-            index = PlaceIndex.built(self.settings, images, self._describe(images))
+            index = self._built(images)
         elif not self._update(index, images):
             return index
+        self._check_keypoints(photo.count for photo in index.photos)
         self._store(index)
         return index
 
@@ -68,6 +69,11 @@ class Library:
         except (OSError, CacheError) as error:
             self.report(f"{error}; building it anew")
             return None
+
+    def _built(self, images: List[str]) -> PlaceIndex:
+        features = self._describe(images)
+        self._check_keypoints(len(each.keypoints) for each in features)
+        return PlaceIndex.built(self.settings, images, features)
 
     def _update(self, index: PlaceIndex, images: List[str]) -> bool:
         """Whether anything had to be changed."""
@@ -92,7 +98,14 @@ class Library:
 
     def _describe(self, images: List[str]) -> List[PhotoFeatures]:
         paths = [self.place_map.folder / image for image in images]
-        return extract_all(self.settings, paths, self.jobs, self.scheduler)
+        features = extract_all(self.settings, paths, self.jobs, self.scheduler)
+        empty = [image for image, each in zip(images, features) if not len(each.keypoints)]
+        self._tell("without a keypoint", empty)
+        return features
+
+    def _check_keypoints(self, counts: Iterable[int]) -> None:
+        if not any(counts):
+            raise ValueError(f"{self.map_path}: no keypoint in any photo of the map")
 
     def _store(self, index: PlaceIndex) -> None:
         if self.settings.matcher != "faiss":
