@@ -166,6 +166,14 @@ def test_quick_run_of_recall(tmp_path):
         assert (tmp_path / f"{name}.png").read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.skipif(not (EXTERNAL / "places").is_dir(), reason="external test data")
+def test_quick_run_of_the_calibration(tmp_path):
+    probabilities, weights = run_places("calibration", tmp_path)
+    assert {row["queries"]["value"] for row in probabilities["rows"]} == {80}
+    fitted, shipped = weights["rows"]
+    assert fitted["score"]["value"] > 0 < shipped["score"]["value"]
+
+
 def test_quick_run_of_speed_and_size(tmp_path):
     (speed,) = run_places("speed", tmp_path)
     votes, ours = speed["rows"]

@@ -41,12 +41,10 @@ class PhotoOptions:
 
     def validate(self) -> None:
         """:raises ValueError: names the first field that cannot be"""
-        for name, most in (("distance", np.inf), ("turn", 2 * np.pi)):
+        for name, most in (("distance", 1e5), ("turn", 2 * np.pi)):
             value = getattr(self, name)
             if not 0 < value <= most:
-                raise ValueError(
-                    f"{name} is {value:g}, allowed is above 0" + f", up to {most:g}" * (most < 9)
-                )
+                raise ValueError(f"{name} is {value:g}, allowed is above 0, up to {most:g}")
         self.reading().validate()
 
     def reading(self) -> ReadOptions:
