@@ -169,7 +169,7 @@ def test_quick_run_of_recall(tmp_path):
 @pytest.mark.skipif(not (EXTERNAL / "places").is_dir(), reason="external test data")
 def test_quick_run_of_the_calibration(tmp_path):
     probabilities, weights = run_places("calibration", tmp_path)
-    assert {row["queries"]["value"] for row in probabilities["rows"]} == {80}
+    assert {row["queries"]["value"] for row in probabilities["rows"]} == {96}
     fitted, shipped = weights["rows"]
     assert fitted["score"]["value"] > 0 < shipped["score"]["value"]
 
