@@ -9,9 +9,7 @@ from selenium import webdriver
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
-from served_page import PATIENCE, Served, photos_in, written_picture
-
-from sextant.places.map_draft import MapDraft
+from served_page import PATIENCE, photos_in, written_picture
 
 CHROMIUM = (
     "--headless=new",
@@ -23,20 +21,6 @@ CHROMIUM = (
     "--disable-sync",
     "--window-size=1200,800",
 )
-
-
-@pytest.fixture
-def folder(tmp_path):
-    folder = tmp_path / "photos"
-    folder.mkdir()
-    return folder
-
-
-@pytest.fixture
-def served(folder):
-    served = Served(MapDraft(folder / "map.txt"))
-    yield served
-    served.close()
 
 
 @pytest.fixture

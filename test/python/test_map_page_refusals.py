@@ -5,24 +5,9 @@
 import json
 
 import pytest
-from served_page import Served, photos_in, written_picture
+from served_page import photos_in, written_picture
 
-from sextant.places.map_draft import MapDraft
 from sextant.places.map_page import ADDRESS
-
-
-@pytest.fixture
-def folder(tmp_path):
-    folder = tmp_path / "photos"
-    folder.mkdir()
-    return folder
-
-
-@pytest.fixture
-def served(folder):
-    served = Served(MapDraft(folder / "map.txt"))
-    yield served
-    served.close()
 
 
 @pytest.fixture

@@ -37,7 +37,7 @@ def map_file(tmp_path):
 
 
 def settings(map_file, **values):
-    return made(map_file=map_file, **values).library(print).settings
+    return made(map_file=map_file, **values).photo_library(print).settings
 
 
 def test_only_the_tuned_profile_makes_pictures_smaller(map_file):
@@ -56,7 +56,7 @@ def test_a_network_comes_with_its_settings(map_file):
 
 
 def test_who_describes_the_photos_is_told(map_file):
-    library = made(map_file=map_file, jobs=3, scheduler="tcp://host:1").library(print)
+    library = made(map_file=map_file, jobs=3, scheduler="tcp://host:1").photo_library(print)
     assert (library.jobs, library.scheduler) == (3, "tcp://host:1")
 
 

@@ -47,7 +47,7 @@ class LoadedMap:
 
     def __init__(self, params: PlaceLocalizerParams):
         begin = time.monotonic()
-        library = params.library(rospy.loginfo)
+        library = params.photo_library(rospy.loginfo)
         self.place_map, index = library.place_map, library.index()
         self.localizer = PlaceLocalizer(self.place_map, index, params.localization())
         self.text = (

@@ -59,7 +59,7 @@ class PlaceLocalizerParams:
     jobs: int = param(1, within(1, 256))  # processes that describe the map's photos
     scheduler: str = param("")  # tcp://host:port of a Dask cluster that does it
 
-    def library(self, report: Callable[[str], None]) -> Library:
+    def photo_library(self, report: Callable[[str], None]) -> Library:
         """The map's photos and their index.
 
         :raises OSError, ValueError: as sextant.places.place_map_file.read_place_map()
