@@ -1,12 +1,12 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
 import os
-import resource
 import signal
 import subprocess
 import sys
 
 import pytest
+from full_disk import full_disk
 
 from sextant.atomic_file import atomic_file, atomic_files
 
@@ -99,20 +99,10 @@ def test_what_is_being_written_is_not_taken_for_left(tmp_path):
     assert contents(tmp_path) == {"a.txt": "slow", "b.txt": "slow"}
 
 
-@pytest.fixture
-def full_disk():
-    """No file can have more than 1000 bytes."""
-    before = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (1000, before[1]))
-    yield
-    resource.setrlimit(resource.RLIMIT_FSIZE, before)
-
-
-def test_a_full_disk_is_told_and_the_old_file_stays(tmp_path, full_disk):
+def test_a_full_disk_is_told_and_the_old_file_stays(tmp_path):
     path = tmp_path / "a.txt"
     path.write_text("old")
-    with pytest.raises(OSError, match=r"cannot be written: File too large: '.*/a\.txt'"), atomic_file(
-        path
-    ) as file:
+    told = pytest.raises(OSError, match=r"cannot be written: File too large: '.*/a\.txt'")
+    with told, full_disk(1000), atomic_file(path) as file:
         file.write(2000 * "x")
     assert contents(tmp_path) == {"a.txt": "old"}

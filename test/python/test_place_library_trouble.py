@@ -3,7 +3,6 @@
 """The index of a map when programs are killed, disks are full, several start at once, and photos are odd."""
 
 import os
-import resource
 import shutil
 import signal
 import subprocess
@@ -12,6 +11,7 @@ import sys
 import cv2
 import numpy as np
 import pytest
+from full_disk import full_disk
 from made_photos import picture, shifted, written_photos
 
 from sextant.places import place_cache
@@ -131,12 +131,8 @@ def test_no_bit_of_a_cache_can_be_wrong_unseen(place_map):
 
 @pytest.mark.parametrize("size", [1000, 100_000])  # within the keypoints, and within faiss's own part
 def test_a_full_disk_is_told_by_the_name_of_the_cache(place_map, size):
-    before = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
-    try:
+    with full_disk(size):
         index, lines = index_of(place_map)
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, before)
     assert lines[1].startswith("the index is not stored, every start builds it: ") and len(lines) == 2
     assert str(cache_path(path_of(place_map))) in lines[1] and "File too large" in lines[1]
     assert found(place_map, index, 3).answers[0].photo.image == "3.png"
