@@ -13,7 +13,7 @@ from made_photos import picture, shifted, written_photos
 import sextant
 from sextant.places import place_index
 from sextant.places.place_cache import VERSION, CacheError, cache_path, read_cache
-from sextant.places.place_index import IndexSettings, default_features, plain_features
+from sextant.places.place_index import IndexSettings, content_digest, default_features, plain_features
 from sextant.places.place_library import Library
 from sextant.places.place_votes import count_votes
 
@@ -92,6 +92,54 @@ def test_a_copied_map_takes_its_index_along(place_map, tmp_path_factory):
     index_of(place_map)
     folder = shutil.copytree(place_map.folder, tmp_path_factory.mktemp("copy") / "park")
     assert index_of(place_map._replace(folder=folder))[1] == []
+
+
+@pytest.fixture
+def read(monkeypatch):
+    """Contents that were compared."""
+    read = []
+
+    def counted(content):
+        read.append(content)
+        return content_digest(content)
+
+    monkeypatch.setattr("sextant.places.place_library.content_digest", counted)
+    return read
+
+
+def touched(place_map, *seeds):
+    for seed in seeds:
+        os.utime(place_map.folder / f"{seed}.png", (0, 0))
+
+
+def test_only_the_first_start_of_a_copied_map_reads_its_photos(place_map, read):
+    first, _ = index_of(place_map)
+    touched(place_map, 1, 4)
+    for expected in (2, 0):
+        read.clear()
+        index, lines = index_of(place_map)
+        assert (lines, len(read)) == ([], expected)
+        assert [image_of(index, seed) for seed in range(6)] == [f"{seed}.png" for seed in range(6)]
+        assert np.array_equal(index.keypoints, first.keypoints)
+    touched(place_map, 1)
+    cv2.imwrite(str(place_map.folder / "3.png"), picture(33))
+    for expected, said in ((2, 2), (0, 0)):
+        read.clear()
+        index, lines = index_of(place_map)
+        assert (len(lines), len(read)) == (said, expected)
+        assert image_of(index, 33) == "3.png" and image_of(index, 1) == "1.png"
+
+
+def test_a_copied_map_in_a_folder_that_cannot_be_written_to_is_used(place_map, read, monkeypatch):
+    index_of(place_map)
+    touched(place_map, *range(6))
+    refuse_to_write(monkeypatch)
+    for _ in range(2):
+        read.clear()
+        index, lines = index_of(place_map)
+        assert len(read) == 6 and image_of(index, 1) == "1.png"
+        (line,) = lines
+        assert line.startswith("the index is not stored, every start takes this long: ")
 
 
 def test_many_more_photos_make_an_index_anew(place_map):
@@ -180,14 +228,18 @@ def test_a_truncated_photo_is_named(place_map):
         index_of(place_map)
 
 
-def test_a_folder_that_cannot_be_written_to_is_told(place_map, monkeypatch):
+def refuse_to_write(monkeypatch):
     def refuse(path, index):
         raise PermissionError(13, "cannot be written", str(path))
 
     monkeypatch.setattr("sextant.places.place_library.write_cache", refuse)
+
+
+def test_a_folder_that_cannot_be_written_to_is_told(place_map, monkeypatch):
+    refuse_to_write(monkeypatch)
     index, lines = index_of(place_map)
     assert image_of(index, 1) == "1.png"
-    assert lines[-1].startswith("the index is not stored, every start builds it: ")
+    assert lines[-1].startswith("the index is not stored, every start takes this long: ")
 
 
 def test_several_processes_describe_the_same(place_map):

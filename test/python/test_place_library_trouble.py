@@ -133,7 +133,7 @@ def test_no_bit_of_a_cache_can_be_wrong_unseen(place_map):
 def test_a_full_disk_is_told_by_the_name_of_the_cache(place_map, size):
     with full_disk(size):
         index, lines = index_of(place_map)
-    assert lines[1].startswith("the index is not stored, every start builds it: ") and len(lines) == 2
+    assert lines[1].startswith("the index is not stored, every start takes this long: ") and len(lines) == 2
     assert str(cache_path(path_of(place_map))) in lines[1] and "File too large" in lines[1]
     assert found(place_map, index, 3).answers[0].photo.image == "3.png"
     assert len(names(place_map)) == COUNT + 1

@@ -4,7 +4,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Callable, Iterable, List, Optional
+from typing import Callable, Dict, Iterable, List, Optional, Set
 
 from sextant.places.place_cache import CacheError, cache_path, read_cache, write_cache
 from sextant.places.place_index import (
@@ -76,25 +76,35 @@ class Library:
         return PlaceIndex.built(self.settings, images, features)
 
     def _update(self, index: PlaceIndex, images: List[str]) -> bool:
-        """Whether anything had to be changed."""
-        wanted = set(images)
-        kept = {photo.image for photo in index.photos if photo.image in wanted and self._is_same(photo)}
-        gone = [photo for photo in index.photos if photo.image not in kept]
+        """Whether anything had to be changed; the state of a file that is the same one, too."""
+        before, kept = index.photos, self._kept(index, set(images))
+        index.photos = [kept.get(photo.image, photo) for photo in before]
+        is_refreshed = index.photos != before
+        gone = [photo for photo in before if photo.image not in kept]
         new = [image for image in images if image not in kept]
         self._tell("gone or changed", [photo.image for photo in gone])
         self._tell("to be described", new)
         features = self._describe(new)
         index.remove(gone)
         index.add(new, features)
-        return bool(gone or new)
+        return bool(gone or new or is_refreshed)
 
     def _tell(self, what: str, names: List[str]) -> None:
         if names:
             self.report(f"{self.map_path}: {len(names)} photos {what}: {_named(names)}")
 
-    def _is_same(self, photo: IndexedPhoto) -> bool:
+    def _kept(self, index: PlaceIndex, wanted: Set[str]) -> Dict[str, IndexedPhoto]:
+        """Photos that need not be described again, by image."""
+        found = [self._refreshed(photo) for photo in index.photos if photo.image in wanted]
+        return {photo.image: photo for photo in found if photo}
+
+    def _refreshed(self, photo: IndexedPhoto) -> Optional[IndexedPhoto]:
+        """With the state that its file has now; None: the content is another one."""
         path = self.place_map.folder / photo.image
-        return file_state(path) == photo.state or content_digest(path.read_bytes()) == photo.digest
+        state = file_state(path)  # before the content: a change after it is seen by the next start
+        if state == photo.state:
+            return photo
+        return photo._replace(state=state) if content_digest(path.read_bytes()) == photo.digest else None
 
     def _describe(self, images: List[str]) -> List[PhotoFeatures]:
         paths = [self.place_map.folder / image for image in images]
@@ -113,7 +123,7 @@ class Library:
         try:
             write_cache(cache_path(self.map_path), index)
         except OSError as error:
-            self.report(f"the index is not stored, every start builds it: {error}")
+            self.report(f"the index is not stored, every start takes this long: {error}")
 
 
 def _named(names: List[str]) -> str:
