@@ -160,6 +160,53 @@ def test_what_cannot_be_added(draft, path, name, content, reason):
     assert sorted(path.parent.iterdir()) == before
 
 
+OTHER = "whole.png;400;200\n3;2.png;7;8\n"  # what another program wrote
+
+
+@pytest.mark.parametrize("content", [OTHER, "whole.png;400\n", None])
+def test_what_another_program_changed_is_not_overwritten(draft, path, content):
+    draft.place("1.png", 5, 6)
+    path.unlink() if content is None else path.write_text(content)
+    steps = (lambda: draft.place("2.png", 1, 1), lambda: draft.remove("1.png"), draft.undo)
+    for step in steps:
+        with pytest.raises(ValueError, match="map.txt: another program changed it.* reload the page"):
+            step()
+        assert (path.read_text() if path.exists() else None) == content
+        assert list(draft.placed()) == ["1.png"] and draft.can_undo
+
+
+def test_a_map_that_appears_meanwhile_is_not_overwritten(path):
+    draft = MapDraft(path)
+    path.write_text(OTHER)
+    with pytest.raises(ValueError, match="map.txt: another program changed it"):
+        draft.choose_overview("whole.png")
+    assert path.read_text() == OTHER
+
+
+def test_it_goes_on_with_what_another_program_wrote(draft, path):
+    draft.place("1.png", 5, 6)
+    draft.reload()
+    assert draft.can_undo  # nobody else was there
+    path.write_text(OTHER)
+    draft.reload()
+    assert not draft.can_undo
+    draft.place("1.png", 50, 60)
+    assert photos(path) == (Photo(3, "2.png", 7, 8), Photo(4, "1.png", 50, 60))
+    draft.undo()
+    assert photos(path) == (Photo(3, "2.png", 7, 8),)
+
+
+def test_a_file_that_is_no_map_any_more_leaves_the_draft_as_it_was(draft, path):
+    draft.place("1.png", 5, 6)
+    path.write_text("whole.png;400\n")
+    with pytest.raises(ValueError, match="map.txt:1: the first line has to be"):
+        draft.reload()
+    assert list(draft.placed()) == ["1.png"] and draft.can_undo
+    path.write_text("whole.png;400;200\n0;1.png;5;6\n")  # as it was
+    draft.undo()
+    assert photos(path) == ()
+
+
 def test_a_wrong_map_is_refused(path):
     path.write_text("whole.png;400\n")
     with pytest.raises(ValueError, match="map.txt:1: the first line has to be"):

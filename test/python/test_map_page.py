@@ -145,3 +145,22 @@ def test_what_is_no_picture_is_told_and_left_out(browser, served, folder, tmp_pa
     page.add(tmp_path / "text.png")
     until(lambda: page.error() == "text.png: is no picture")
     assert list(folder.iterdir()) == []
+
+
+def test_what_another_program_wrote_is_kept_and_shown_when_the_page_is_reloaded(browser, served, folder):
+    written_picture(folder / "whole.png", 0, (800, 600))
+    for i in (1, 2):
+        written_picture(folder / f"{i}.png", i)
+    served.change("/overview", {"image": "whole.png"})
+    page = Page(browser, served)
+    until(lambda: page.overview()[2] > 100)
+    (folder / "map.txt").write_text("whole.png;800;600\n4;2.png;100;200\n")
+    page.click(0.5, 0.5)
+    until(lambda: "map.txt: another program changed it, so this step is not saved; reload" in page.error())
+    assert photos_in(folder) == {"2.png": (100, 200)} and page.count() == "0 of 2 photos placed"
+    page = Page(browser, served)
+    until(lambda: page.count() == "1 of 2 photos placed")
+    until(lambda: page.overview()[2] > 100)
+    page.click(0.5, 0.5)
+    until(lambda: page.count() == "2 of 2 photos placed")
+    assert photos_in(folder) == {"1.png": near((400, 300)), "2.png": (100, 200)} and page.error() == ""

@@ -1,6 +1,9 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""A map that somebody is making photo by photo: every step is in its file at once, and can be undone."""
+"""A map that somebody is making photo by photo: every step is in its file at once, and can be undone.
+
+What another program writes to the file meanwhile is never overwritten: steps are refused until it is read.
+"""
 
 from pathlib import Path
 from typing import Dict, List, Optional, Tuple
@@ -9,7 +12,7 @@ from sextant.atomic_file import atomic_file
 from sextant.places.exif_map import find_photos
 from sextant.places.photo_file import SUFFIXES, decode_grey, geo_position, photo_size, read_grey
 from sextant.places.place_map import GeoCorners, Overview, Photo, PlaceMap, check_image, check_photo
-from sextant.places.place_map_file import read_place_map, write_place_map
+from sextant.places.place_map_file import place_map_text, read_place_map, write_place_map
 
 HISTORY = 1000  # steps that can be undone
 
@@ -25,16 +28,29 @@ class MapDraft:
         """
         self.path = path
         self._georeference = georeference
-        self._map: Optional[PlaceMap] = read_place_map(path) if path.exists() else None
-        if self._map and georeference and self._map.georeference != georeference:
-            raise ValueError(f"{path}: is there and lies elsewhere; its first line says where")
+        self._map: Optional[PlaceMap] = None
+        self._content: Optional[bytes] = None  # of the file, when it was read or written last
         self._history: List[PlaceMap] = []
         if not path.parent.is_dir():
             raise NotADirectoryError(20, "is no folder", str(path.parent))
+        self.reload()
+
+    def reload(self) -> None:
+        """Reads the file again if another program changed it; then there is nothing to undo.
+
+        :raises: as MapDraft(); then all is as it was
+        """
+        content = self._read()
+        if content == self._content:
+            return
+        place_map = None if content is None else read_place_map(self.path)
+        if place_map and self._georeference and place_map.georeference != self._georeference:
+            raise ValueError(f"{self.path}: is there and lies elsewhere; its first line says where")
+        self._map, self._content, self._history = place_map, content, []
 
     @property
     def place_map(self) -> Optional[PlaceMap]:
-        """As it is in the file; None: there is no overview yet."""
+        """As it was in the file when it was read or written last; None: there is no overview yet."""
         return self._map
 
     def images(self) -> List[str]:
@@ -153,5 +169,13 @@ class MapDraft:
         self._history = [*self._history, before][-HISTORY:]
 
     def _save(self, place_map: PlaceMap) -> None:
+        if self._read() != self._content:
+            raise ValueError(
+                f"{self.path}: another program changed it, so this step is not saved; "
+                "reload the page to go on with what is there now"
+            )
         write_place_map(self.path, place_map)
-        self._map = place_map
+        self._map, self._content = place_map, place_map_text(place_map).encode()
+
+    def _read(self) -> Optional[bytes]:
+        return self.path.read_bytes() if self.path.exists() else None

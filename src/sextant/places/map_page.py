@@ -90,7 +90,9 @@ class _Page:
         return web.FileResponse(PAGE / "index.html")
 
     async def state(self, request: web.Request) -> web.StreamResponse:
-        return web.json_response(self._state())
+        """For a page that is loaded: of the file as it is now."""
+        self._draft.reload()
+        return self._answer()
 
     async def picture(self, request: web.Request) -> web.StreamResponse:
         image = request.query.get("image", "")
@@ -105,20 +107,20 @@ class _Page:
 
     async def choose_overview(self, request: web.Request) -> web.StreamResponse:
         self._draft.choose_overview(await _value(request, "image", str))
-        return await self.state(request)
+        return self._answer()
 
     async def place(self, request: web.Request) -> web.StreamResponse:
         image, x, y = [await _value(request, *each) for each in (("image", str), ("x", float), ("y", float))]
         self._draft.place(image, x, y)
-        return await self.state(request)
+        return self._answer()
 
     async def remove(self, request: web.Request) -> web.StreamResponse:
         self._draft.remove(await _value(request, "image", str))
-        return await self.state(request)
+        return self._answer()
 
     async def undo(self, request: web.Request) -> web.StreamResponse:
         self._draft.undo()
-        return await self.state(request)
+        return self._answer()
 
     async def add(self, request: web.Request) -> web.StreamResponse:
         form = await request.post()
@@ -126,9 +128,9 @@ class _Page:
             if not isinstance(field, web.FileField):
                 raise ValueError("a picture is expected")
             self._draft.add_file(field.filename, field.file.read())
-        return await self.state(request)
+        return self._answer()
 
-    def _state(self) -> Dict[str, Any]:
+    def _answer(self) -> web.Response:
         place_map, placed = self._draft.place_map, self._draft.placed()
         photos = []
         for image in self._draft.images():
@@ -142,13 +144,13 @@ class _Page:
                     "guess": None if photo else self._draft.guess(image),
                 }
             )
-        overview = place_map.overview._asdict() if place_map else None
-        return {
+        state = {
             "file": self._draft.path.name,
-            "overview": overview,
+            "overview": place_map.overview._asdict() if place_map else None,
             "photos": photos,
             "undo": self._draft.can_undo,
         }
+        return web.json_response(state)
 
 
 async def _value(request: web.Request, name: str, kind: type) -> Any:

@@ -55,8 +55,13 @@ def write_place_map(path: Union[str, Path], place_map: PlaceMap) -> None:
     if path.resolve().parent != place_map.folder.resolve():
         raise ValueError(f"{path}: the photos are relative to {place_map.folder}, the map has to lie there")
     with atomic_file(path) as file:
-        file.write(_header_line(place_map) + "\n")
-        file.writelines(_photo_line(photo) + "\n" for photo in place_map.photos)
+        file.write(place_map_text(place_map))
+
+
+def place_map_text(place_map: PlaceMap) -> str:
+    """What write_place_map() writes."""
+    lines = [_header_line(place_map), *(_photo_line(photo) for photo in place_map.photos)]
+    return "".join(f"{line}\n" for line in lines)
 
 
 def _lines(path: Path) -> Iterator[Tuple[int, List[str]]]:
