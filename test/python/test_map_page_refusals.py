@@ -2,10 +2,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What the server of the page for placing photos gives, and what it refuses."""
 
+import http.client
 import json
 
 import pytest
-from served_page import photos_in, written_picture
+from served_page import PATIENCE, photos_in, written_picture
 
 from sextant.places.map_page import ADDRESS
 
@@ -43,6 +44,31 @@ def test_the_page_and_what_it_needs_is_served(begun, path):
 @pytest.mark.parametrize("path", ["/state", "/picture?image=1.png"])
 def test_other_origins_get_nothing(begun, headers, path):
     assert begun.ask(path, headers) == (403, '{"error": "only this machine\'s own page is served"}')
+
+
+@pytest.mark.parametrize(
+    "path, status, host",
+    [
+        ("/", 200, None),
+        ("/state", 200, None),
+        ("/picture?image=1.png", 200, None),
+        ("/picture?image=1.png&small=1", 200, None),
+        ("/page/page.js", 200, None),
+        ("/leaflet/leaflet.js", 200, None),
+        ("/picture?image=2.png", 400, None),
+        ("/nowhere", 404, None),
+        ("/state", 403, "evil.example"),
+    ],
+)
+def test_no_answer_is_for_a_page_of_another_origin(begun, path, status, host):
+    connection = http.client.HTTPConnection(ADDRESS, begun.port, timeout=PATIENCE)
+    connection.request("GET", path, headers={"Host": host} if host else {})
+    answer = connection.getresponse()
+    connection.close()
+    assert answer.status == status
+    assert answer.headers["Cross-Origin-Resource-Policy"] == "same-origin"
+    assert answer.headers["X-Content-Type-Options"] == "nosniff"
+    assert answer.headers["Content-Security-Policy"].startswith("default-src 'none'; ")
 
 
 @pytest.mark.parametrize("origin", ["http://evil.example", "null", f"http://{ADDRESS}:1", None])

@@ -19,10 +19,12 @@ LARGEST = 100 * 1024 * 1024  # bytes of a picture that is added
 THUMBNAIL = (128, 96)  # pixels, of the list
 LARGE = (4096, 4096)  # pixels: more are not shown
 
-_POLICY = (
-    "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; "
-    "img-src 'self' data:; connect-src 'self'"
-)
+_HEADERS = {
+    "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; "
+    "img-src 'self' data:; connect-src 'self'",
+    "Cross-Origin-Resource-Policy": "same-origin",  # a picture is asked for without an Origin
+    "X-Content-Type-Options": "nosniff",
+}
 
 Handler = Callable[[web.Request], Awaitable[web.StreamResponse]]
 
@@ -36,6 +38,7 @@ def map_page(draft: MapDraft) -> web.Application:
         raise FileNotFoundError(2, "is not there: apt install libjs-leaflet", str(LEAFLET / "leaflet.js"))
     page = _Page(draft)
     application = web.Application(middlewares=[_from_this_machine_only, _say_errors], client_max_size=LARGEST)
+    application.on_response_prepare.append(_add_headers)
     application.add_routes(
         [
             web.get("/", page.index),
@@ -64,9 +67,11 @@ async def _from_this_machine_only(request: web.Request, handler: Handler) -> web
         return web.json_response({"error": "only this machine's own page is served"}, status=403)
     if request.method == "POST" and origin is None:
         return web.json_response({"error": "a change needs an Origin"}, status=403)
-    response = await handler(request)
-    response.headers.update({"Content-Security-Policy": _POLICY, "X-Content-Type-Options": "nosniff"})
-    return response
+    return await handler(request)
+
+
+async def _add_headers(_request: web.Request, response: web.StreamResponse) -> None:
+    response.headers.update(_HEADERS)
 
 
 @web.middleware
