@@ -4,6 +4,7 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from sextant.places.map_addition import NewPhoto, add_photos
@@ -46,6 +47,20 @@ def test_what_cannot_be_in_it_is_named():
     assert made == BEGUN and set(left_out) == {"a.jpg", "c.jpg", "../d.jpg"}
     assert left_out["a.jpg"] == "is in the map already"
     assert "x is 101, outside the overview (0 to 100)" in left_out["c.jpg"]
+
+
+@pytest.mark.parametrize("merge", [0.0, 0.01, 1.0, 2.5, 7.07, 200.0])
+def test_of_many_places_the_nearest_is_found(merge):
+    """As by comparing with every place that was there before; whole pixels, so that many are equally near."""
+    positions = np.random.default_rng(1).integers(0, 50, (400, 2)).astype(float)
+    made, _ = add_photos(BEGUN, [NewPhoto(f"{i}", *each) for i, each in enumerate(positions)], merge)
+    places = [(photo.x, photo.y) for photo in BEGUN.photos]
+    for photo, position in zip(made.photos[2:], positions):
+        distances = np.linalg.norm(np.array(places) - position, axis=1)
+        nearest = int(np.argmin(distances))
+        is_near = merge > 0 and distances[nearest] <= merge
+        assert (photo.x, photo.y) == (places[nearest] if is_near else tuple(position))
+        places.append((photo.x, photo.y))
 
 
 @pytest.mark.parametrize("x", [float("nan"), float("inf")])

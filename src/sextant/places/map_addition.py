@@ -2,13 +2,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Photos that are added to a map: their ids, and the places that they share with others."""
 
+import math
 from typing import Dict, List, NamedTuple, Optional, Sequence, Tuple
-
-import numpy as np
 
 from sextant.places.place_map import Photo, PlaceMap, check_photo
 
 DIGITS, YAW_DIGITS = 2, 4  # of a pixel and of a radian, that positions are rounded to
+
+Position = Tuple[float, float]  # pixels of the overview
 
 
 class NewPhoto(NamedTuple):
@@ -34,13 +35,15 @@ def add_photos(place_map: PlaceMap, photos: Sequence[NewPhoto], merge: float = 0
         takes the position of the place's first photo. So places never wander
     """
     known = {photo.image for photo in place_map.photos}
-    places = [(place[0].x, place[0].y) for place in place_map.places()]
+    places = _Places(merge)
+    for place in place_map.places():
+        places.add((place[0].x, place[0].y))
     first = place_map.next_id()
     added: List[Photo] = []
     left_out: Dict[str, str] = {}
     for new in photos:
         position = round(new.x, DIGITS), round(new.y, DIGITS)
-        x, y = _place(places, position, merge)
+        x, y = places.nearest(position)
         photo = Photo(
             first + len(added),
             new.image,
@@ -56,18 +59,39 @@ def add_photos(place_map: PlaceMap, photos: Sequence[NewPhoto], merge: float = 0
             left_out[new.image] = str(error)
             continue
         if (x, y) == position:
-            places.append(position)
+            places.add(position)
         known.add(new.image)
         added.append(photo)
     return MapAddition(place_map._replace(photos=(*place_map.photos, *added)), left_out)
 
 
-def _place(
-    places: Sequence[Tuple[float, float]], position: Tuple[float, float], merge: float
-) -> Tuple[float, float]:
-    """The nearest place within merge, or the position itself."""
-    if not places or merge <= 0:
-        return position
-    distances = np.linalg.norm(np.subtract(places, position), axis=1)
-    nearest = int(np.argmin(distances))
-    return places[nearest] if distances[nearest] <= merge else position
+class _Places:
+    """Positions in squares, so that of many only those near by are looked at."""
+
+    def __init__(self, merge: float):
+        self._merge = merge
+        self._side = 2 * merge  # what is within merge is in this square or in one beside it, rounded or not
+        self._squares: Dict[Position, Dict[Position, int]] = {}  # number of each in the order of coming
+        self._count = 0
+
+    def add(self, position: Position) -> None:
+        if self._merge > 0:
+            self._squares.setdefault(self._square(*position), {}).setdefault(position, self._count)
+            self._count += 1
+
+    def nearest(self, position: Position) -> Position:
+        """The nearest within merge, of several the first; or the position itself."""
+        if self._merge <= 0:
+            return position
+        column, row = self._square(*position)
+        beside = ((column + i, row + j) for i in (-1, 0, 1) for j in (-1, 0, 1))
+        near = [
+            (math.dist(place, position), number, place)
+            for square in beside
+            for place, number in self._squares.get(square, {}).items()
+        ]
+        distance, _, place = min(near, default=(math.inf, 0, position))
+        return place if distance <= self._merge else position
+
+    def _square(self, x: float, y: float) -> Position:
+        return x // self._side, y // self._side  # nan where one is not finite: a square without a place
