@@ -171,6 +171,18 @@ def test_defaults_of_places_launch_are_those_of_its_nodes():
         assert {key: getattr(defaults, key) for key in taken} == taken
 
 
+def test_the_demo_of_places_has_a_folder_for_every_map():
+    def folder(*args):
+        config = load(ROOT / "launch/places_demo.launch", args)
+        return params_of(config, "street_simulator")["map_folder"]
+
+    others = ["seed:=2", "spacing:=4.0", "parts:=9", "width:=640", "height:=240"]
+    others += ["map_season:=[summer, winter]", "map_season:=[winter]"]
+    folders = [folder(), *map(folder, others)]
+    assert len(set(folders)) == len(folders) and not any(mark in "".join(folders) for mark in " [],")
+    assert folder("season:=[dusk]", "speed:=1.0", "rate:=5.0", "mode:=votes") == folder()
+
+
 @pytest.mark.parametrize("path", sorted((ROOT / "config").glob("*.yaml")), ids=lambda path: path.name)
 def test_yaml_is_a_table(path):
     assert isinstance(yaml.safe_load(path.read_text()), dict)

@@ -10,7 +10,7 @@ import pytest
 
 from sextant.places.place_map_file import read_place_map
 from sextant.simulation.street import CONDITIONS, LENGTH, WIDTH, Street
-from sextant.simulation.street_map import CLUSTERS, MAP, StreetMap, write_street_map
+from sextant.simulation.street_map import CLUSTERS, MAP, StreetMap, has_street_map, write_street_map
 from sextant.simulation.street_overview import LOW, aerial_picture
 from sextant.simulation.street_view import street_view
 from sextant.simulation.street_walk import StreetWalk, WalkParams
@@ -103,9 +103,15 @@ def test_parameters_out_of_range_are_refused(changed, reason):
         walk(**changed)
 
 
-def test_a_map_has_a_photo_of_every_place_in_every_season(tmp_path):
+@pytest.fixture(scope="module")
+def street_map(tmp_path_factory):
+    """What was wanted, and the map that was made."""
     wanted = StreetMap(1, ["summer", "evening"], 40.0, SIZE, 3)
-    path = write_street_map(tmp_path / "street", wanted)
+    return wanted, write_street_map(tmp_path_factory.mktemp("maps") / "street", wanted)
+
+
+def test_a_map_has_a_photo_of_every_place_in_every_season(street_map):
+    _, path = street_map
     exact, parts = read_place_map(path), read_place_map(path.parent / CLUSTERS)
     assert path.name == MAP and len(exact.photos) == 18 and len(exact.places()) == 9
     assert [len(place) for place in exact.places()] == [2] * 9
@@ -121,6 +127,20 @@ def test_a_map_has_a_photo_of_every_place_in_every_season(tmp_path):
         expected = street_view(street, [x, y, yaw], SIZE, 7)
         assert np.mean(np.abs(image.astype(int) - expected)) < 15
     assert cv2.imread(str(path.parent / overview.image)).shape[:2] == (overview.height, overview.width)
+
+
+def test_a_map_of_another_street_is_not_taken_for_it(street_map):
+    wanted, path = street_map
+    folder = path.parent
+    assert has_street_map(folder, wanted) and not has_street_map(folder / "elsewhere", wanted)
+    others = {"seed": 2, "seasons": ["summer"], "spacing": 41.0, "size": (48, 64), "parts": 4}
+    assert set(others) == set(wanted._fields)
+    for name, value in others.items():
+        with pytest.raises(ValueError, match=r'map.txt: is of {"seed": 1.*, wanted is {.*remove the folder'):
+            has_street_map(folder, wanted._replace(**{name: value}))
+    (folder / "street.json").unlink()
+    with pytest.raises(ValueError, match="map.txt: is of an unknown street, wanted is"):
+        has_street_map(folder, wanted)
 
 
 def test_a_map_of_nothing_is_not_written(tmp_path):

@@ -19,7 +19,7 @@ from sextant.nodes.conversions import image_to_message
 from sextant.nodes.listeners import wait_for_listener
 from sextant.nodes.params import not_empty, param, read_params, within
 from sextant.nodes.simulator_messages import reading_to_message, truth_to_message
-from sextant.simulation.street_map import FRAME, MAP, StreetMap, write_street_map
+from sextant.simulation.street_map import FRAME, StreetMap, has_street_map, write_street_map
 from sextant.simulation.street_walk import StreetWalk, WalkFrame, WalkParams, check_seasons
 
 
@@ -27,7 +27,7 @@ from sextant.simulation.street_walk import StreetWalk, WalkFrame, WalkParams, ch
 class StreetParams(WalkParams):
     """What WalkParams has, the map, and how it is told to ROS."""
 
-    map_folder: str = param("")  # where a map is written, if there is none; empty: nowhere
+    map_folder: str = param("")  # where the map is, or is written; empty: nowhere
     map_seasons: List[str] = param(["summer"])  # a photo of every place in each
     spacing: float = param(3.0, within(0.5, 100.0))  # metres from place to place
     parts: int = param(12, within(1, 100))  # of the walk, in the map of clusters
@@ -93,9 +93,10 @@ def main() -> None:
     params = read_params(StreetParams)
     try:
         simulator = StreetSimulator(params)
-        if params.map_folder and not (Path(params.map_folder) / MAP).is_file():
-            rospy.loginfo("%s: photographing the street, this is done once", params.map_folder)
-            write_street_map(Path(params.map_folder), params.street_map())
+        folder, wanted = Path(params.map_folder), params.street_map()
+        if params.map_folder and not has_street_map(folder, wanted):
+            rospy.loginfo("%s: photographing the street, this is done once", folder)
+            write_street_map(folder, wanted)
     except (OSError, ValueError, JobError) as error:
         rospy.logfatal("%s: %s", rospy.get_name(), error)
         sys.exit(1)

@@ -3,12 +3,14 @@
 """Maps of a simulated street: photos all along the walk, in one season or several."""
 
 import functools
+import json
 from pathlib import Path
 from typing import List, NamedTuple, Sequence, Tuple
 
 import cv2
 import numpy as np
 
+from sextant.atomic_file import atomic_file
 from sextant.jobs import run_jobs
 from sextant.places.map_addition import NewPhoto, add_photos
 from sextant.places.place_clusters import clustered
@@ -19,6 +21,7 @@ from sextant.simulation.street_overview import AerialPicture, aerial_picture
 from sextant.simulation.street_view import street_view
 
 MAP, CLUSTERS, OVERVIEW = "map.txt", "clusters.txt", "overview.jpg"
+RECORD = "street.json"  # of what was wanted
 FRAME = "map"
 QUALITY = 90  # of the JPEG files
 
@@ -38,6 +41,27 @@ class _Shot(NamedTuple):
     season: str
     pose: np.ndarray  # (x, y, yaw)
     number: int
+
+
+def has_street_map(folder: Path, wanted: StreetMap) -> bool:
+    """Whether the folder has this very map.
+
+    :raises OSError: it cannot be read
+    :raises ValueError: it has another one
+    """
+    if not (folder / MAP).is_file():
+        return False
+    record = folder / RECORD
+    found = record.read_text(encoding="utf-8") if record.exists() else "an unknown street"
+    if found != _record(wanted):
+        raise ValueError(
+            f"{folder / MAP}: is of {found}, wanted is {_record(wanted)}; remove the folder or give another"
+        )
+    return True
+
+
+def _record(wanted: StreetMap) -> str:
+    return json.dumps(wanted._asdict())
 
 
 def write_street_map(folder: Path, wanted: StreetMap) -> Path:
@@ -64,6 +88,8 @@ def write_street_map(folder: Path, wanted: StreetMap) -> Path:
         pass
     _write(folder / OVERVIEW, aerial.image[:, :, ::-1])
     write_place_map(folder / CLUSTERS, parts)
+    with atomic_file(folder / RECORD) as record:
+        record.write(_record(wanted))
     write_place_map(folder / MAP, place_map)
     return folder / MAP
 
