@@ -7,7 +7,7 @@ from dataclasses import replace
 import cv2
 import numpy as np
 import pytest
-from made_network import pooling_network
+from made_network import logarithm_network, pooling_network
 from made_photos import index_of, picture, shifted, written_photos
 
 from sextant.places.global_descriptor import GlobalDescriptorSettings
@@ -112,6 +112,18 @@ def test_a_picture_of_nothing_is_unusable_for_a_network_too(place_map, index, im
     before = [robot.localize(blurred(place, 1)) for place in (3, 4, 5)][-1]
     after = robot.localize(image)
     assert (before.status, after.status) == (Status.LOCALIZED, Status.UNUSABLE)
+
+
+def test_a_picture_that_the_network_makes_no_number_of_leaves_no_trace(place_map):
+    model = logarithm_network(place_map.folder / "log.onnx")
+    shown = GlobalDescriptorSettings(model, mean=(0.25, 0.25, 0.25))
+    index = index_of(place_map, IndexSettings(global_descriptor=shown))
+    robot, other = (PlaceLocalizer(place_map, index) for _ in range(2))
+    for each in (robot, other):
+        each.localize(blurred(3, 1))
+    with pytest.raises(ValueError, match="log.onnx: makes what is no number of a picture"):
+        robot.localize(picture(3) // 5)
+    assert robot.localize(blurred(4, 1)).answers == other.localize(blurred(4, 1)).answers
 
 
 def test_the_least_contrast_can_be_set(place_map, index):
