@@ -54,3 +54,16 @@ def projection_network(path, matrix) -> str:
         ],
         weights=[("matrix", matrix[:, :, None, None])],
     )
+
+
+def logarithm_network(path) -> str:
+    """Logarithms of the channels' means, which are no numbers of what is darker than `mean`."""
+    return written(
+        path,
+        [
+            helper.make_node("GlobalAveragePool", ["image"], ["means"]),
+            helper.make_node("Log", ["means"], ["logs"]),
+            helper.make_node("Flatten", ["logs"], ["vector"]),
+        ],
+        (1, 3, 8, 8),
+    )

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import cv2
 import pytest
+from made_network import pooling_network
 from made_photos import picture, shifted, written_photos
 
 from sextant.commands.evaluate_places import main
@@ -36,6 +37,7 @@ def park(tmp_path_factory):
     (folder / "broken.csv").write_text("query,right_refs\nbroken.png,2.png\n")
     (folder / "autumn/broken.png").write_bytes((folder / "autumn/1.png").read_bytes()[:5000])
     (folder / "there.json").write_text("{}")
+    pooling_network(folder / "net.onnx", channels=1)
     return folder
 
 
@@ -91,6 +93,32 @@ def test_votes_of_plain_features(in_park, capsys):
     assert lines[0].startswith("park.txt, mode votes: 7 queries") and "made in" in lines[-1]
 
 
+GREY = ["--network", "net.onnx", "--network-channels", "grey", "--network-mean", "0.5", "--network-std", "1"]
+
+
+def test_a_network_takes_part_as_much_as_it_is_weighted(in_park, tmp_path, capsys):
+    """Out of focus, where keypoints say little."""
+    lines = ["query,right_refs"]
+    for i in range(6):
+        cv2.imwrite(str(tmp_path / f"{i}.png"), cv2.GaussianBlur(picture(i), (0, 0), 25))
+        lines.append(f"{i}.png,{i}.png")
+    (tmp_path / "blurred.csv").write_text("\n".join(lines) + "\n")
+    recalls = []
+    for weight in ("0", "5"):
+        told(
+            capsys, "park.txt", "--truth", tmp_path / "blurred.csv", "--mode", "single", *GREY,
+            "--network-weight", weight, "--json", tmp_path / f"{weight}.json",
+        )  # fmt: skip
+        recalls.append(json.loads((tmp_path / f"{weight}.json").read_text())["figures"]["recall@1"])
+    assert recalls[0] < 0.9 and recalls[1] == 1.0
+
+
+def test_orb_of_four_points_has_a_matcher_of_its_own(in_park, capsys):
+    orb = ["--detector", "ORB", "--extractor", "ORB", "--orb-wta-k", "4", "--matcher"]
+    assert told(capsys, "park.txt", "--queries", "autumn.txt", *orb, "BruteForce-Hamming(2)")
+    assert main(["park.txt", "--queries", "autumn.txt", *orb, "BruteForce-Hamming"]) == 2
+
+
 REFUSED = {
     "no truth": (["park.txt"], "one of the arguments"),
     "two truths": (["park.txt", "--leave-one-out", "--truth", "truth.csv"], "not allowed with"),
@@ -111,6 +139,13 @@ REFUSED = {
     "an unknown mode": (["park.txt", "--leave-one-out", "--mode", "best"], "--mode"),
     "a matcher of bits": (["park.txt", "--leave-one-out", "--matcher", "BruteForce-Hamming"], "matcher is"),
     "figures that are there": (["park.txt", "--leave-one-out", "--json", "there.json"], "--force"),
+    "a network that is not there": (["park.txt", "--leave-one-out", "--network", "no.onnx"], "no.onnx"),
+    "colours for a grey network": (
+        ["park.txt", "--leave-one-out", "--network", "net.onnx"],
+        "takes 1 channels; RGB is 3",
+    ),
+    "a weight": (["park.txt", "--leave-one-out", *GREY, "--network-weight", "-1"], "global_weight is -1"),
+    "points of ORB": (["park.txt", "--leave-one-out", "--orb-wta-k", "5"], "orb_wta_k is 5"),
     "no job": (["park.txt", "--leave-one-out", "--profile", "plain", "--jobs", "0"], "jobs is 0"),
 }
 

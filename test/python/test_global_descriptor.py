@@ -12,7 +12,7 @@ import cv2
 import numpy as np
 import onnx
 import pytest
-from made_network import CELLS, pooling_network, projection_network, written
+from made_network import CELLS, logarithm_network, pooling_network, projection_network, written
 from onnx import TensorProto, helper
 
 from sextant.places.global_descriptor import GlobalDescriptor, GlobalDescriptorSettings
@@ -74,12 +74,7 @@ class TestEveryBackend:
         assert all(np.array_equal(vector, vectors[0]) for vector in vectors)
 
     def test_a_network_that_makes_no_number_is_refused(self, tmp_path, backend):
-        nodes = [
-            helper.make_node("GlobalAveragePool", ["image"], ["means"]),
-            helper.make_node("Log", ["means"], ["logs"]),
-            helper.make_node("Flatten", ["logs"], ["vector"]),
-        ]
-        model = written(tmp_path / "net.onnx", nodes, (1, 3, 8, 8))
+        model = logarithm_network(tmp_path / "net.onnx")
         with pytest.raises(ValueError, match="net.onnx: makes what is no number of a picture"):
             GlobalDescriptor(GlobalDescriptorSettings(model, backend, mean=(1.0, 1.0, 1.0))).describe(noise())
 

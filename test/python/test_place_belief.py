@@ -51,6 +51,14 @@ def test_doubt_makes_every_place_less_likely():
     assert doubting.places[3] / doubting.nowhere == pytest.approx(np.exp(-2.0) * 0.025 / 0.5)
 
 
+def test_what_only_tells_places_apart_casts_no_doubt():
+    belief = PlaceBelief(LINE, BeliefParams(doubt=2.0))
+    belief.see(np.zeros(20), voted=False)
+    assert belief.nowhere == pytest.approx(0.5) and belief.places == pytest.approx(np.full(20, 0.025))
+    belief.see(saying(7, np.log(5.0) / 0.6), voted=False)  # of which 0.6 are trusted
+    assert belief.places[7] / belief.nowhere == pytest.approx(5.0 * 0.025 / 0.5)
+
+
 def test_places_around_the_likeliest_are_one_answer():
     belief = PlaceBelief(LINE, BeliefParams(trust=1.0, doubt=0.0, radius=1.0))
     ratios = np.full(20, -50.0)

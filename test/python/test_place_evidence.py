@@ -4,6 +4,7 @@
 
 import numpy as np
 import pytest
+from scipy.stats import norm
 
 from sextant.places.place_evidence import (
     EvidenceParams,
@@ -65,11 +66,27 @@ def test_absolute_evidence_is_its_formula_between_the_limits():
     assert absolute_log_ratios(1e6 * scores, params)[-1] == 12.0
 
 
-def test_relative_evidence_is_the_ratio_of_two_normal_densities():
-    rng, shift = np.random.default_rng(5), 1.5
-    ratios = np.exp(np.concatenate([relative_log_ratios(rng.normal(size=99), shift) for _ in range(200)]))
-    assert ratios.mean() == pytest.approx(1.0, abs=0.15)  # of a likelihood ratio, where it is not true
-    assert relative_log_ratios(np.zeros(9), shift) == pytest.approx(-0.5 * shift**2)
+def equally(count):
+    return np.full(count, 1 / count)
+
+
+def test_relative_evidence_of_two_photos_is_that_of_two_normal_densities():
+    scores, shift = np.random.default_rng(5).normal(5.0, 0.1, 99), 1.5
+    ratios, z = relative_log_ratios(scores, shift, equally(99)), deviations(scores)
+    right, wrong = norm.logpdf(z, shift), norm.logpdf(z)
+    assert ratios - ratios[7] == pytest.approx(right - wrong - (right - wrong)[7])
+
+
+@pytest.mark.parametrize("shift", [0.5, 1.0, 3.0, 100.0])
+@pytest.mark.parametrize("winner", [0.0, 5.0, 1e6])
+def test_relative_evidence_is_none_for_or_against_nowhere(shift, winner):
+    rng = np.random.default_rng(6)
+    scores, shares = np.append(rng.normal(size=40), winner), rng.dirichlet(np.ones(41))
+    assert shares @ np.exp(relative_log_ratios(scores, shift, shares)) == pytest.approx(1.0)
+
+
+def test_the_same_of_all_is_no_relative_evidence():
+    assert relative_log_ratios(np.full(9, 0.3), 1.5, equally(9)) == pytest.approx(np.zeros(9))
 
 
 @pytest.mark.parametrize(

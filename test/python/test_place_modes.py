@@ -40,6 +40,14 @@ def test_a_filter_begins_without_moving():
     assert mode.belief.places[3] == pytest.approx(0.05 / 1.15)
 
 
+def test_a_filter_doubts_only_what_has_votes():
+    apart = made("filter", BeliefParams())
+    apart.update(Seen(np.zeros(len(LINE)), None, voted=False))
+    assert apart.belief.nowhere == pytest.approx(0.5)
+    apart.update(Seen(np.zeros(len(LINE)), None))
+    assert apart.belief.nowhere > 0.7
+
+
 def test_a_filter_that_sees_nothing_spreads():
     mode = made("filter")
     mode.update(saying(4, 1e6))

@@ -7,12 +7,13 @@ from dataclasses import replace
 import cv2
 import numpy as np
 import pytest
-from made_network import pooling_network
+from made_network import logarithm_network, pooling_network
 from made_photos import index_of, picture, shifted, written_photos
 
 from sextant.places.global_descriptor import GlobalDescriptorSettings
 from sextant.places.place_index import IndexSettings
-from sextant.places.place_recognition import PlaceRecognizer, RecognitionParams
+from sextant.places.place_localization import LocalizationParams, PlaceLocalizer, Status
+from sextant.places.place_recognition import PlaceRecognizer, RecognitionParams, contrast
 
 COUNT = 30
 
@@ -64,12 +65,80 @@ def test_places_in_focus_stay_recognized(recognizer_of):
         assert found.log_ratios[place] > np.delete(found.log_ratios, place).max() + 5
 
 
+def fog(place):
+    """Without a keypoint."""
+    grey = cv2.GaussianBlur(shifted(picture(place), 12, 4, 0.0), (0, 0), 40)
+    return cv2.merge([grey // 16 + 120] * 3)
+
+
+def covered(noise=0.0, level=0.0):
+    """What a camera with its lens covered sees: its noise."""
+    seen = np.random.default_rng(1).normal(level, noise, (240, 320, 3))
+    return np.clip(seen, 0, 255).astype(np.uint8)
+
+
 def test_without_a_keypoint_the_descriptor_decides(recognizer_of):
-    grey = cv2.GaussianBlur(shifted(picture(8), 12, 4, 0.0), (0, 0), 40)
-    image = cv2.merge([grey // 16 + 120] * 3)
-    found, votes = recognizer_of[1].recognize(image), recognizer_of[0].recognize(image)
+    found, votes = recognizer_of[1].recognize(fog(8)), recognizer_of[0].recognize(fog(8))
     assert found.statistics.keypoints == 0 and not votes.scores.any()
     assert likeliest(found) == 8 and len(found.match.weights) == 0
+    assert (found.usable, found.voted) == (True, False) and not votes.usable
+
+
+def test_without_a_keypoint_nothing_is_said_of_nowhere(recognizer_of):
+    for weight in (1, 2):
+        assert np.exp(recognizer_of[weight].recognize(fog(8)).log_ratios).mean() == pytest.approx(1.0)
+
+
+def test_places_count_alike_however_many_photos_they_have(place_map, index):
+    """Photos 0 to 4 are one place, the others one each."""
+    photos = [photo._replace(x=0.0) if photo.id < 5 else photo for photo in place_map.photos]
+    recognizer = PlaceRecognizer(place_map._replace(photos=tuple(photos)), index)
+    found = recognizer.recognize(fog(8))
+    assert len(found.log_ratios) == COUNT - 4
+    assert np.exp(found.log_ratios).mean() == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("noise, level", [(0.0, 0), (0.0, 255), (1.0, 10), (8.0, 10), (10.0, 200)])
+def test_of_a_picture_of_nothing_the_network_is_not_asked(recognizer_of, noise, level):
+    image = covered(noise, level)
+    found, votes = recognizer_of[2].recognize(image), recognizer_of[0].recognize(image)
+    assert found.usable == votes.usable == (noise > 5)  # has keypoints, which are of no place
+    assert np.array_equal(found.log_ratios, votes.log_ratios)
+
+
+@pytest.mark.parametrize("image", [covered(), covered(1.0, 10), covered()[..., 0] + 255])
+def test_a_picture_of_nothing_is_unusable_for_a_network_too(place_map, index, image):
+    robot = PlaceLocalizer(place_map, index, LocalizationParams())
+    before = [robot.localize(blurred(place, 1)) for place in (3, 4, 5)][-1]
+    after = robot.localize(image)
+    assert (before.status, after.status) == (Status.LOCALIZED, Status.UNUSABLE)
+
+
+def test_a_picture_that_the_network_makes_no_number_of_leaves_no_trace(place_map):
+    model = logarithm_network(place_map.folder / "log.onnx")
+    shown = GlobalDescriptorSettings(model, mean=(0.25, 0.25, 0.25))
+    index = index_of(place_map, IndexSettings(global_descriptor=shown))
+    robot, other = (PlaceLocalizer(place_map, index) for _ in range(2))
+    for each in (robot, other):
+        each.localize(blurred(3, 1))
+    with pytest.raises(ValueError, match="log.onnx: makes what is no number of a picture"):
+        robot.localize(picture(3) // 5)
+    assert robot.localize(blurred(4, 1)).answers == other.localize(blurred(4, 1)).answers
+
+
+def test_the_least_contrast_can_be_set(place_map, index):
+    strict = PlaceRecognizer(place_map, index, RecognitionParams(min_contrast=5.0))
+    assert not strict.recognize(fog(8)).usable
+    assert strict.recognize(blurred(3, 1)).usable
+
+
+def test_contrast_is_that_of_the_parts():
+    halves = np.zeros((240, 320), np.uint8)
+    halves[:, 160:] = 10
+    assert contrast(halves) == pytest.approx(5.0)
+    assert contrast(cv2.merge([halves * 0, halves, halves * 0])) == pytest.approx(5.0)
+    noise = np.random.default_rng(2).normal(100, 20, (240, 320)).astype(np.uint8)
+    assert contrast(noise) == pytest.approx(20 / np.sqrt(30 * 40), rel=0.25)  # of 64 means of 1200 pixels
 
 
 def test_with_weight_0_it_is_as_if_there_were_none(place_map, index, recognizer_of):
@@ -86,6 +155,13 @@ def test_vectors_are_those_of_the_maps_photos_in_any_order(place_map, index):
     assert likeliest(recognizer.recognize(blurred(2, 25))) == COUNT - 1 - 2
 
 
-def test_a_weight_out_of_range_is_refused(place_map, index):
-    with pytest.raises(ValueError, match=r"global_weight is -1, allowed is \[0, 100\]"):
-        PlaceRecognizer(place_map, index, RecognitionParams(global_weight=-1))
+@pytest.mark.parametrize(
+    "changed, reason",
+    [
+        ({"global_weight": -1}, r"global_weight is -1, allowed is \[0, 100\]"),
+        ({"min_contrast": -1}, r"min_contrast is -1, allowed is \[0, 128\]"),
+    ],
+)
+def test_parameters_out_of_range_are_refused(place_map, index, changed, reason):
+    with pytest.raises(ValueError, match=reason):
+        PlaceRecognizer(place_map, index, RecognitionParams(**changed))

@@ -20,6 +20,7 @@ import numpy as np
 import sextant
 from sextant.atomic_file import atomic_file
 from sextant.commands.command_line import Answer, CommandParser, check_output, run
+from sextant.places.global_descriptor import BACKEND_NAMES, CHANNELS, GlobalDescriptorSettings
 from sextant.places.place_estimate import scale_of
 from sextant.places.place_evaluation import (
     ONE_BY_ONE,
@@ -36,6 +37,7 @@ from sextant.places.place_map_file import read_place_map
 from sextant.places.place_modes import MODES
 from sextant.places.place_plots import plot_precision_recall, plot_reliability
 from sextant.places.place_queries import default_tolerance, queries_of_map, queries_of_table
+from sextant.places.place_recognition import RecognitionParams
 
 PLOTS = ("precision_recall.png", "reliability.png")
 
@@ -60,6 +62,7 @@ def _parser() -> CommandParser:
         help="to a right place; pixels where the map has no scale (default: two spacings of places)",
     )  # fmt: skip
     _add_method_options(parser)
+    _add_network_options(parser)
     parser.add_argument("--plots", type=Path, metavar="FOLDER", help="writes " + " and ".join(PLOTS))
     parser.add_argument(
         "--json", type=Path, metavar="FILE", help="writes all figures, and what each query got"
@@ -86,10 +89,37 @@ def _add_method_options(parser: argparse.ArgumentParser) -> None:
         default=IndexSettings.matcher,
         help="default: %(default)s",
     )
+    parser.add_argument(
+        "--orb-wta-k", type=int, default=known.orb_wta_k, metavar="N",
+        help="ORB: points that decide a bit (default: %(default)s)",
+    )  # fmt: skip
     parser.add_argument("--jobs", type=int, default=1, metavar="N", help="photos described at a time")
     parser.add_argument(
         "--scheduler", default="", metavar="tcp://HOST:PORT", help="of a Dask cluster that describes them"
     )
+
+
+def _add_network_options(parser: argparse.ArgumentParser) -> None:
+    known = GlobalDescriptorSettings()
+    parser.add_argument("--network", default="", metavar="ONNX", help="file of a global descriptor")
+    parser.add_argument("--network-backend", choices=BACKEND_NAMES, default=known.backend)
+    for side in ("width", "height"):
+        parser.add_argument(
+            f"--network-{side}", type=int, default=getattr(known, side), metavar="PIXELS",
+            help="of what pictures are resized to (default: as the model says)",
+        )  # fmt: skip
+    parser.add_argument(
+        "--network-channels", choices=CHANNELS, default=known.channels, help="default: %(default)s"
+    )
+    for name, what in (("mean", "is taken from pixels of 0 to 1"), ("std", "they are divided by")):
+        parser.add_argument(
+            f"--network-{name}", type=float, nargs="+", default=getattr(known, name), metavar="X",
+            help=f"what {what}; one a channel (default: ImageNet's)",
+        )  # fmt: skip
+    parser.add_argument(
+        "--network-weight", type=float, default=RecognitionParams.global_weight, metavar="WEIGHT",
+        help="of what it says, against the keypoints (default: %(default)s)",
+    )  # fmt: skip
 
 
 def _evaluate(options: argparse.Namespace) -> Answer:
@@ -100,7 +130,8 @@ def _evaluate(options: argparse.Namespace) -> Answer:
         check_output(path, options.force)
     mode = options.mode or ("single" if options.leave_one_out else LocalizationParams.mode)
     library = _library(options)
-    evaluation = _evaluated(options, library, LocalizationParams(mode=mode))
+    recognition = RecognitionParams(global_weight=options.network_weight)
+    evaluation = _evaluated(options, library, LocalizationParams(mode=mode, recognition=recognition))
     unit = "m" if scale_of(library.place_map) else "px"
     if options.json:
         _write_json(options.json, mode, unit, evaluation)
@@ -124,9 +155,15 @@ def _check(options: argparse.Namespace) -> None:
 
 
 def _library(options: argparse.Namespace) -> Library:
-    features = PROFILES[options.profile](options.detector, options.extractor)
+    network = GlobalDescriptorSettings(
+        options.network, options.network_backend, options.network_width, options.network_height,
+        options.network_channels, options.network_mean, options.network_std,
+    )  # fmt: skip
+    settings = IndexSettings.of_profile(
+        options.profile, options.detector, options.extractor, options.matcher, network, options.orb_wta_k
+    )
     return Library(
-        options.map, read_place_map(options.map), IndexSettings(features, options.matcher),
+        options.map, read_place_map(options.map), settings,
         options.jobs, options.scheduler, functools.partial(print, file=sys.stderr),
     )  # fmt: skip
 

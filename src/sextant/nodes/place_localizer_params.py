@@ -4,7 +4,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Callable, Dict, List
+from typing import Callable, List
 
 import sextant
 from sextant.nodes.params import not_empty, one_of, param, required, within
@@ -65,7 +65,10 @@ class PlaceLocalizerParams:
         :raises OSError, ValueError: as sextant.places.place_map_file.read_place_map()
         """
         path = Path(self.map_file)
-        settings = IndexSettings(self._features(), self.matcher, self._network())
+        settings = IndexSettings.of_profile(
+            self.profile, self.detector, self.extractor, self.matcher, self._network(), self.orb_wta_k,
+            max_side=self.max_side, max_features=self.max_features,
+        )  # fmt: skip
         return Library(path, read_place_map(path), settings, self.jobs, self.scheduler, report)
 
     def localization(self) -> LocalizationParams:
@@ -87,14 +90,7 @@ class PlaceLocalizerParams:
             ),
         )
 
-    def _features(self) -> Dict[str, Any]:
-        features = PROFILES[self.profile](self.detector, self.extractor)
-        tuned = {"max_side": self.max_side, "max_features": self.max_features}
-        return {**features, **(tuned if self.profile == "tuned" else {}), "orb_wta_k": self.orb_wta_k}
-
-    def _network(self):
-        if not self.network:
-            return None
+    def _network(self) -> GlobalDescriptorSettings:
         return GlobalDescriptorSettings(
             self.network, self.network_backend, self.network_width, self.network_height,
             self.network_channels, tuple(self.network_mean), tuple(self.network_std),

@@ -83,12 +83,14 @@ class PlaceBelief:
         self.places = stay * moved + back * (self.places.sum() + self.nowhere)
         self.nowhere = max(1 - self.places.sum(), 0.0) if params.nowhere else 0.0
 
-    def see(self, log_ratios: np.ndarray) -> None:
+    def see(self, log_ratios: np.ndarray, voted: bool = True) -> None:
         """Weighs the places by what a picture says.
 
         :param log_ratios: (n,) log of how much likelier the picture is at each place than nowhere
+        :param voted: False: it only tells places apart, which is no reason to doubt all of them
         """
-        trusted = self._params.trust * (np.asarray(log_ratios, float) - self._params.doubt)
+        doubt = self._params.doubt if voted else 0.0
+        trusted = self._params.trust * (np.asarray(log_ratios, float) - doubt)
         with np.errstate(divide="ignore"):  # logs of 0: what is impossible stays so
             logs = np.log(np.append(self.places, self.nowhere)) + np.append(trusted, 0.0)
         weights = np.exp(logs - logs.max())  # the largest of what is possible: the sum is never 0

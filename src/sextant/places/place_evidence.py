@@ -8,6 +8,7 @@ The ratio is between a picture that was taken where the photo was, and one taken
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.special import logsumexp
 
 from sextant.ranges import check_ranges
 
@@ -71,10 +72,13 @@ def absolute_log_ratios(scores: np.ndarray, params: EvidenceParams) -> np.ndarra
     return np.maximum(ratios - excess, -params.limit)
 
 
-def relative_log_ratios(scores: np.ndarray, shift: float) -> np.ndarray:
+def relative_log_ratios(scores: np.ndarray, shift: float, shares: np.ndarray) -> np.ndarray:
     """(n,) of scores of which a right photo's is `shift` deviations higher, with normal noise.
 
-    A picture says which photos are likelier than others, and little of whether it is any of them.
+    A picture says which photos are likelier than others, and nothing of whether it is any of them: nowhere it
+    is as likely as it is in the map on the mean, which is 1.
+
+    :param shares: (n,) of the photos in the mean; they sum to 1
     """
     z = np.clip(deviations(scores), -HIGHEST_RELATIVE, HIGHEST_RELATIVE)
-    return shift * z - 0.5 * shift**2
+    return shift * z - logsumexp(shift * z, b=shares)

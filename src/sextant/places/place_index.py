@@ -57,6 +57,27 @@ class IndexSettings:
     matcher: str = "faiss"  # any of sextant.matcher_names() that compares what the extractor makes
     global_descriptor: Optional[GlobalDescriptorSettings] = None  # None: photos have keypoints only
 
+    @classmethod
+    def of_profile(
+        cls,
+        profile: str,
+        detector: str,
+        extractor: str,
+        matcher: str,
+        network: GlobalDescriptorSettings,
+        orb_wta_k: int,
+        **tuned: int,
+    ) -> "IndexSettings":
+        """As people choose them.
+
+        :param profile: one of PROFILES
+        :param network: without a model there is none
+        :param tuned: fields of sextant.FeatureParams that only the profile `tuned` has
+        """
+        features = PROFILES[profile](detector, extractor)
+        features.update(tuned if profile == "tuned" else {}, orb_wta_k=orb_wta_k)
+        return cls(features, matcher, network if network.model else None)
+
     def feature_params(self) -> "sextant.FeatureParams":
         """:raises ValueError: an unknown field or a value out of range"""
         params = sextant.FeatureParams()

@@ -122,7 +122,7 @@ class PlaceLocalizer:
             return self._voted(image)
         seen = self._recognizer.recognize(image)
         gone = distance if self.scale else None
-        self._mode.update(Seen(seen.log_ratios if seen.usable else None, gone))
+        self._mode.update(Seen(seen.log_ratios if seen.usable else None, gone, seen.voted))
         return self._told(seen, gone)
 
     def _told(self, seen: Recognition, gone: Optional[float]) -> Localization:

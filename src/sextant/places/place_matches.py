@@ -36,6 +36,8 @@ class MapPhotos:
         places = place_map.places()
         self.photos = [photo for place in places for photo in place]
         self.place_of = np.repeat(np.arange(len(places)), [len(place) for place in places])
+        in_place = np.bincount(self.place_of)
+        self.shares = 1 / (len(places) * in_place[self.place_of])  # all places have the same; they sum to 1
         indexed = _indexed(self.photos, index)
         self.counts = np.array([photo.count for photo in indexed])  # of keypoints
         row_of = {photo.owner: row for row, photo in enumerate(index.photos)}

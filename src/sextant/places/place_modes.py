@@ -16,6 +16,7 @@ class Seen(NamedTuple):
 
     log_ratios: Optional[np.ndarray]  # (places,)
     distance: Optional[float]  # that was gone since the last picture; None: nobody knows
+    voted: bool = True  # whether log_ratios tell nowhere from places, too
 
 
 class Single:
@@ -27,7 +28,7 @@ class Single:
     def update(self, seen: Seen) -> None:
         self.belief.reset()
         if seen.log_ratios is not None:
-            self.belief.see(seen.log_ratios)
+            self.belief.see(seen.log_ratios, seen.voted)
 
 
 class Filter:
@@ -41,7 +42,7 @@ class Filter:
         if self._begun:
             self.belief.move(seen.distance)
         if seen.log_ratios is not None:
-            self.belief.see(seen.log_ratios)
+            self.belief.see(seen.log_ratios, seen.voted)
         self._begun = True
 
 
@@ -62,7 +63,7 @@ class Sequence:
             if number:
                 self.belief.move(each.distance)
             if each.log_ratios is not None:
-                self.belief.see(each.log_ratios)
+                self.belief.see(each.log_ratios, each.voted)
 
 
 # by name: of positions, parameters of the belief, and the number of pictures in a window

@@ -5,6 +5,7 @@
 from dataclasses import dataclass, field
 from typing import List, NamedTuple, Optional
 
+import cv2
 import numpy as np
 
 import sextant
@@ -17,6 +18,7 @@ from sextant.places.place_verification import displacement_support
 from sextant.places.place_votes import MatchStatistics, lnbnn_scores, lnbnn_weights, match_statistics
 from sextant.ranges import check_ranges
 
+CELLS = 8  # a side, of contrast()
 LEAST = 500.0  # below the largest log ratio: that its exponential is not 0
 
 
@@ -28,13 +30,14 @@ class RecognitionParams:
     hub_exponent: float = 0.5  # [0, 1]; of a photo's number of descriptors, which its votes are divided by
     arrangement: float = 2.0  # [0, 100]; weight of the votes that agree in their displacement
     min_keypoints: int = 10  # [1, 100000]; a picture with fewer says nothing by votes
+    min_contrast: float = 0.5  # [0, 128]; of contrast(); a picture with less says nothing by its vector
     evidence: EvidenceParams = field(default_factory=EvidenceParams)
     global_weight: float = 1.0  # [0, 100]; deviations that a right photo's vector is nearer by; 0: not used
 
     def validate(self) -> None:
         """:raises ValueError: names the first field out of range"""
         check_ranges(self, neighbours=(2, 128), hub_exponent=(0, 1), arrangement=(0, 100))
-        check_ranges(self, min_keypoints=(1, 100000), global_weight=(0, 100))
+        check_ranges(self, min_keypoints=(1, 100000), min_contrast=(0, 128), global_weight=(0, 100))
         self.evidence.validate()
 
 
@@ -45,8 +48,20 @@ class Recognition(NamedTuple):
     log_ratios: np.ndarray  # (places,) log of how much likelier there than where nothing is known
     best_photos: List[Photo]  # (places,) which photo of each place is likeliest
     usable: bool  # whether the picture shows enough to say anything
+    voted: bool  # whether it has votes; else it can only tell places apart
     statistics: MatchStatistics
     match: MatchedPhoto  # of the likeliest photo of all
+
+
+def contrast(image: np.ndarray) -> float:
+    """How much a picture's parts differ: the standard deviation of the means of 8x8 cells, in grey levels.
+
+    A camera's noise vanishes in the means; what makes a scene does not, in the dark, in fog, or out of focus.
+
+    :param image: uint8, (height, width) grey or (height, width, 3) BGR; the channel with most of it counts
+    """
+    cells = cv2.resize(image.astype(np.float32), (CELLS, CELLS), interpolation=cv2.INTER_AREA)
+    return float(cells.reshape(CELLS * CELLS, -1).std(axis=0).max())
 
 
 class PlaceRecognizer:
@@ -69,14 +84,23 @@ class PlaceRecognizer:
         numbers = self._photos.numbers(owners)
         picture_xy = features.keypoints[:, :2] / max(features.size)
         matches = Matches(picture_xy, numbers, rows, lnbnn_weights(distances, numbers))
-        enough = len(picture_xy) >= self._params.min_keypoints
-        scores = self._scores(matches)
-        ratios = absolute_log_ratios(scores, self._params.evidence) if enough else np.zeros(len(scores))
-        if self._descriptor is not None:
-            similarities = (self._index.vectors @ self._descriptor.describe(image))[self._photos.rows]
-            ratios = ratios + relative_log_ratios(similarities, self._params.global_weight)
-        usable = enough or self._descriptor is not None
-        return self._by_place(scores, ratios, matches, usable, match_statistics(distances, numbers))
+        scores, voted = self._scores(matches), len(picture_xy) >= self._params.min_keypoints
+        ratios = absolute_log_ratios(scores, self._params.evidence) if voted else np.zeros(len(scores))
+        described = self._descriptor is not None and contrast(image) >= self._params.min_contrast
+        if described:
+            ratios = ratios + self._told_apart(image)
+        order = np.lexsort((scores, ratios))
+        best = self._best(order)
+        return Recognition(
+            scores[best], self._of_places(ratios), [self._photos.photos[number] for number in best],
+            voted or described, voted, match_statistics(distances, numbers),
+            self._photos.match(matches, int(order[-1])),
+        )  # fmt: skip
+
+    def _told_apart(self, image: np.ndarray) -> np.ndarray:
+        """(photos,) log ratios by vectors of whole pictures."""
+        similarities = (self._index.vectors @ self._descriptor.describe(image))[self._photos.rows]
+        return relative_log_ratios(similarities, self._params.global_weight, self._photos.shares)
 
     def _scores(self, matches: Matches) -> np.ndarray:
         """(photos,) by votes, and by those that agree in their displacement."""
@@ -88,21 +112,11 @@ class PlaceRecognizer:
         support = displacement_support(matches.picture_xy[at], photo_xy, weights, numbers, len(scores))
         return scores + self._params.arrangement * support / np.maximum(counts, 1) ** exponent
 
-    def _by_place(
-        self,
-        scores: np.ndarray,
-        ratios: np.ndarray,
-        matches: Matches,
-        usable: bool,
-        statistics: MatchStatistics,
-    ) -> Recognition:
-        place_of = self._photos.place_of
-        order = np.lexsort((scores, ratios))
-        best = np.zeros(1 + place_of.max(), int)
-        best[place_of[order]] = order  # the last one stays
-        match = self._photos.match(matches, int(order[-1]))
-        photos = [self._photos.photos[number] for number in best]
-        return Recognition(scores[best], self._of_places(ratios), photos, usable, statistics, match)
+    def _best(self, order: np.ndarray) -> np.ndarray:
+        """(places,) the photo of each that comes last."""
+        best = np.zeros(1 + self._photos.place_of.max(), int)
+        best[self._photos.place_of[order]] = order  # the last one stays
+        return best
 
     def _of_places(self, ratios: np.ndarray) -> np.ndarray:
         """A picture of a place is as likely as it is on the mean of the place's photos."""
