@@ -151,6 +151,19 @@ def test_the_only_one_with_votes_is_certain(tmp_path):
     assert [(answer.photo.id, answer.probability) for answer in found.answers] == [(0, 1.0)]
 
 
+@pytest.mark.parametrize("mode", ["filter", "single"])
+@pytest.mark.parametrize("count", [1, 2])
+def test_a_map_of_one_or_two_places_is_recognized_and_nothing_else_is(tmp_path, count, mode):
+    few = written_photos(tmp_path, count)
+    robot = localizer(few, index_of(few), mode)
+    there = [robot.localize(seen(count - 1, i)) for i in range(4)]
+    assert {found.status for found in there[1:]} == {Status.LOCALIZED}
+    assert there[-1].answers[0].photo.id == count - 1
+    robot.reset()
+    elsewhere = [robot.localize(picture(ELSEWHERE + i)) for i in range(4)]
+    assert {found.status for found in elsewhere} == {Status.NOWHERE}
+
+
 @pytest.mark.parametrize("mode", ["votes", "filter"])
 def test_an_empty_picture_says_nothing(place_map, index, mode):
     found = localizer(place_map, index, mode).localize(EMPTY)

@@ -2,6 +2,7 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
 import math
+import re
 import subprocess
 import sys
 import tempfile
@@ -24,15 +25,11 @@ from sextant.msg import PlaceHypotheses, Places
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "python"))
 from made_photos import picture, shifted  # noqa: E402
 
-WAIT, COUNT = 20.0, 12
+WAIT, COUNT = 60.0, 12  # s: two nodes start at once, perhaps on a cold and busy machine
 # 10 pixels from photo to photo are 1 m; the frame is turned by a quarter to the left
 METRIC = "frame=town;resolution=0.1;origin=7,3," + repr(math.pi / 2)
 CORNERS = "north_west=55.01,13.0;south_east=55.0,13.02"  # of 1000 x 100 pixels
 DIAGNOSTICS = "robot/robot: places"
-
-
-def command(*args):
-    return ["rosrun", "sextant", "place_localizer", *args]
 
 
 class PlaceLocalizerTest(unittest.TestCase):
@@ -51,7 +48,7 @@ class PlaceLocalizerTest(unittest.TestCase):
         (cls.folder / "earth.txt.index").write_bytes(b"SEXTANT PLACES\n\0\1\0\0\0 of long ago")
         cls.start("walker", cls.write("earth.txt", CORNERS), "_mode:=single", "_compressed:=true")
         for name in ("robot", "walker"):
-            rospy.wait_for_service(f"/{name}/reset", WAIT)
+            rospy.wait_for_service(f"/{name}/{name}/tell_initialpose", WAIT)  # the last that it offers
 
     @classmethod
     def write(cls, name, *fields, count=COUNT):
@@ -64,7 +61,8 @@ class PlaceLocalizerTest(unittest.TestCase):
     def start(cls, name, *given):
         """A localizer in a namespace of its own; its log is NAME.log in the folder."""
         log = open(cls.folder / f"{name}.log", "w")  # noqa: SIM115
-        node = subprocess.Popen(command(f"__ns:=/{name}", f"__name:={name}", *given), stdout=log, stderr=log)
+        command = ["rosrun", "sextant", "place_localizer", f"__ns:=/{name}", f"__name:={name}", *given]
+        node = subprocess.Popen(command, stdout=log, stderr=log)
         cls.addClassCleanup(cls.stop, node, log)
 
     @staticmethod
@@ -88,8 +86,9 @@ class PlaceLocalizerTest(unittest.TestCase):
         self.assertTrue(until(lambda: publisher.get_num_connections() == 1))
         return heard
 
-    def log(self, name="robot"):
-        return (self.folder / f"{name}.log").read_text()
+    def said(self, words, name="robot"):
+        """Whether the log of a node says what is searched, soon."""
+        return until(lambda: re.search(words, (self.folder / f"{name}.log").read_text()))
 
     def show(self, pixels, stamp=None, height=None):
         stamp = stamp or next(self.stamps)
@@ -146,11 +145,12 @@ class PlaceLocalizerTest(unittest.TestCase):
         places = self.hear("/robot/places", Places)
         before = self.diagnostics.count(DIAGNOSTICS, "damaged pictures")
         damaged = self.show(picture(3), height=999)
+        # a picture that follows at once could take its place
+        self.assertTrue(self.diagnostics.reaches(DIAGNOSTICS, "damaged pictures", before + 1))
         empty = places.at(self.show(np.full((240, 320), 80, np.uint8)))
         self.assertEqual((list(empty.poses), list(empty.probabilities)), ([0], [0.0]))
         self.assertFalse(places.has(damaged))
-        self.assertTrue(self.diagnostics.reaches(DIAGNOSTICS, "damaged pictures", before + 1))
-        self.assertIn("a picture of /robot/image is left out: the image is cut short", self.log())
+        self.assertTrue(self.said("a picture of /robot/image is left out: the image is cut short"))
         self.assertEqual(self.walk(places, (3,))[0].poses[0], 3)
 
     def test_compressed_pictures_in_a_georeferenced_map_are_a_fix(self):
@@ -159,7 +159,7 @@ class PlaceLocalizerTest(unittest.TestCase):
         header = Header(stamp=stamp, frame_id="camera")
         self.jpegs.publish(CompressedImage(header, "jpeg", b"\xff\xd8\xff"))
         jpeg = cv2.imencode(".jpg", shifted(picture(8), 6, 2))[1].tobytes()
-        self.assertTrue(until(lambda: "cannot be decoded" in self.log("walker")))
+        self.assertTrue(self.said("cannot be decoded", "walker"))
         self.jpegs.publish(CompressedImage(header, "jpeg", jpeg))
         self.assertEqual(places.at(stamp).poses[0], 8)
         fix = fixes.at(stamp)
@@ -175,25 +175,38 @@ class PlaceLocalizerTest(unittest.TestCase):
         self.walk(places, (2, 3, 4))
         told = places.at(self.show(shifted(picture(9), 6, 2), rospy.Time(100)))
         self.assertEqual(told.poses[0], 9)
-        self.assertIn("the pictures' clock was set back", self.log())
-        self.call("/robot/reset")
+        self.assertTrue(self.said("the pictures' clock was set back"))
+
+    def test_a_picture_that_comes_late_is_left_out(self):
+        places = self.hear("/robot/places", Places)
+        first, *_, last = self.walk(places, (2, 3, 4))
+        before = self.diagnostics.count(DIAGNOSTICS, "late pictures")
+        late = self.show(shifted(picture(9), 6, 2), last.header.stamp - rospy.Duration(0.9))
+        self.assertTrue(self.diagnostics.reaches(DIAGNOSTICS, "late pictures", before + 1))
+        told = self.walk(places, (5,))[0]
+        self.assertFalse(places.has(late))
+        self.assertEqual(told.poses[0], 5)
+        self.assertGreater(told.probabilities[0], first.probabilities[0])  # nothing was forgotten
 
     def test_odometry_carries_the_robot_on(self):
         """4 m on, the picture alone says nothing."""
         full = self.hear("/robot/hypotheses", PlaceHypotheses)
         self.assertTrue(until(lambda: self.odometry.get_num_connections() == 1))
-        x = 0.0
-        for place, metres in [(0, 0.0), (1, 1.0), (2, 1.0), (None, 4.0)]:
-            x, stamp = x + metres, next(self.stamps)
+        before = self.diagnostics.count(DIAGNOSTICS, "odometry messages")
+        way = [(next(self.stamps), x) for x in (0.0, 1.0, 2.0, 6.0)]
+        for stamp, x in way:
             odometry = Odometry(header=Header(stamp=stamp, frame_id="odom"))
             odometry.pose.pose.position.x = x
             self.odometry.publish(odometry)
-            rospy.sleep(0.1)  # another connection than the picture's
-            pixels = shifted(picture(place), 6, 2) if place is not None else np.full((240, 320), 80, np.uint8)
-            told = full.at(self.show(pixels, stamp))
+        # it has another connection than the pictures
+        self.assertTrue(self.diagnostics.reaches(DIAGNOSTICS, "odometry messages", before + len(way)))
+        pixels = [*(shifted(picture(place), 6, 2) for place in range(3)), np.full((240, 320), 80, np.uint8)]
+        for (stamp, _), seen in zip(way, pixels):
+            told = full.at(self.show(seen, stamp))
         self.assertEqual(told.status, PlaceHypotheses.UNUSABLE)
         self.assertLessEqual(abs(told.places[0].id - 6), 1)
         self.assertGreater(told.places[0].probability, 0.5)
+        self.assertTrue(until(lambda: self.diagnostics.row(DIAGNOSTICS, "gone by odometry") == "4.00 m"))
 
     def test_initialpose_comes_when_found_again_and_on_request(self):
         places = self.hear("/robot/places", Places)
@@ -237,7 +250,7 @@ class PlaceLocalizerTest(unittest.TestCase):
     def test_a_cache_of_another_version_is_built_anew(self):
         """walker's; the other tests show that it works."""
         line = "earth.txt.index: is of version 1, this program's is "
-        self.assertRegex(self.log("walker"), f"{line}.; building it anew")
+        self.assertTrue(self.said(f"{line}.; building it anew", "walker"))
 
     def test_a_photo_that_is_changed_behind_its_back_harms_nothing(self):
         places, matches = self.hear("/robot/places", Places), self.hear("/robot/matches/image", Image)
@@ -258,40 +271,7 @@ class PlaceLocalizerTest(unittest.TestCase):
             self.assertFalse(answer.success)
             self.assertIn(reason, answer.message)
             self.assertEqual(self.walk(places, (5,))[0].poses[0], 5)
-        self.assertIn("no picture of matches: ", self.log())
-
-    def test_what_stops_the_start_up_is_named(self):
-        given = self.write("broken.txt", "frame=town")
-        lacking = self.write("lacking.txt", METRIC, count=COUNT + 3)
-        good, spoilt, outside = self.write("good.txt"), self.write("spoilt.txt"), self.write("outside.txt")
-        (self.folder / "text.png").write_text("text")
-        for name, image in (("spoilt.txt", "text.png"), ("outside.txt", "../out.png")):
-            with open(self.folder / name, "a") as file:
-                file.write(f"90;{image};1;1\n")
-        refused = [
-            ([given], "broken.txt:1: after the size come all of frame, resolution, origin"),
-            ([lacking], "lacking.txt: photos that are not there: 13.png, 14.png"),
-            ([spoilt], "text.png: is no picture"),
-            ([outside], "outside.txt:14: image '../out.png' lies outside the map's folder"),
-            ([good, "_modus:=votes"], "/refused4/modus: unknown parameter; did you mean mode?"),
-            ([good, "_matcher:=BruteForce-Hamming"], "/refused5: matcher"),
-        ]
-        nodes = [
-            subprocess.Popen(
-                command(f"__name:=refused{i}", *args),
-                stdout=subprocess.PIPE,
-                stderr=subprocess.STDOUT,
-                text=True,
-            )
-            for i, (args, _) in enumerate(refused)
-        ]
-        for node in nodes:
-            self.addCleanup(node.kill)
-        for node, (_, reason) in zip(nodes, refused):
-            said, _ = node.communicate(timeout=WAIT)
-            self.assertEqual(node.returncode, 1, said)
-            self.assertIn(reason, said)
-            self.assertNotIn("Traceback", said)
+        self.assertTrue(self.said("no picture of matches: "))
 
 
 if __name__ == "__main__":

@@ -2,8 +2,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What the tests here listen with. Every wait ends; None is what came too late."""
 
+import re
 import threading
 import time
+from xmlrpc.client import ServerProxy
 
 import numpy as np
 import rosgraph
@@ -84,10 +86,19 @@ class Recorder:
             self._by_stamp.clear()
 
     def connected(self):
-        return until(lambda: self._subscriber.get_num_connections() > 0)
+        """Whether a publisher, too, has the connection: what it says from now on is heard."""
+        return until(lambda: any(map(_reaches_publisher, self._subscriber.impl.get_stats_info())))
 
     def close(self):
         self._subscriber.unregister()
+
+
+def _reaches_publisher(connection):
+    """rospy counts a connection that it has only begun to make; the publisher tells those that it has."""
+    _, publisher, _, _, _, _, text = connection
+    port = re.search(r"on port (\d+) to", text)
+    rows = ServerProxy(publisher).getBusInfo("/ros_probe")[2] if port else []
+    return any(f":{port[1]} on socket" in row[-1] for row in rows)
 
 
 class TransformRecorder:

@@ -5,7 +5,8 @@
 import sys
 import threading
 import time
-from typing import Optional
+from collections import deque
+from typing import Deque, Optional
 
 import rospy
 from diagnostic_updater import Updater
@@ -34,6 +35,7 @@ from sextant.places.place_map import GeoCorners, MetricFrame
 WARN_EVERY = 10.0  # seconds
 REPORT_EVERY = 1.0  # seconds, to diagnostics
 PAUSE = 0.2  # seconds, between two looks at who listens
+LATE = rospy.Duration(1.0)  # that a picture may come late; one from longer ago: its clock was set back
 MATCH_SIDE = 640  # pixels of the map's photo, in the picture of matches
 
 _DECODE = {Image: colour_image, CompressedImage: colour_compressed}
@@ -63,7 +65,8 @@ class PlaceLocalizerNode:
         self._params, self._loaded = params, loaded
         self._lock, self._news, self._stop = threading.Lock(), threading.Event(), threading.Event()
         self._input = ("image/compressed", CompressedImage) if params.compressed else ("image", Image)
-        self._waiting = self._subscriber = None
+        self._waiting: Deque = deque(maxlen=1)  # the newest picture, until it is worked on
+        self._subscriber: Optional[rospy.Subscriber] = None
         self._last: Optional[rospy.Time] = None  # stamp of the last picture
         self._pose: Optional[PoseWithCovarianceStamped] = None  # the last one
         self._track, self.report = OdometryTrack(), PlaceReport()
@@ -101,13 +104,14 @@ class PlaceLocalizerNode:
             self._subscriber = None
 
     def _on_picture(self, message) -> None:
-        self._waiting = message
+        self._waiting.append(message)
         self._news.set()
 
     def _on_odometry(self, message: Odometry) -> None:
         position = message.pose.pose.position
         with self._lock:
             self._track.add(message.header.stamp.to_nsec(), position.x, position.y)
+            self.report.odometry += 1
 
     # ---- working
 
@@ -118,7 +122,8 @@ class PlaceLocalizerNode:
             self._listen()
             if self._news.wait(PAUSE):
                 self._news.clear()
-                self._work(self._waiting)
+                if self._waiting:  # not where the news was of one that is done
+                    self._work(self._waiting.pop())
             if time.monotonic() >= due:  # update() asks the master for the period, and fails without it
                 due = time.monotonic() + REPORT_EVERY
                 self._updater.force_update()
@@ -127,28 +132,36 @@ class PlaceLocalizerNode:
         try:
             image = _DECODE[type(message)](message)
             with self._lock:
-                begin = time.perf_counter()
-                found = self._loaded.localizer.localize(image, self._gone(message.header.stamp))
-                self._last = message.header.stamp
-                self._tell(image, found, message.header, time.perf_counter() - begin)
+                if not self._is_late(message.header.stamp):
+                    self._localize(image, message.header)
         except (DamagedMessage, ValueError) as error:  # a network that cannot make anything of it
             self.report.damaged += 1
             topic = rospy.resolve_name(self._input[0])
             rospy.logwarn_throttle(WARN_EVERY, "a picture of %s is left out: %s", topic, error)
 
-    def _gone(self, stamp: rospy.Time) -> Optional[float]:
-        """Metres since the last picture."""
-        if self._last is None:
-            return None
-        if stamp < self._last:
-            rospy.logwarn("the pictures' clock was set back: what was seen is forgotten")
-            self._loaded.localizer.reset()
-            return None
-        return self._track.distance(self._last.to_nsec(), stamp.to_nsec())
+    def _is_late(self, stamp: rospy.Time) -> bool:
+        """Whether a newer picture was taken already; if one of long after was, forgets what was seen."""
+        if self._last is None or stamp >= self._last:
+            return False
+        if self._last - stamp < LATE:
+            self.report.late += 1
+            return True
+        rospy.logwarn("the pictures' clock was set back: what was seen is forgotten")
+        self._loaded.localizer.reset()
+        self._last = None
+        return False
 
-    def _tell(self, image, found: Localization, header: Header, seconds: float) -> None:
+    def _localize(self, image, header: Header) -> None:
+        begin, stamp, gone = time.perf_counter(), header.stamp, None
+        if self._last is not None:
+            gone = self._track.distance(self._last.to_nsec(), stamp.to_nsec())
+        found = self._loaded.localizer.localize(image, gone)
+        self._last = stamp
+        self.report.add(found, gone, time.perf_counter() - begin)
+        self._tell(image, found, header)
+
+    def _tell(self, image, found: Localization, header: Header) -> None:
         place_map = self._loaded.place_map
-        self.report.add(found, seconds)
         self._places.publish(places_message(found, header))
         self._hypotheses.publish(hypotheses_message(place_map, found, header))
         if found.estimate and isinstance(place_map.georeference, MetricFrame):

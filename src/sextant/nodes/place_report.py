@@ -21,8 +21,9 @@ class PlaceReport:
     """Counters, and the statistics of the last picture."""
 
     def __init__(self) -> None:
-        self.pictures, self.damaged = 0, 0
+        self.pictures, self.damaged, self.late, self.odometry = 0, 0, 0, 0
         self._last: Optional[Localization] = None
+        self._gone: Optional[float] = None
         self._seconds = 0.0
 
     @property
@@ -30,9 +31,12 @@ class PlaceReport:
         """Of the last picture; None: there was none."""
         return self._last.status if self._last else None
 
-    def add(self, found: Localization, seconds: float) -> None:
-        """:param seconds: that the picture took"""
-        self.pictures, self._last, self._seconds = self.pictures + 1, found, seconds
+    def add(self, found: Localization, gone: Optional[float], seconds: float) -> None:
+        """:param gone: metres since the picture before; None: odometry does not tell it
+
+        :param seconds: that the picture took
+        """
+        self.pictures, self._last, self._gone, self._seconds = self.pictures + 1, found, gone, seconds
 
     def tell(self, row: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
         """As diagnostic_updater asks."""
@@ -40,6 +44,8 @@ class PlaceReport:
         row.summary(level, text)
         row.add("pictures", str(self.pictures))
         row.add("damaged pictures", str(self.damaged))
+        row.add("late pictures", str(self.late))
+        row.add("odometry messages", str(self.odometry))
         if self._last:
             self._add_last(row, self._last)
         return row
@@ -49,6 +55,7 @@ class PlaceReport:
         row.add("place", str(best.photo.id) if best else "none")
         row.add("probability", f"{best.probability:.3f}" if best else "0")
         row.add("nowhere", f"{last.nowhere:.3f}")
+        row.add("gone by odometry", "unknown" if self._gone is None else f"{self._gone:.2f} m")
         statistics = last.statistics
         row.add("keypoints", str(statistics.keypoints))
         row.add("matches", str(statistics.matches))

@@ -36,12 +36,11 @@ class OdometryTrack:
         return distance if np.isfinite(distance) else None  # a driver may say nan
 
     def _at(self, stamp: int) -> Optional[np.ndarray]:
-        stamps = [each[0] for each in self._track]
-        after = bisect_left(stamps, stamp)
-        if after == len(stamps):
-            if not stamps or stamp - stamps[-1] > LATE:
-                return None
-            return np.array(self._track[-1][1:])
-        if after == 0 and stamps[0] != stamp:
+        after = bisect_left(self._track, (stamp + 1,))  # the first that is later
+        if not after:
             return None
-        return np.array([np.interp(stamp, stamps, [each[i] for each in self._track]) for i in (1, 2)])
+        begin, *position = self._track[after - 1]
+        if after == len(self._track):
+            return np.array(position) if stamp - begin <= LATE else None
+        end, *goal = self._track[after]
+        return np.array([np.interp(stamp - begin, (0, end - begin), pair) for pair in zip(position, goal)])
