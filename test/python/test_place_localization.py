@@ -152,8 +152,8 @@ def test_the_only_one_with_votes_is_certain(tmp_path):
 
 
 @pytest.mark.parametrize("mode", ["filter", "single"])
-@pytest.mark.parametrize("count", [1, 2])
-def test_a_map_of_one_or_two_places_is_recognized_and_nothing_else_is(tmp_path, count, mode):
+@pytest.mark.parametrize("count", [1, 2, 3])
+def test_a_map_of_few_places_is_recognized_and_nothing_else_is(tmp_path, count, mode):
     few = written_photos(tmp_path, count)
     robot = localizer(few, index_of(few), mode)
     there = [robot.localize(seen(count - 1, i)) for i in range(4)]

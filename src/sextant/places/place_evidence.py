@@ -14,8 +14,7 @@ from sextant.ranges import check_ranges
 
 MAD_TO_DEVIATION = 1.4826  # of a normal distribution
 REFERENCE = 100  # best photos that tell how much the scores of wrong ones differ
-FEW = 2  # photos that have no deviations: theirs are always the same
-AS_MANY = 4  # photos, that few count as: right and wrong pictures then say of them what they say of so many
+FEW = 4  # photos that fewer count as: they have no deviations to speak of, and take votes that others would
 ROUNDING = 1e-6  # of the largest score: what single precision leaves
 LEAST_DEVIATION = 0.1  # of the median, in absolute evidence
 LEAST_SCORE = 1e-6
@@ -64,7 +63,7 @@ def score_features(scores: np.ndarray) -> np.ndarray:
     """(n, 3) z, ln(s) and ln(n) of EvidenceParams, within what can be trusted."""
     z = np.minimum(deviations(scores, LEAST_DEVIATION), HIGHEST)
     logs = np.log(np.maximum(scores, LEAST_SCORE))
-    count = min(len(scores), REFERENCE) if len(scores) > FEW else AS_MANY
+    count = np.clip(len(scores), FEW, REFERENCE)
     return np.stack([z, logs, np.full(len(scores), np.log(count))], axis=1)
 
 
