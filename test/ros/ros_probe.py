@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What the tests here listen with. Every wait ends; None is what came too late."""
 
+import os
 import re
 import threading
 import time
@@ -15,6 +16,8 @@ from geometry_msgs.msg import TransformStamped
 from tf2_msgs.msg import TFMessage
 
 WAIT = 15.0  # s, far beyond what is needed
+
+os.environ["PYTHONUNBUFFERED"] = "1"  # of nodes that a test starts: what they say is in their log at once
 
 
 def matrix(msg):
