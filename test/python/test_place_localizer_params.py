@@ -5,9 +5,9 @@
 import pytest
 from made_photos import written_photos
 
-from sextant.nodes.params import parse_params
 from sextant.nodes.place_localizer_params import PlaceLocalizerParams
 from sextant.places.place_localization import LocalizationParams
+from sextant.strict_params import parse_params
 
 
 def made(**values):

@@ -17,7 +17,7 @@ from nav_msgs.msg import Odometry
 from std_srvs.srv import Trigger, TriggerResponse
 
 from sextant.nodes.conversions import pose_from_message
-from sextant.nodes.params import each, not_empty, one_of, param, read_params, within
+from sextant.nodes.params import read_params
 from sextant.poses import pose_of_fields
 from sextant.srv import MeasureAccuracy, MeasureAccuracyResponse
 from sextant.statistics.accuracy_report import AccuracyFiles, write_accuracy
@@ -33,6 +33,7 @@ from sextant.statistics.pose_series import (
     series_statistics,
 )
 from sextant.statistics.trajectory_metrics import RPE
+from sextant.strict_params import each, not_empty, one_of, param, within
 
 TF_PATIENCE = 5 * 10**9  # nanoseconds that tf may come later than the pose
 

@@ -19,9 +19,10 @@ from std_srvs.srv import SetBool
 from sextant.msg import MarkerMapEntries
 from sextant.nodes.conversions import pose_from_message
 from sextant.nodes.marker_map_messages import marker_from_entry
-from sextant.nodes.params import not_empty, param, read_params, within
+from sextant.nodes.params import read_params
 from sextant.statistics.drive_plot import plot_drive
 from sextant.statistics.trajectory import error_table, trajectory_errors
+from sextant.strict_params import not_empty, param, within
 
 SETTLE = 1.0  # seconds without another pose after which the last frame is taken as located
 TRAIL = 1800  # poses of the truth that are drawn

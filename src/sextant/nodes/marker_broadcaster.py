@@ -20,8 +20,9 @@ from sextant.nodes.marker_map_messages import (
     map_to_visualization,
     marker_from_entry,
 )
-from sextant.nodes.params import not_empty, param, read_params, required
+from sextant.nodes.params import read_params
 from sextant.srv import AddMarker, AddMarkerResponse
+from sextant.strict_params import not_empty, param, required
 
 
 def _ids(sizes: Dict[str, float]) -> str:

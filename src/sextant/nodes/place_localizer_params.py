@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Callable, List
 
 import sextant
-from sextant.nodes.params import not_empty, one_of, param, required, within
 from sextant.places.global_descriptor import BACKEND_NAMES, CHANNELS, GlobalDescriptorSettings
 from sextant.places.place_belief import BeliefParams
 from sextant.places.place_index import PROFILES, IndexSettings
@@ -16,6 +15,7 @@ from sextant.places.place_localization import VOTES, LocalizationParams
 from sextant.places.place_map_file import read_place_map
 from sextant.places.place_modes import MODES
 from sextant.places.place_recognition import RecognitionParams
+from sextant.strict_params import not_empty, one_of, param, required, within
 
 _FEATURES, _BELIEF = sextant.FeatureParams(), BeliefParams()
 _LOCALIZATION, _RECOGNITION = LocalizationParams(), RecognitionParams()

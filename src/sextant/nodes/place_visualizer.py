@@ -20,13 +20,14 @@ from visualization_msgs.msg import MarkerArray
 from sextant.msg import Places
 from sextant.nodes.awaited_file import wait_for_file
 from sextant.nodes.conversions import image_to_message
-from sextant.nodes.params import not_empty, param, read_params, required, within
+from sextant.nodes.params import read_params
 from sextant.nodes.picture_window import PictureWindow
 from sextant.nodes.place_map_messages import PlaceMarkers, answer_from_message, nothing
 from sextant.places.overview_mesh import write_overview_mesh
 from sextant.places.place_map import MetricFrame
 from sextant.places.place_map_file import read_place_map
 from sextant.places.place_picture import Hypothesis, PlacePicture
+from sextant.strict_params import not_empty, param, required, within
 
 WARN_EVERY = 60.0  # seconds
 

@@ -21,9 +21,10 @@ from std_msgs.msg import Header
 
 from sextant.nodes.conversions import image_to_message
 from sextant.nodes.listeners import wait_for_listener
-from sextant.nodes.params import not_empty, param, read_params, required, within
+from sextant.nodes.params import read_params
 from sextant.places.exif_map import find_photos
 from sextant.places.photo_file import read_rgb
+from sextant.strict_params import not_empty, param, required, within
 
 LINGER = 1.0  # seconds at least from the last photo to the end, so that it goes out
 

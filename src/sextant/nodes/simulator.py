@@ -20,7 +20,7 @@ from std_msgs.msg import Bool, Header
 import sextant
 from sextant.nodes.conversions import image_to_message
 from sextant.nodes.listeners import wait_for_listener
-from sextant.nodes.params import not_empty, one_of, param, read_params, within
+from sextant.nodes.params import read_params
 from sextant.nodes.simulated_clock import SimulatedClock
 from sextant.nodes.simulator_messages import (
     calibration_to_message,
@@ -31,6 +31,7 @@ from sextant.nodes.simulator_messages import (
 from sextant.simulation.drive import DriveParams, Frame, SimulatedDrive
 from sextant.simulation.motion import Motion, Unicycle
 from sextant.simulation.room import MARKER_SIZE, default_map
+from sextant.strict_params import not_empty, one_of, param, within
 
 START = 1_000_000_000  # first stamp, nanoseconds: zero means "no time" to ROS
 IMAGE_QUEUE = 60  # frames; a listener that stumbles loses none

@@ -17,10 +17,11 @@ from std_srvs.srv import Trigger, TriggerResponse
 from sextant.jobs import JobError
 from sextant.nodes.conversions import image_to_message
 from sextant.nodes.listeners import wait_for_listener
-from sextant.nodes.params import not_empty, param, read_params, within
+from sextant.nodes.params import read_params
 from sextant.nodes.simulator_messages import reading_to_message, truth_to_message
 from sextant.simulation.street_map import FRAME, StreetMap, has_street_map, write_street_map
 from sextant.simulation.street_walk import StreetWalk, WalkFrame, WalkParams, check_seasons
+from sextant.strict_params import not_empty, param, within
 
 
 @dataclass(frozen=True)

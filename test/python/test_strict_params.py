@@ -5,7 +5,7 @@ from typing import Dict, List
 
 import pytest
 
-from sextant.nodes.params import each, not_empty, one_of, param, parse_params, required, within
+from sextant.strict_params import each, not_empty, one_of, param, parse_params, required, within
 
 
 @dataclass(frozen=True)
