@@ -16,4 +16,14 @@ void Range::require(const std::string& name, double value, const std::string& un
   throw std::invalid_argument(text.str());
 }
 
+void requireOneOf(const std::string& name, const std::string& value,
+                  const std::vector<std::string>& allowed) {
+  std::string names;
+  for (const std::string& each : allowed) {
+    if (value == each) return;
+    names += (names.empty() ? "" : ", ") + each;
+  }
+  throw std::invalid_argument(name + " is '" + value + "', allowed is one of " + names);
+}
+
 }  // namespace sextant

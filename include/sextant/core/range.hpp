@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace sextant {
 
@@ -22,5 +23,8 @@ class Range {
   double low_, high_;
   bool open_;
 };
+
+/// @throws std::invalid_argument "name is 'value', allowed is one of ..."
+void requireOneOf(const std::string& name, const std::string& value, const std::vector<std::string>& allowed);
 
 }  // namespace sextant
