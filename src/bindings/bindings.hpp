@@ -19,5 +19,13 @@ void bindMapMaker(pybind11::module_& module);
 void bindRoomRenderer(pybind11::module_& module);
 void bindLocalFeatures(pybind11::module_& module);
 void bindDescriptorIndex(pybind11::module_& module);
+void bindPlaneSighting(pybind11::module_& module);
+void bindOdometrySteps(pybind11::module_& module);
+void bindLandmarkFilter(pybind11::module_& module);
+void bindLandmarkSlam(pybind11::module_& module);
+void bindLandmarkTimeline(pybind11::module_& module);
+void bindLandmarkMapFile(pybind11::module_& module);
+void bindLandmarkSmoother(pybind11::module_& module);
+void bindMarkerLandmarks(pybind11::module_& module);
 
 }  // namespace sextant

@@ -17,4 +17,12 @@ PYBIND11_MODULE(_core, module) {
   sextant::bindRoomRenderer(module);
   sextant::bindLocalFeatures(module);
   sextant::bindDescriptorIndex(module);
+  sextant::bindPlaneSighting(module);
+  sextant::bindOdometrySteps(module);
+  sextant::bindLandmarkFilter(module);
+  sextant::bindLandmarkSlam(module);
+  sextant::bindLandmarkTimeline(module);
+  sextant::bindLandmarkMapFile(module);
+  sextant::bindLandmarkSmoother(module);
+  sextant::bindMarkerLandmarks(module);
 }

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Poses (4x4 arrays, metres): of positions and quaternions in the order x y z w, and between others."""
 
+import math
 from typing import Any, List, Optional, Sequence
 
 import numpy as np
@@ -26,9 +27,25 @@ def pose_of(
     if norm < SMALLEST_NORM or abs(norm - 1.0) > tolerance:
         raise ValueError(f"the quaternion is no rotation: its length is {norm:.6g}, not 1")
     T = np.eye(4)
-    T[:3, :3] = Rotation.from_quat(xyzw).as_matrix()
+    T[:3, :3] = _rotation(*map(float, xyzw))
     T[:3, 3] = position
     return T
+
+
+def _rotation(x: float, y: float, z: float, w: float) -> np.ndarray:
+    """As Eigen has it, with the same roundings: what is read of a bag is what a nodelet was told."""
+    norm = math.sqrt((x * x + z * z) + (y * y + w * w))
+    x, y, z, w = x / norm, y / norm, z / norm, w / norm
+    xx, yy, zz = 2 * x * x, 2 * y * y, 2 * z * z
+    xy, xz, yz = 2 * y * x, 2 * z * x, 2 * z * y
+    wx, wy, wz = 2 * x * w, 2 * y * w, 2 * z * w
+    return np.array(
+        [
+            [1 - (yy + zz), xy - wz, xz + wy],
+            [xy + wz, 1 - (xx + zz), yz - wx],
+            [xz - wy, yz + wx, 1 - (xx + yy)],
+        ]
+    )
 
 
 def pose_of_fields(position: Any, orientation: Any) -> np.ndarray:
