@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from sextant.statistics.trajectory_files import read_trajectory
+from sextant.statistics.trajectory_files import read_trajectory, write_trajectory
 
 HALF = np.sqrt(0.5)
 CSV = "stamp,x,y,z,qx,qy,qz,qw\n"
@@ -109,3 +109,17 @@ def test_what_is_no_text(tmp_path):
 def test_a_file_that_is_not_there(tmp_path):
     with pytest.raises(OSError):
         read_trajectory(tmp_path / "absent.tum")
+
+
+@pytest.mark.parametrize("name", ["a.csv", "a.tum", "a.TXT"])
+def test_what_is_written_is_read_again(tmp_path, name):
+    moved = np.eye(4)
+    moved[:3, 3] = [0.1, -2e-7, 1e6 / 3]
+    trajectory = {1_700_000_000_123_456_789: QUARTER_TURN, 5: moved}
+    write_trajectory(tmp_path / name, trajectory)
+    again = read_trajectory(tmp_path / name)
+    assert list(again) == [5, 1_700_000_000_123_456_789]
+    assert again[5].tolist() == moved.tolist()
+    assert again[1_700_000_000_123_456_789] == pytest.approx(QUARTER_TURN, abs=1e-15)
+    with pytest.raises(ValueError, match="a.bag: a trajectory's file ends in .csv, .tum, .txt"):
+        write_trajectory(tmp_path / "a.bag", trajectory)

@@ -7,6 +7,7 @@ from typing import Tuple
 
 import numpy as np
 
+from sextant.simulation.landmark_world import composed, rotation
 from sextant.simulation.motion import Motion
 
 
@@ -80,6 +81,32 @@ class WheelOdometry:
         F = np.array([[1.0, 0.0, -distance * s], [0.0, 1.0, distance * c], [0.0, 0.0, 1.0]])
         G = np.array([[c, -0.5 * distance * s], [s, 0.5 * distance * c], [0.0, 1.0]])
         self._covariance = F @ self._covariance @ F.T + G @ np.diag(sigmas**2) @ G.T
+
+
+class SteppedOdometry:
+    """Adds up steps that are noisy already; the frame odom starts where the first begins."""
+
+    def __init__(self):
+        self._pose = np.zeros(3)  # x, y, yaw in odom
+        self._covariance = np.zeros((3, 3))
+
+    def add(self, step: np.ndarray, noise: np.ndarray, seconds: float) -> OdometryReading:
+        """The reading after a step that took so many seconds.
+
+        :param step: (3,) in the robot frame
+        :param noise: (3, 3) of the step, felt where it begins
+        """
+        before, self._pose = self._pose, composed(self._pose, step)
+        dx, dy = (self._pose - before)[:2]
+        F = np.array([[1.0, 0.0, -dy], [0.0, 1.0, dx], [0.0, 0.0, 1.0]])
+        axes = np.eye(3)
+        axes[:2, :2] = rotation(before[2])
+        self._covariance = F @ (self._covariance + axes @ noise @ axes.T) @ F.T
+        speed, _, turn_rate = step / seconds
+        motion = Motion(self._pose[0], self._pose[1], 0.0, self._pose[2], speed, turn_rate)
+        return OdometryReading(
+            motion, self._covariance.copy(), noise[0, 0] / seconds**2, noise[2, 2] / seconds**2
+        )
 
 
 def _arc(start: Motion, end: Motion) -> Tuple[float, float]:

@@ -10,11 +10,12 @@ CSV: commas; the header names the columns (COLUMNS), in any order, and other col
 
 from decimal import Decimal
 from pathlib import Path
-from typing import Dict, Iterator, List, Sequence, Tuple, Union
+from typing import Dict, Iterable, Iterator, List, Sequence, Tuple, Union
 
 import numpy as np
 
-from sextant.poses import pose_of
+from sextant.atomic_file import atomic_file
+from sextant.poses import pose_of, quaternion_of
 from sextant.statistics.trajectory import Trajectory
 
 FIELDS = ("stamp", "x", "y", "z", "qx", "qy", "qz", "qw")
@@ -31,6 +32,8 @@ COLUMNS: Dict[str, Tuple[str, ...]] = {
 IN_NANOSECONDS = ("stamp_ns", "#timestamp [ns]", "#timestamp", "field.header.stamp")
 ROS_POSES = ("field.pose.", "field.pose.pose.", "field.transform.")  # of PoseStamped, Odometry, Transform…
 
+WRITTEN = {".csv": ",", ".tum": " ", ".txt": " "}  # what stands between two fields
+
 FilePath = Union[str, Path]
 
 
@@ -42,10 +45,7 @@ def read_trajectory(path: FilePath) -> Trajectory:
     :raises ValueError: "file:line: reason", or an ending that says nothing
     """
     readers = {".csv": read_csv, ".tum": read_tum, ".txt": read_tum}
-    ending = Path(path).suffix.lower()
-    if ending not in readers:
-        raise ValueError(f"{path}: a trajectory's file ends in {', '.join(sorted(readers))}")
-    return readers[ending](path)
+    return readers[_checked_ending(path, readers)](path)
 
 
 def read_tum(path: FilePath) -> Trajectory:
@@ -66,6 +66,34 @@ def read_csv(path: FilePath) -> Trajectory:
     unit = NANOSECOND if names[fields.index("stamp")] in IN_NANOSECONDS else SECOND
     rows = ((number, line.split(",")) for number, line in lines if not line.startswith("#"))
     return _trajectory(path, rows, fields, unit)
+
+
+def write_trajectory(path: FilePath, trajectory: Trajectory) -> None:
+    """Writes a trajectory atomically, in the format that the ending says; as read_trajectory() reads it.
+
+    :raises OSError: the file cannot be written
+    :raises ValueError: an ending that says nothing
+    """
+    ending = _checked_ending(path, WRITTEN)
+    comma = WRITTEN[ending]
+    rows = [
+        [f"{stamp // 10**9}.{stamp % 10**9:09d}", *(repr(float(value)) for value in _fields_of(T))]
+        for stamp, T in sorted(trajectory.items())
+    ]
+    with atomic_file(path) as file:
+        file.write(("" if comma == "," else "# ") + comma.join(FIELDS) + "\n")
+        file.writelines(comma.join(row) + "\n" for row in rows)
+
+
+def _fields_of(T: np.ndarray) -> List[float]:
+    return [*T[:3, 3], *quaternion_of(T[:3, :3])]
+
+
+def _checked_ending(path: FilePath, known: Iterable[str]) -> str:
+    ending = Path(path).suffix.lower()
+    if ending not in known:
+        raise ValueError(f"{path}: a trajectory's file ends in {', '.join(sorted(known))}")
+    return ending
 
 
 def _lines(path: FilePath, comments: bool = True) -> Iterator[Tuple[int, str]]:

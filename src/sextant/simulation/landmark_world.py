@@ -1,0 +1,247 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""A simulated plane with landmarks of several classes, a robot that wanders among them, and what it measures.
+
+Everything is drawn from the seed. The noise that is drawn is the noise that is told.
+"""
+
+from collections import deque
+from dataclasses import dataclass
+from typing import Deque, Iterator, List, NamedTuple, Optional, Tuple
+
+import numpy as np
+
+from sextant.ranges import check_ranges
+
+COLOURS = ("blue", "red", "yellow", "green", "orange", "purple", "white", "black")
+TINY = 1e-9  # seconds: stamps that are one may differ by it
+
+
+@dataclass(frozen=True)
+class LandmarkWorldParams:
+    """Of world, robot and sensor."""
+
+    seed: int = 0
+    landmarks: int = 15  # [0, 10000]
+    classes: int = 3  # [1, 1000]
+    half_side: float = 8.0  # [1, 1e5] metres; landmarks stand in the square of twice this
+    separation: float = 1.0  # [0, 100] metres; no two are nearer
+    duration: float = 300.0  # (0, 1e6] seconds
+    odometry_rate: float = 20.0  # (0, 1000] Hz
+    sensor_rate: float = 5.0  # (0, 1000] Hz
+    speed: float = 0.5  # [0, 100] m/s
+    turn_rate: float = 0.8  # [0, 10] rad/s, at most
+    max_range: float = 5.0  # (0, 1e5] metres, that are seen
+    field_of_view: float = 1.6  # (0, 6.2832] radians
+    range_noise: Tuple[float, float] = (0.02, 0.005)  # metres: always, and more with every squared metre
+    bearing_noise: float = 0.02  # [0, 1] radians
+    missed: float = 0.0  # [0, 1) of what could be seen
+    phantoms: float = 0.0  # [0, 1) for each sighting, how likely one of nothing comes with it
+    delay: float = 0.0  # [0, 10] seconds from a look to its arrival
+    clock_offset: float = 0.0  # [-10, 10] seconds to add to the stamps of sightings
+    turn_by_turn: float = 0.03  # [0, 1]; as sextant.OdometryNoiseParams, and so are the next four
+    turn_by_way: float = 0.02
+    way_by_way: float = 0.03
+    way_by_turn: float = 0.01
+    aside_by_way: float = 0.01
+    scale: float = 1.0  # [0.1, 10]; what odometry measures of a metre
+
+    def validate(self) -> None:
+        """:raises ValueError: names the first field out of range"""
+        check_ranges(self, landmarks=(0, 10000), classes=(1, 1000), half_side=(1, 1e5), separation=(0, 100))
+        check_ranges(self, duration=(1e-9, 1e6), odometry_rate=(1e-9, 1000), sensor_rate=(1e-9, 1000))
+        check_ranges(self, speed=(0, 100), turn_rate=(0, 10), max_range=(1e-9, 1e5))
+        check_ranges(self, field_of_view=(1e-9, 6.2832), bearing_noise=(0, 1), missed=(0, 1 - 1e-9))
+        check_ranges(self, phantoms=(0, 1 - 1e-9), delay=(0, 10), clock_offset=(-10, 10), scale=(0.1, 10))
+        check_ranges(self, seed=(0, 2**31 - 1), turn_by_turn=(0, 1), turn_by_way=(0, 1), way_by_way=(0, 1))
+        check_ranges(self, way_by_turn=(0, 1), aside_by_way=(0, 1))
+
+
+class SeenLandmark(NamedTuple):
+    """What a sensor says, in the robot frame."""
+
+    position: np.ndarray  # (2,) metres
+    covariance: np.ndarray  # (2, 2) of the sensor
+    class_name: str
+    truth: Optional[int]  # which landmark; None: a phantom
+
+
+class Look(NamedTuple):
+    """What the sensor saw at one moment; nothing, where nothing was in view."""
+
+    stamp: float  # seconds, by the sensor's clock
+    sightings: List[SeenLandmark]
+
+
+class WorldMoment(NamedTuple):
+    """An instant of odometry, and what arrives of the sensor then."""
+
+    stamp: float  # seconds
+    pose: np.ndarray  # (3,) x, y, heading in the map
+    step: np.ndarray  # (3,) by odometry since the last moment, in the robot frame then
+    noise: np.ndarray  # (3, 3) covariance of the step, felt where it begins
+    look: Optional[Look]  # None: nothing arrives
+    speed: float  # m/s, forward, that brought it here
+    turn_rate: float  # rad/s
+
+
+class LandmarkWorld:
+    """The landmarks stay; every call of moments() drives anew, with the same noise."""
+
+    def __init__(self, params: LandmarkWorldParams):
+        """:raises ValueError: a parameter out of range, or landmarks that find no room"""
+        params.validate()
+        self.params = params
+        rng = np.random.default_rng([params.seed, 0])
+        self.positions = _scattered(rng, params)  # (n, 2) metres
+        self.classes = [class_name(number % params.classes) for number in range(params.landmarks)]
+        self.start = self.place(rng)
+
+    def moments(self) -> Iterator[WorldMoment]:
+        """From the start to the end."""
+        drive = LandmarkDrive(self)
+        for _ in range(round(self.params.duration * self.params.odometry_rate)):
+            yield drive.advance()
+
+    def noise(self, step: np.ndarray) -> np.ndarray:
+        """(3, 3) of what odometry says of a step (3,), felt where the step begins."""
+        params, way, turn = self.params, np.hypot(*step[:2]), abs(step[2])
+        return np.diag(
+            [
+                params.way_by_way**2 * way + params.way_by_turn**2 * turn,
+                params.aside_by_way**2 * way,
+                params.turn_by_way**2 * way + params.turn_by_turn**2 * turn,
+            ]
+        )
+
+    def place(self, rng: np.random.Generator) -> np.ndarray:
+        """A pose (3,) anywhere in the middle of the world."""
+        return np.array([*rng.uniform(-0.4, 0.4, 2) * self.params.half_side, rng.uniform(-np.pi, np.pi)])
+
+    def seen(self, rng: np.random.Generator, pose: np.ndarray) -> List[SeenLandmark]:
+        """What the sensor says at a pose (3,)."""
+        positions = in_frame(pose, self.positions)
+        bearings, params = np.arctan2(positions[:, 1], positions[:, 0]), self.params
+        is_near = np.hypot(*positions.T) <= params.max_range
+        found = []
+        for number in np.flatnonzero(is_near & (abs(bearings) <= params.field_of_view / 2)):
+            if rng.random() >= params.missed:
+                found.append(self._measured(rng, positions[number], self.classes[number], int(number)))
+        for _ in range(len(found)):
+            if rng.random() < params.phantoms:
+                found.append(self._phantom(rng))
+        return found
+
+    def _measured(
+        self, rng: np.random.Generator, position: np.ndarray, class_name: str, truth: Optional[int]
+    ) -> SeenLandmark:
+        distance, bearing = np.hypot(*position), np.arctan2(position[1], position[0])
+        near, more = self.params.range_noise
+        deviations = np.array([near + more * distance**2, self.params.bearing_noise * distance])
+        axes = rotation(bearing)
+        covariance = axes @ np.diag(deviations**2) @ axes.T
+        measured = position + axes @ (deviations * rng.standard_normal(2))
+        return SeenLandmark(measured, covariance, class_name, truth)
+
+    def _phantom(self, rng: np.random.Generator) -> SeenLandmark:
+        bearing = rng.uniform(-0.5, 0.5) * self.params.field_of_view
+        distance = self.params.max_range * np.sqrt(rng.uniform(0.01, 1))
+        position = distance * np.array([np.cos(bearing), np.sin(bearing)])
+        return self._measured(rng, position, class_name(rng.integers(self.params.classes)), None)
+
+
+class LandmarkDrive:
+    """A robot in a landmark world, moment by moment."""
+
+    def __init__(self, world: LandmarkWorld):
+        self._world, self._pose = world, world.start
+        self._rng = np.random.default_rng([world.params.seed, 1])
+        self._number, self._turn_rate = 0, 0.0
+        self._on_their_way: Deque[Look] = deque()
+
+    def advance(self, command: Optional[Tuple[float, float]] = None) -> WorldMoment:
+        """The next moment of odometry.
+
+        :param command: speed (m/s) and turn rate (rad/s) until then; None: it wanders
+        """
+        params = self._world.params
+        self._number += 1
+        stamp = self._number / params.odometry_rate
+        speed, turn_rate = self._wandering() if command is None else command
+        step = np.array([speed, 0.0, turn_rate]) / params.odometry_rate
+        self._pose = composed(self._pose, step)
+        noise = self._world.noise(step)
+        felt = np.sqrt(np.diag(noise)) * self._rng.standard_normal(3)
+        measured = composed(felt, step * (params.scale, params.scale, 1))
+        if self._number % max(1, round(params.odometry_rate / params.sensor_rate)) == 0:
+            look = Look(stamp - params.clock_offset, self._world.seen(self._rng, self._pose))
+            self._on_their_way.append(look)
+        return WorldMoment(stamp, self._pose, measured, noise, self._arrived(stamp), speed, turn_rate)
+
+    def carry(self) -> float:
+        """Somebody puts the robot elsewhere; its wheels do not turn.
+
+        :returns: how far, metres
+        """
+        before, self._pose = self._pose, self._world.place(self._rng)
+        return float(np.hypot(*(self._pose - before)[:2]))
+
+    def _arrived(self, stamp: float) -> Optional[Look]:
+        """Looks are no more frequent than moments are: never two at one."""
+        waiting, params = self._on_their_way, self._world.params
+        late = params.clock_offset + params.delay - TINY
+        return waiting.popleft() if waiting and waiting[0].stamp + late <= stamp else None
+
+    def _wandering(self) -> Tuple[float, float]:
+        """Turns back to the middle before it leaves the world."""
+        params, most = self._world.params, self._world.params.turn_rate
+        if np.hypot(*self._pose[:2]) > 0.75 * params.half_side:
+            inwards = np.arctan2(-self._pose[1], -self._pose[0]) - self._pose[2]
+            self._turn_rate = most if np.sin(inwards) > 0 else -most
+        elif (self._number - 1) % max(1, round(2 * params.odometry_rate)) == 0:
+            self._turn_rate = self._rng.uniform(-most, most)
+        return params.speed, self._turn_rate
+
+
+def class_name(number: int) -> str:
+    """Pillars of one colour, as long as there are colours."""
+    colour = COLOURS[number % len(COLOURS)]
+    return f"{colour}_pillar" if number < len(COLOURS) else f"{colour}_pillar_{number // len(COLOURS) + 1}"
+
+
+def rotation(angle: float) -> np.ndarray:
+    """(2, 2) counter-clockwise, radians."""
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([[c, -s], [s, c]])
+
+
+def composed(pose: np.ndarray, step: np.ndarray) -> np.ndarray:
+    """(3,) x, y, heading after a step (3,) in the frame of the pose."""
+    position = pose[:2] + rotation(pose[2]) @ step[:2]
+    return np.array([*position, np.remainder(pose[2] + step[2] + np.pi, 2 * np.pi) - np.pi])
+
+
+def relative(pose: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """(3,) of another pose (3,) in the frame of a pose (3,): the step that composed() takes from it."""
+    turn = np.remainder(other[2] - pose[2] + np.pi, 2 * np.pi) - np.pi
+    return np.array([*in_frame(pose, other[:2]), turn])
+
+
+def in_frame(pose: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """(n, 2) of points (n, 2) of the map, in the frame of a pose (3,)."""
+    return (points - pose[:2]) @ rotation(pose[2])
+
+
+def _scattered(rng: np.random.Generator, params: LandmarkWorldParams) -> np.ndarray:
+    """(n, 2) no two nearer than the separation."""
+    points = np.empty((0, 2))
+    for _ in range(1000 * (params.landmarks + 1)):
+        if len(points) == params.landmarks:
+            return points
+        point = rng.uniform(-params.half_side, params.half_side, 2)
+        if not len(points) or np.hypot(*(points - point).T).min() >= params.separation:
+            points = np.vstack([points, point])
+    raise ValueError(
+        f"{params.landmarks} landmarks {params.separation:g} m apart find no room in a square of "
+        f"{2 * params.half_side:g} m: fewer of them, a smaller separation or a larger half_side"
+    )
