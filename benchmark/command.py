@@ -56,7 +56,19 @@ def _parse(topics: Topics, what: Optional[str], arguments: List[str]) -> argpars
     unknown = sorted(set(options.only) - set(topics))
     if unknown:
         parser.error(f"--only: no topic {', '.join(unknown)}; there are {', '.join(topics)}")
+    _check_writable(parser, options)
     return options
+
+
+def _check_writable(parser: argparse.ArgumentParser, options: argparse.Namespace) -> None:
+    """Before anything is measured: it may take an hour."""
+    if options.json and not Path(options.json).parent.is_dir():
+        parser.error(f"--json: there is no folder {Path(options.json).parent}")
+    if options.plots:
+        try:
+            Path(options.plots).mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            parser.error(f"--plots: {options.plots}: {error.strerror}")
 
 
 def _write(options: argparse.Namespace, results: Results, holds: bool) -> None:

@@ -14,6 +14,7 @@ sys.path.insert(0, str(BENCHMARK))
 
 from chain import Run, numbered  # noqa: E402
 from chain_frames import PlayedDrive  # noqa: E402
+from landmark_kidnap import Told, outcome  # noqa: E402
 from real_data import EXTERNAL  # noqa: E402
 from tables import Table, Value  # noqa: E402
 
@@ -48,10 +49,18 @@ def test_absent_data_is_said_and_is_no_success(tmp_path):
     assert str(tmp_path) in done.stderr and "Traceback" not in done.stderr
 
 
-def test_an_unknown_topic_is_refused():
-    done = run("--only", "photos,nonsense")
+@pytest.mark.parametrize(
+    "options, reason",
+    [
+        (["--only", "photos,nonsense"], "no topic nonsense"),
+        (["--json", "/nowhere/figures.json"], "--json: there is no folder /nowhere"),
+        (["--plots", "/dev/null/plots"], "--plots: /dev/null/plots: Not a directory"),
+    ],
+)
+def test_what_cannot_be_is_refused_before_anything_is_measured(options, reason):
+    done = run(*options)
     assert done.returncode == 2
-    assert "no topic nonsense" in done.stderr
+    assert reason in done.stderr and "Traceback" not in done.stderr and not done.stdout
 
 
 @pytest.mark.parametrize(
@@ -183,3 +192,84 @@ def test_quick_run_of_speed_and_size(tmp_path):
     few, many = size["rows"]
     assert few["right, %"]["value"] == many["right, %"]["value"] == 100
     assert few["index, MB"]["value"] < many["index, MB"]["value"]
+
+
+def run_landmarks(topic, folder):
+    """Its tables; the pictures of the topic lie in the folder."""
+    command = [sys.executable, str(BENCHMARK / "landmarks.py"), "--quick", "--only", topic, "--json", "-"]
+    done = subprocess.run([*command, "--plots", str(folder)], capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)["topics"][topic]
+
+
+def test_quick_run_of_the_accuracy_of_landmarks(tmp_path):
+    (table,) = run_landmarks("accuracy", tmp_path)
+    for row in table["rows"]:
+        assert 0.3 < row["pose NEES"]["value"] < 3 and 0.3 < row["map NEES"]["value"] < 3
+    assert (tmp_path / "accuracy.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_quick_run_of_the_association_of_landmarks(tmp_path):
+    (table,) = run_landmarks("association", tmp_path)
+    assert all(row["wrong associations"]["value"] == 0 for row in table["rows"])
+
+
+def test_quick_run_of_the_cost_of_landmarks(tmp_path):
+    cost, same = run_landmarks("cost", tmp_path)
+    assert cost["rows"][-1]["of the textbook's"]["value"] < 1
+    for row in same["rows"]:
+        assert max(row[column]["value"] for column in row if column != "name") < 1e3  # 1e-9
+
+
+def test_quick_run_of_late_sightings(tmp_path):
+    late, clock = run_landmarks("delay", tmp_path)
+    at_stamp, at_arrival = (row["of no delay"]["value"] for row in late["rows"][1:])
+    assert at_stamp < 1.1 < at_arrival
+    assert all(30 < row["offset, ms"]["value"] < 70 for row in clock["rows"][1:])
+
+
+@pytest.mark.skipif(not (EXTERNAL / "landmarks").is_dir(), reason="external test data")
+def test_quick_run_of_victoria_park(tmp_path):
+    optimum, known, unknown = run_landmarks("victoria_park", tmp_path)
+    assert all(row["cost"]["value"] > 0 for row in optimum["rows"])
+    assert known["rows"][0]["trajectory, m"]["value"] < known["rows"][1]["trajectory, m"]["value"] + 1
+    assert unknown["rows"][0]["landmarks"]["value"] > 10
+    assert (tmp_path / "victoria_park.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_quick_run_of_odometry_and_markers(tmp_path):
+    (table,) = run_landmarks("fusion", tmp_path)
+    for row in table["rows"]:
+        assert row["off after the first marker, m"]["value"] < row["off before, m"]["value"]
+
+
+def test_quick_run_of_carried_robots(tmp_path):
+    (table,) = run_landmarks("kidnap", tmp_path)
+    for row in table["rows"]:
+        assert row["found, %"]["value"] == 100 and row["after, s (median)"]["value"] < 60
+
+
+LOST, RIGHT, FAR = (
+    (True, False, False),
+    (False, True, True),
+    (False, False, True),
+)  # lost, near, within 3 sigma
+WRONG, TOO_SURE = (False, False, False), (False, True, False)
+
+
+@pytest.mark.parametrize(
+    "looks, expected",
+    [
+        ([LOST] * 5, (None, False)),
+        ([WRONG] * 5, (None, False)),  # it did not notice
+        ([WRONG, LOST, LOST, RIGHT], (30, False)),
+        ([WRONG, LOST, FAR, TOO_SURE, RIGHT], (40, False)),
+        ([LOST, RIGHT, FAR, TOO_SURE, LOST, FAR], (None, False)),
+        ([LOST, RIGHT, WRONG, RIGHT], (30, True)),
+        ([LOST, WRONG], (None, True)),
+        ([LOST, RIGHT, FAR, FAR, FAR, WRONG], (10, False)),  # found long before
+    ],
+)
+def test_when_a_carried_robot_is_found(looks, expected):
+    """A look every 10 s, the first at once."""
+    assert outcome(Told(10 * number, *look) for number, look in enumerate(looks)) == expected

@@ -1,0 +1,40 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Measures landmark SLAM: its covariance, its landmarks, real data, time, late sightings, printed markers,
+and whether a robot that was carried away finds itself.
+
+Exit status: 0 when every bar holds, 1 when one fails, 2 when something could not be measured.
+"""
+
+import sys
+
+from command import Results, run
+from landmark_accuracy import accuracy_tables
+from landmark_association import association_tables
+from landmark_cost import cost_tables
+from landmark_delay import delay_tables
+from landmark_fusion import fusion_tables
+from landmark_kidnap import kidnap_tables
+from landmark_victoria_park import victoria_park_tables
+
+TOPICS = {
+    "accuracy": lambda options: accuracy_tables(options.quick),
+    "association": lambda options: association_tables(options.quick),
+    "victoria_park": lambda options: victoria_park_tables(options.data / "landmarks", options.quick),
+    "cost": lambda options: cost_tables(options.quick),
+    "delay": lambda options: delay_tables(options.quick),
+    "fusion": lambda options: fusion_tables(options.quick),
+    "kidnap": lambda options: kidnap_tables(options.quick),
+}
+
+
+def plot(folder: str, results: Results) -> None:
+    """What the pose's NEES was in the course of the drives, and the real drive with its map."""
+    from landmark_plots import plot_landmarks  # only now: matplotlib takes a second to load
+
+    plot_landmarks(folder, results)
+
+
+if __name__ == "__main__":
+    sys.exit(run(TOPICS, __doc__, plot, sys.argv[1:]))
