@@ -9,7 +9,7 @@
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
 
-flags="" targets=(nodelets_storm)
+flags="" targets=(nodelets_storm landmark_storm)
 case ${1-} in
   address)
     flags="-fsanitize=address,undefined -fno-sanitize-recover=all"
@@ -70,4 +70,5 @@ if [[ $sanitizer == address ]]; then
   run_on_master "$programs/camera_driver_memory"
 fi
 run_on_master "$programs/nodelets_storm" _num_worker_threads:=4
+run_on_master "$programs/landmark_storm" _num_worker_threads:=4
 say "nothing found by the $sanitizer sanitizer"

@@ -72,7 +72,7 @@ class MarkerLocatorNodelet : public nodelet::Nodelet {
     // In the manager's threads: one of the listener's own wakes up a hundred times a second.
     tf_listener_ = std::make_unique<tf2_ros::TransformListener>(tf_, getMTNodeHandle(), false);
     ros::NodeHandle& node = getNodeHandle();
-    transform_ = std::make_unique<MapTransform>(tf_, params_.childFrame());
+    transform_ = std::make_unique<MapTransform>(tf_);
     pose_pub_ = node.advertise<geometry_msgs::PoseWithCovarianceStamped>("pose", 1);
     visualization_pub_ = node.advertise<visualization_msgs::MarkerArray>("visualization", 1);
     diagnostics_ = std::make_unique<diagnostic_updater::Updater>(node, getPrivateNodeHandle(), getName());
@@ -254,7 +254,7 @@ class MarkerLocatorNodelet : public nodelet::Nodelet {
   }
 
   void send(const ros::Time& stamp, const Pose& T_map_child) {
-    const std::string why_not = transform_->send(map_->frame(), stamp, T_map_child);
+    const std::string why_not = transform_->send(map_->frame(), params_.childFrame(), stamp, T_map_child);
     if (!why_not.empty()) trouble_->report("tf", "tf_output " + params_.tf_output + ": " + why_not);
   }
 

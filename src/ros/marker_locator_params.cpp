@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sextant/ros/marker_locator_params.hpp"
 
-#include <ros/names.h>
-
 #include <set>
 #include <stdexcept>
 
@@ -21,16 +19,6 @@ std::map<int, double> byId(const std::map<std::string, double>& sizes) {
     result[std::stoi(name)] = size;
   }
   return result;
-}
-
-// roscpp would find out only when the nodelet is half started.
-void requireTopics(const std::vector<std::string>& cameras) {
-  if (cameras.empty()) throw std::invalid_argument("cameras is empty, name at least one topic of markers");
-  for (const std::string& topic : cameras) {
-    std::string reason = "it is empty";
-    if (topic.empty() || !ros::names::validate(topic, reason))
-      throw std::invalid_argument("cameras: '" + topic + "' is no topic: " + reason);
-  }
 }
 
 void readLocalization(ParamReader& reader, MarkerLocatorParams& params) {
@@ -71,7 +59,8 @@ void MarkerLocatorParams::validate() const {
   Range::closed(0, 1).require("camera_window", camera_window, "s");
   Range::closed(0, 1).require("camera_patience", camera_patience, "s");
   Range::closed(0, 10).require("transform_timeout", transform_timeout, "s");
-  requireTopics(cameras);
+  if (cameras.empty()) throw std::invalid_argument("cameras is empty, name at least one topic of markers");
+  requireTopics("cameras", cameras);
 }
 
 std::string MarkerLocatorParams::childFrame() const {

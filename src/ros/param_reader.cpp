@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sextant/ros/param_reader.hpp"
 
+#include <ros/names.h>
+
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -87,6 +89,14 @@ void ParamReader::rejectUnknown() const {
     const std::string name = full.substr(prefix.size(), full.find('/', prefix.size()) - prefix.size());
     if (known_.count(name) == 0 && foreign().count(name) == 0)
       throw std::invalid_argument("unknown parameter " + full + "; known are" + known);
+  }
+}
+
+void requireTopics(const std::string& name, const std::vector<std::string>& topics) {
+  for (const std::string& topic : topics) {
+    std::string reason = "it is empty";
+    if (topic.empty() || !ros::names::validate(topic, reason))
+      throw std::invalid_argument(name + ": '" + topic + "' is no topic: " + reason);
   }
 }
 

@@ -12,6 +12,7 @@ TransformLookup lookUp(const tf2_ros::Buffer& buffer, const std::string& target,
                        const ros::Time& stamp) {
   const std::string frames = "no transform from '" + source + "' to '" + target + "' at the image's stamp: ";
   if (stamp.isZero()) return {std::nullopt, frames + "the stamp is zero"};
+  if (source.empty()) return {std::nullopt, frames + "the message names no frame_id"};
   if (target == source) return {Pose::Identity(), ""};
   try {
     return {fromMsg(buffer.lookupTransform(target, source, stamp).transform), ""};

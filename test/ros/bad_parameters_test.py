@@ -49,11 +49,36 @@ LOCATOR = [
     ("sizes", {"five": 0.1}, "sizes: 'five' is no marker id"),
     ("map_file", "/nowhere/map.txt", "/nowhere/map.txt"),
 ]
+SLAM = [
+    ("mode", "joint", "unknown parameter /{node}/mode"),
+    ("association", "best", "parameter /{node}/association is 'best', allowed"),
+    ("gate", 1.0, "parameter /{node}/gate is 1, allowed is [0.5, 1"),
+    ("doubt", 0.9, "parameter /{node}/doubt is 0.9"),
+    ("form", "square", "parameter /{node}/form is 'square'"),
+    ("alpha", 0, "parameter /{node}/alpha is 0, allowed is [0.001, 1]"),
+    ("candidate_sightings", 2.5, "parameter /{node}/candidate_sightings must be a whole number"),
+    ("candidate_memory", 0, "parameter /{node}/candidate_memory is 0, allowed is (0, 3600] s"),
+    ("match_present", 1, "parameter /{node}/match_present is 1"),
+    ("max_range", -1, "parameter /{node}/max_range is -1, allowed is (0, 1000] m"),
+    ("turn_by_turn", 11, "parameter /{node}/turn_by_turn is 11, allowed is [0, 10] rad"),
+    ("lag", 0, "parameter /{node}/lag is 0, allowed is (0, 60] s"),
+    ("tilt_sigma", math.nan, "parameter /{node}/tilt_sigma is nan"),
+    ("lost_after", -1, "parameter /{node}/lost_after is -1"),
+    ("cameras", ["front markers"], "parameter /{node}/cameras: 'front markers' is no topic"),
+    ("start", "here", "parameter /{node}/start is 'here', allowed"),
+    ("start_pose", [1.0, 2.0], "parameter /{node}/start_pose has 2 numbers"),
+    ("pose_sigma", [0.1, 0.1, 0.0], "parameter /{node}/pose_sigma is 0, allowed is (0, 1000]"),
+    ("odom_frame", "map", "parameter /{node}/map_frame is 'map', and so is"),
+    ("tf_output", "odom", "parameter /{node}/tf_output is 'odom'"),
+    ("marker_map_file", "/nowhere/map.txt", "/nowhere/map.txt"),
+    ("map_file", "/dev/null", "/dev/null"),
+]
 # What would be found out only after topics are advertised would end the whole manager.
 NODELETS = [
     ("sextant/CameraDriver", "rate", -1),
     ("sextant/MarkerDetector", "threads", 0),
     ("sextant/MarkerLocator", "mode", "best"),
+    ("sextant/LandmarkSlam", "gate", 2),
     ("sextant/MarkerLocator", "cameras", ["front markers"]),
 ]
 # (name of the file, text, line, reason)
@@ -112,6 +137,9 @@ class BadParametersTest(unittest.TestCase):
 
     def test_locator(self):
         self.assert_refused("marker_locator", LOCATOR)
+
+    def test_slam(self):
+        self.assert_refused("landmark_slam", SLAM)
 
     def test_malformed_maps_are_refused_with_line_and_reason(self):
         with tempfile.TemporaryDirectory() as folder:

@@ -1,45 +1,29 @@
 // SPDX-FileCopyrightText: Sextant authors
 // SPDX-License-Identifier: BSD-3-Clause
-// All nodelets in this process, in a manager with several threads, while everything changes at once. Worth
-// most under a sanitizer: scripts/sanitize.sh.
+// The nodelets of printed markers while everything changes at once.
 #include <dynamic_reconfigure/Reconfigure.h>
 #include <geometry_msgs/PoseWithCovarianceStamped.h>
-#include <gtest/gtest.h>
-#include <nodelet/loader.h>
 #include <ros/package.h>
-#include <ros/ros.h>
-#include <rosgraph_msgs/Clock.h>
 #include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/CompressedImage.h>
 #include <sensor_msgs/Image.h>
 #include <std_srvs/SetBool.h>
-#include <stdlib.h>
 #include <tf2_ros/transform_broadcaster.h>
 #include <visualization_msgs/MarkerArray.h>
 
 #include <atomic>
 #include <boost/make_shared.hpp>
-#include <chrono>
-#include <filesystem>
-#include <functional>
 #include <mutex>
 #include <opencv2/imgcodecs.hpp>
-#include <thread>
 
 #include "sextant/MarkerMapEntries.h"
 #include "sextant/core/marker_map_file.hpp"
 #include "sextant/core/room_renderer.hpp"
 #include "sextant/ros/conversions.hpp"
+#include "storm.hpp"
 
 namespace sextant {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-constexpr auto kTick = std::chrono::milliseconds(20);  // of /clock
-constexpr int kTicksToJump = 50;                       // in a storm
-constexpr double kJump = 5.0;                          // seconds, back
-constexpr auto kStorm = std::chrono::seconds(8);
-constexpr auto kPatience = std::chrono::seconds(60);  // a sanitizer makes everything ten times as slow
 
 CameraModel camera() {
   CameraCalibration calibration;
@@ -61,16 +45,16 @@ sensor_msgs::CameraInfo info() {
   return info;
 }
 
-class NodeletsStorm : public ::testing::Test {
+class NodeletsStorm : public Storm {
  protected:
+  NodeletsStorm() : Storm(std::chrono::milliseconds(20), 50) {}
+
   void SetUp() override {
+    Storm::SetUp();
     const std::string room = ros::package::getPath("sextant") + "/config/room.txt";
     map_ = readMarkerMap(room, TextMapParams());
     auto scene = std::make_shared<RoomScene>(RoomSceneParams(), map_);
     picture_ = RoomRenderer(RoomRendererParams(), scene, camera()).render({T_map_camera_}, 0);
-    char name[] = "/tmp/sextant_storm_XXXXXX";
-    ASSERT_NE(mkdtemp(name), nullptr);
-    folder_ = name;
     ASSERT_TRUE(cv::imwrite(folder_ / "0.png", picture_));
     ros::param::set("/driver/source", folder_.string());
     ros::param::set("/driver/encoding", "mono8");
@@ -82,18 +66,15 @@ class NodeletsStorm : public ::testing::Test {
     info_pub_ = node_.advertise<sensor_msgs::CameraInfo>("/image/camera_info", 1, true);
     info_pub_.publish(info());
     map_pub_ = node_.advertise<MarkerMapEntries>("marker_map/entries", 1);
-    spinner_.start();
-    clock_ = std::thread(&NodeletsStorm::runClock, this);
+    geometry_msgs::TransformStamped mount;
+    mount.header.frame_id = "base_link";
+    mount.child_frame_id = "camera_optical_frame";
+    mount.transform = toTransformMsg(Pose::Identity());
+    begin([this, mount](const ros::Time& now, int) mutable {
+      mount.header.stamp = now;
+      broadcaster_.sendTransform(mount);
+    });
   }
-  void TearDown() override {
-    calm();
-    loader_.clear();
-    finished_ = true;
-    if (clock_.joinable()) clock_.join();
-    spinner_.stop();
-    std::filesystem::remove_all(folder_);
-  }
-
   void load() {
     ASSERT_TRUE(loader_.load("/driver", "sextant/CameraDriver", {}, {}));
     const nodelet::M_string remappings = {{"/image", "/image_raw"}, {"/camera_info", "/image/camera_info"}};
@@ -118,56 +99,18 @@ class NodeletsStorm : public ::testing::Test {
     const std::lock_guard<std::mutex> lock(mutex_);
     return accepted_ > 10 && pictures_ > 2 && boards_ > 2 && jumps_ > 0;
   }
-  static bool await(const std::function<bool()>& what) {
-    const auto end = Clock::now() + kPatience;
-    while (!what() && Clock::now() < end) std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    return what();
-  }
   bool awaitPoses(int more) {
     return await([this, wanted = poses() + more] { return poses() >= wanted; });
   }
 
-  // A bag that is played again and again while the storm lasts; the camera's mount comes with it.
-  void runClock() {
-    const auto clock_pub = node_.advertise<rosgraph_msgs::Clock>("/clock", 10);
-    tf2_ros::TransformBroadcaster broadcaster;
-    geometry_msgs::TransformStamped mount;
-    mount.header.frame_id = "base_link";
-    mount.child_frame_id = "camera_optical_frame";
-    mount.transform = toTransformMsg(Pose::Identity());
-    rosgraph_msgs::Clock now;
-    now.clock = ros::Time(1000.0);
-    for (int tick = 1; !finished_; ++tick) {
-      now.clock += ros::Duration(std::chrono::duration<double>(kTick).count());
-      if (raging_ && tick % kTicksToJump == 0) now.clock -= ros::Duration(kJump);
-      mount.header.stamp = now.clock;
-      broadcaster.sendTransform(mount);
-      clock_pub.publish(now);
-      std::this_thread::sleep_for(kTick);
-    }
-  }
-
   void rage() {
-    raging_ = true;
-    repeat(&NodeletsStorm::reconfigureDetector);
-    repeat(&NodeletsStorm::reconfigureLocator);
-    repeat(&NodeletsStorm::lookAtPictures);
-    repeat(&NodeletsStorm::switchOffAndOn);
-    repeat(&NodeletsStorm::recalibrate);
-    repeat(&NodeletsStorm::changeMap);
+    repeat([this](int i) { reconfigureDetector(i); });
+    repeat([this](int i) { reconfigureLocator(i); });
+    repeat([this](int i) { lookAtPictures(i); });
+    repeat([this](int i) { switchOffAndOn(i); });
+    repeat([this](int i) { recalibrate(i); });
+    repeat([this](int i) { changeMap(i); });
   }
-  // As fast as it can, until the storm is over.
-  void repeat(void (NodeletsStorm::*what)(int i)) {
-    storm_.emplace_back([this, what] {
-      for (int i = 0; raging_; ++i) (this->*what)(i);
-    });
-  }
-  void calm() {
-    raging_ = false;
-    for (std::thread& each : storm_) each.join();
-    storm_.clear();
-  }
-
   void reconfigureDetector(int i) {
     dynamic_reconfigure::Reconfigure call;
     call.request.config.doubles.resize(1);
@@ -189,21 +132,21 @@ class NodeletsStorm : public ::testing::Test {
                                                                     [this](const auto&) { ++pictures_; });
     const auto boards = node_.subscribe<visualization_msgs::MarkerArray>("visualization", 1,
                                                                          [this](const auto&) { ++boards_; });
-    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    sleep(200);
   }
   void switchOffAndOn(int) {
     std_srvs::SetBool call;
     for (const bool on : {false, true}) {
       call.request.data = on;
       ros::service::call("/detector/enable", call);
-      std::this_thread::sleep_for(std::chrono::milliseconds(300));
+      sleep(300);
     }
   }
   void recalibrate(int i) {
     sensor_msgs::CameraInfo changed = info();
     changed.K[0] = i % 2 ? 500.0 : 0.0;  // without a focal length: no calibration
     info_pub_.publish(changed);
-    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    sleep(100);
   }
 
   void changeMap(int i) {
@@ -211,7 +154,7 @@ class NodeletsStorm : public ::testing::Test {
     if (i % 3 == 1) changed.markers.resize(changed.markers.size() / 2);
     if (i % 3 == 2) changed.markers.front().size = -1.0;  // is refused
     map_pub_.publish(changed);
-    std::this_thread::sleep_for(std::chrono::milliseconds(150));
+    sleep(150);
   }
   static MarkerMapEntries map(const MarkerMap& map) {
     MarkerMapEntries msg;
@@ -223,27 +166,21 @@ class NodeletsStorm : public ::testing::Test {
   const Pose T_map_camera_ = poseFromXyzRpy({0, 0, 1}, {-M_PI / 2, 0, 0});  // looks along y
   MarkerMap map_;
   cv::Mat picture_;
-  std::filesystem::path folder_;
-  ros::NodeHandle node_;
-  ros::AsyncSpinner spinner_{2};
   ros::Subscriber poses_sub_;
   ros::Publisher info_pub_, map_pub_;
   std::mutex mutex_;  // of these
   int poses_ = 0, jumps_ = 0;
   ros::Time stamp_;
   Eigen::Vector3d position_;
-  std::atomic<bool> raging_{false}, finished_{false};
   std::atomic<int> accepted_{0}, pictures_{0}, boards_{0};
-  std::thread clock_;
-  std::vector<std::thread> storm_;
-  nodelet::Loader loader_{ros::NodeHandle("~")};
+  tf2_ros::TransformBroadcaster broadcaster_;  // of the camera's mount
 };
 
 TEST_F(NodeletsStorm, WorkGoesOnAndIsRightAfterwards) {
   load();
   ASSERT_TRUE(awaitPoses(1));
   rage();
-  std::this_thread::sleep_for(kStorm);
+  sleep(8000);
   EXPECT_TRUE(await([this] { return sawEnough(); }))
       << accepted_ << " changes, " << pictures_ << " pictures, " << boards_ << " boards";
   calm();
@@ -267,7 +204,8 @@ TEST_F(NodeletsStorm, NodeletsAreUnloadedWhileTheyWork) {
 TEST_F(NodeletsStorm, RefusedNodeletsLeaveTheOthersAlone) {
   load();
   ros::param::set("/refused/nonsense", 1);
-  for (const char* type : {"sextant/CameraDriver", "sextant/MarkerDetector", "sextant/MarkerLocator"})
+  for (const char* type :
+       {"sextant/CameraDriver", "sextant/MarkerDetector", "sextant/MarkerLocator", "sextant/LandmarkSlam"})
     EXPECT_FALSE(loader_.load("/refused", type, {}, {})) << type;
   EXPECT_TRUE(awaitPoses(3));
 }
@@ -275,9 +213,4 @@ TEST_F(NodeletsStorm, RefusedNodeletsLeaveTheOthersAlone) {
 }  // namespace
 }  // namespace sextant
 
-int main(int argc, char** argv) {
-  testing::InitGoogleTest(&argc, argv);
-  ros::init(argc, argv, "nodelets_storm");
-  ros::param::set("/use_sim_time", true);
-  return RUN_ALL_TESTS();
-}
+int main(int argc, char** argv) { return sextant::runStorms(argc, argv, "nodelets_storm"); }

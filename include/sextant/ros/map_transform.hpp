@@ -16,19 +16,17 @@ namespace sextant {
 /// second parent, and never with a stamp that is not later than the last.
 class MapTransform {
  public:
-  /// @param child empty: nothing is ever sent
-  MapTransform(const tf2_ros::Buffer& buffer, std::string child)
-      : buffer_(buffer), child_(std::move(child)) {}
+  explicit MapTransform(const tf2_ros::Buffer& buffer) : buffer_(buffer) {}
 
   /// @return why nothing could be sent, with both frames; empty where it was sent or is not later
-  std::string send(const std::string& map_frame, const ros::Time& stamp, const Pose& T_map_child);
+  std::string send(const std::string& map_frame, const std::string& child, const ros::Time& stamp,
+                   const Pose& T_map_child);
 
   /// After a jump back in time.
   void reset() { last_stamp_ = ros::Time(); }
 
  private:
   const tf2_ros::Buffer& buffer_;
-  std::string child_;
   std::string parent_;  // the last that was sent: the map's frame may change, this one is ours
   ros::Time last_stamp_;
   tf2_ros::TransformBroadcaster broadcaster_;

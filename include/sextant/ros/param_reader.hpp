@@ -56,4 +56,8 @@ class ParamReader {
   std::set<std::string> known_;
 };
 
+/// @throws std::invalid_argument for a name that is no topic's: roscpp would find out only when a nodelet is
+/// half started
+void requireTopics(const std::string& name, const std::vector<std::string>& topics);
+
 }  // namespace sextant
