@@ -59,7 +59,7 @@ def test_odometry_that_cannot_be_chosen_or_used(tmp_path):
         write_odometry(bag, "wheels", "/ground_truth")
 
     for options, said in (
-        ({}, "there are several topics of nav_msgs/Odometry: /ground_truth, /odom; name one, or `none`"),
+        ({}, "there are several topics of nav_msgs/Odometry: /ground_truth, /odom; name one by --odometry"),
         (
             {"odometry": "/odom"},
             "no static transform connects it with 'base_link'; name 'wheels' as base_frame",

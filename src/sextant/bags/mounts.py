@@ -40,7 +40,7 @@ def _on_the_base(
     base = frame_name(options.base_frame)
     given = {frame_name(frame): np.array(T, dtype=float) for frame, T in options.mounts.items()}
     _check_given(bag, given, frames)
-    found = {camera: _mount(bag, frame, base, given, tree) for camera, frame in frames.items()}
+    found = {camera: mount_of(bag, frame, base, given, tree) for camera, frame in frames.items()}
     missing = [camera for camera in sorted(found) if found[camera] is None]
     if not missing:
         return Mounts(found, False, [])
@@ -73,9 +73,13 @@ def _constant(T: np.ndarray) -> Mount:
     return lambda stamp: T
 
 
-def _mount(
+def mount_of(
     bag: BagFile, frame: str, base: str, given: Dict[str, np.ndarray], tree: TransformTree
 ) -> Optional[Mount]:
+    """Of a frame, T_base_frame of those that are given or else of tf; None: they are not connected.
+
+    :raises BagError: tf is no tree
+    """
     if frame in given or frame == base:
         return _constant(given.get(frame, np.eye(4)))
     try:

@@ -37,7 +37,7 @@ def read_odometry(
     """
     if camera_is_base and not options.odometry:
         return no_odometry()
-    topic = _topic(bag, options.odometry)
+    topic = odometry_topic(bag, options.odometry)
     if not topic:
         return no_odometry()
     if camera_is_base:
@@ -54,7 +54,11 @@ class _Unrelated(BagError):
     """Odometry of a frame that nothing connects with the base."""
 
 
-def _topic(bag: BagFile, wanted: str) -> Optional[str]:
+def odometry_topic(bag: BagFile, wanted: str) -> Optional[str]:
+    """The topic that is wanted, by default the only one; None: there is none, or none is wanted.
+
+    :raises BagError: it is not there, or there are several
+    """
     topics = bag.topics(ODOMETRY)
     there = ", ".join(topics) or "none"
     if wanted == NO_ODOMETRY or (not wanted and not topics):
@@ -65,7 +69,7 @@ def _topic(bag: BagFile, wanted: str) -> Optional[str]:
             raise bag.error(f"there is no odometry on {wanted}", f"topics of {ODOMETRY} in it: {there}")
         return found
     if len(topics) > 1:
-        raise bag.error(f"there are several topics of {ODOMETRY}: {there}", "name one, or `none`")
+        raise bag.error(f"there are several topics of {ODOMETRY}: {there}", "name one by --odometry")
     return topics[0]
 
 

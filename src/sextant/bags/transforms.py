@@ -31,6 +31,7 @@ class _Series:
     def add(self, stamp: int, T: np.ndarray) -> None:
         self._stamps.append(stamp)
         self._poses.append(T)
+        self._sorted = None
 
     def at(self, stamp: int, longest_gap: float) -> Optional[np.ndarray]:
         if self.static is not None:
@@ -127,12 +128,13 @@ class TransformTree:
         return [self._series[parent, child] for child, parent in zip(way, way[1:])][::-1]
 
 
-def read_transforms(bag: BagFile) -> TransformTree:
+def read_transforms(bag: BagFile, tree: Optional[TransformTree] = None) -> TransformTree:
     """All of /tf and /tf_static, also from outside of the part that is read: they are latched.
 
+    :param tree: of bags before it, which is added to
     :raises BagError: as BagFile.messages()
     """
-    tree, damaged = TransformTree(), 0
+    tree, damaged = TransformTree() if tree is None else tree, 0
     for recorded in bag.messages(bag.topics("tf2_msgs/TFMessage", "tf/tfMessage"), whole=True):
         static = recorded.topic.rstrip("/").endswith("tf_static")
         try:

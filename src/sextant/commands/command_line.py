@@ -7,6 +7,8 @@ import sys
 from pathlib import Path
 from typing import Callable, List, NamedTuple, Optional, Sequence
 
+INTERRUPTED = 130  # exit code of a program that Ctrl-C ended, as shells have it
+
 
 class CommandParser(argparse.ArgumentParser):
     """Leaves the lines of its texts as they are; a wrong argument is a ValueError."""
@@ -30,7 +32,7 @@ def run(
 ) -> int:
     """Prints the answer, or in one line why there is none. Positional arguments may stand anywhere.
 
-    :returns: exit code; 2 for bad input
+    :returns: exit code; 2 for bad input, 130 when it was interrupted
     """
     try:
         lines, exit_code = work(parser.parse_intermixed_args(arguments))
@@ -39,6 +41,9 @@ def run(
         reason = f"{where}{error.strerror or error}"
     except (ValueError, RuntimeError) as error:
         reason = str(error)
+    except KeyboardInterrupt:
+        print(f"{parser.prog}: interrupted", file=sys.stderr)
+        return INTERRUPTED
     else:
         print("\n".join(lines))
         return exit_code

@@ -1,0 +1,45 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""A program that is killed while it saves a map of landmarks leaves a whole one."""
+
+import os
+import signal
+import time
+
+import numpy as np
+
+import sextant
+
+KILLS, COUNT = 200, 60
+LABELS = [sextant.LandmarkLabel(f"class {k % 3}") for k in range(COUNT)]
+
+
+def some_map(number):
+    """A map that is known by its number: all of it is different from that of another number."""
+    rng = np.random.default_rng(number)
+    landmarks = [sextant.PlaneLandmark(position) for position in rng.uniform(-9, 9, (COUNT, 2))]
+    root = rng.normal(size=(3 + 2 * COUNT,) * 2)
+    return sextant.LandmarkMap("map", [number, 0, 0], landmarks, LABELS, root @ root.T)
+
+
+def test_a_whole_map_is_there_after_every_kill(tmp_path):
+    path, maps = str(tmp_path / "map.yaml"), [some_map(number) for number in range(2)]
+    sextant.write_landmark_map(maps[0], path)
+    delays, found = np.random.default_rng(1).uniform(0.0, 0.02, KILLS), set()
+    for delay in delays:
+        child = os.fork()
+        if child == 0:
+            while True:
+                for each in maps:
+                    sextant.write_landmark_map(each, path)
+        time.sleep(delay)
+        os.kill(child, signal.SIGKILL)
+        os.waitpid(child, 0)
+        kept = sextant.read_landmark_map(path)
+        truth = maps[round(kept.pose[0])]
+        np.testing.assert_array_equal(kept.covariance, truth.covariance)
+        np.testing.assert_array_equal(
+            [each.position for each in kept.landmarks], [each.position for each in truth.landmarks]
+        )
+        found.add(round(kept.pose[0]))
+    assert found == {0, 1}  # the kills came while it was written
