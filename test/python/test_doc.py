@@ -69,7 +69,7 @@ def value_of(kind, literal):
 def read_by_nodelet(name):
     """{parameter: default}: the reader's calls, and the members that they read into."""
     source = NODELETS[name].read_text()
-    struct = "".join(part.title() for part in name.split("_")) + "Params"
+    struct = re.search(r"^(\w+) \1::fromRos", source, re.M).group(1)
     defaults = {}
     for parameter, target in re.findall(r'reader\.read\w*\("(\w+)", ([\w.]+)\)', source):
         *path, member = target.split(".")

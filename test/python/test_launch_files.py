@@ -15,20 +15,22 @@ import yaml
 
 import sextant
 from sextant.nodes.drive_recorder import RecorderParams
+from sextant.nodes.landmark_simulator import LandmarkSimulatorParams
 from sextant.nodes.marker_broadcaster import BroadcasterParams
-from sextant.nodes.params import parse_params
 from sextant.nodes.place_localizer_params import PlaceLocalizerParams
 from sextant.nodes.place_visualizer import VisualizerParams
 from sextant.nodes.publish_image import PublisherParams
 from sextant.nodes.simulator import SimulatorParams
 from sextant.nodes.street_simulator import StreetParams
 from sextant.simulation.room import default_map
+from sextant.strict_params import parse_params
 
 ROOT = Path(__file__).resolve().parents[2]
 LAUNCH_FILES = sorted((ROOT / "launch").glob("*.launch"))
 ROOM = str(ROOT / "config" / "room.txt")
 
-NEEDED = {"places.launch": ["map:=park.txt"]}
+NEEDED = {"places.launch": ["map:=park.txt"], "amcl.launch": ["places:=park.txt"]}
+FOREIGN = {"robot_localization", "amcl", "map_server"}  # packages that Debian does not have
 
 # Arguments that, all together, enter every <... if=...> of the shipped files.
 BRANCHES = {
@@ -39,6 +41,10 @@ BRANCHES = {
         ["fisheye:=true", "commit:=false"],
         ["start_camera:=false", "camera:=front", "image:=front/image_raw"],
     ],
+    "landmarks.launch": [["manager:=sextant_manager", "markers:=[markers]", "start_pose:=[1, 2.5, 0]"]],
+    "landmarks_demo.launch": [["rviz:=true"]],
+    "robot_localization.launch": [["odom:=wheels/odom"]],
+    "amcl.launch": [["floor:=floor.yaml"]],
     "places.launch": [["camera:=true", "rviz:=true"], ["visualizer:=false"]],
     "places_demo.launch": [["rviz:=true", "season:=[dusk]"]],
     "view.launch": [["hostname:=laptop", "master:=http://robot:11311"], ["rviz:=false"]],
@@ -53,6 +59,7 @@ RUNS = [
 RECORDS = {
     "marker_broadcaster": BroadcasterParams,
     "drive_recorder": RecorderParams,
+    "landmark_simulator": LandmarkSimulatorParams,
     "place_localizer": PlaceLocalizerParams,
     "place_visualizer": VisualizerParams,
     "publish_image": PublisherParams,
@@ -122,7 +129,7 @@ def test_loads_and_every_node_exists(run):
     config = load(*run)
     assert config.nodes and not config.config_errors
     for node in config.nodes:
-        assert is_there(node.package, node.type), f"{node.package}/{node.type}"
+        assert node.package in FOREIGN or is_there(node.package, node.type), f"{node.package}/{node.type}"
     plugins = ElementTree.parse(ROOT / "nodelet_plugins.xml").getroot()
     assert set(loaded_classes(config).values()) <= {each.get("name") for each in plugins.iter("class")}
 
@@ -169,6 +176,32 @@ def test_defaults_of_places_launch_are_those_of_its_nodes():
         taken = params_of(config, name)
         defaults = parse_params(RECORDS[name], {"map_file": "park.txt"}, name)
         assert {key: getattr(defaults, key) for key in taken} == taken
+
+
+def test_defaults_of_landmarks_launch_are_those_of_its_node():
+    args = {name: default for name, (default, _) in own_declared(ROOT / "launch/landmarks.launch").items()}
+    sensor = sextant.LandmarkSlamParams().sensor
+    assert (float(args["max_range"]), float(args["field_of_view"])) == (
+        sensor.max_range,
+        sensor.field_of_view,
+    )
+
+
+def test_the_demo_of_landmarks_tells_what_its_sensor_sees():
+    config = load(ROOT / "launch/landmarks_demo.launch")
+    simulated, told = LandmarkSimulatorParams(), params_of(config, "landmark_slam")
+    assert (told["max_range"], told["field_of_view"]) == (simulated.max_range, simulated.field_of_view)
+
+
+def test_filter_of_robot_localization_is_whole():
+    """15 flags an input: position, rotation, their speeds, acceleration; and a covariance of them all."""
+    config = params_of(load(ROOT / "launch/robot_localization.launch"), "ekf_map")
+    flags = {key: np.flatnonzero(value).tolist() for key, value in config.items() if key.endswith("_config")}
+    assert [len(value) for key, value in config.items() if key.endswith("_config")] == [15, 15]
+    assert flags == {"odom0_config": [6, 7, 11], "pose0_config": [0, 1, 5]}
+    covariance = np.reshape(config["initial_estimate_covariance"], (15, 15))
+    assert np.count_nonzero(covariance) == 15 and covariance[0, 0] >= 1000.0
+    assert (config["world_frame"], config["map_frame"]) == ("map", "map")
 
 
 def test_the_demo_of_places_has_a_folder_for_every_map():
