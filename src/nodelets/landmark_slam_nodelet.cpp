@@ -52,8 +52,9 @@ class LandmarkSlamNodelet : public nodelet::Nodelet {
   }
 
   void advertise() {
-    // In the manager's threads: one of the listener's own wakes up a hundred times a second.
-    tf_listener_ = std::make_unique<tf2_ros::TransformListener>(tf_, getMTNodeHandle(), false);
+    // In this nodelet's queue: a thread of the listener's own wakes up a hundred times a second, and the
+    // queue of several threads does not live as long as the nodelet, which a callback may keep.
+    tf_listener_ = std::make_unique<tf2_ros::TransformListener>(tf_, getNodeHandle(), false);
     transform_ = std::make_unique<MapTransform>(tf_);
     ros::NodeHandle& node = getNodeHandle();
     filtered_pub_ = node.advertise<nav_msgs::Odometry>("odometry/filtered", 10);
@@ -91,8 +92,7 @@ class LandmarkSlamNodelet : public nodelet::Nodelet {
     if (markers_ && markers_->markers == msg->markers) return;  // told again: what was learnt since stays
     try {
       session_->takeMarkers(fromMsg(*msg));
-      markers_ = msg;
-      publishMap();
+      markers_ = msg, publishMap();
     } catch (const std::exception& error) {
       trouble_->report("map", "the map on " + map_sub_.getTopic() + " is not used: " + error.what());
     }

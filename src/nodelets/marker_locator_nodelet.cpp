@@ -69,8 +69,9 @@ class MarkerLocatorNodelet : public nodelet::Nodelet {
   }
 
   void advertise() {
-    // In the manager's threads: one of the listener's own wakes up a hundred times a second.
-    tf_listener_ = std::make_unique<tf2_ros::TransformListener>(tf_, getMTNodeHandle(), false);
+    // In this nodelet's queue: a thread of the listener's own wakes up a hundred times a second, and the
+    // queue of several threads does not live as long as the nodelet, which a callback may keep.
+    tf_listener_ = std::make_unique<tf2_ros::TransformListener>(tf_, getNodeHandle(), false);
     ros::NodeHandle& node = getNodeHandle();
     transform_ = std::make_unique<MapTransform>(tf_);
     pose_pub_ = node.advertise<geometry_msgs::PoseWithCovarianceStamped>("pose", 1);

@@ -45,6 +45,9 @@ class LandmarkStorm : public Storm {
     poses_sub_ = node_.subscribe("pose", 100, &LandmarkStorm::onPose, this);
     odometry_pub_ = node_.advertise<nav_msgs::Odometry>("odom", 100);
     sightings_pub_ = node_.advertise<LandmarkSightings>("landmarks", 100);
+    pictures_sub_ = node_.subscribe("landmark_map", 1, &LandmarkStorm::onPicture, this);
+    places_pub_ = node_.advertise<geometry_msgs::PoseWithCovarianceStamped>("initialpose", 1);
+    maps_pub_ = node_.advertise<MarkerMapEntries>("marker_map/entries", 1);
     begin([this](const ros::Time& now, int number) { drive(now, number); });
   }
   void onPose(const geometry_msgs::PoseWithCovarianceStampedConstPtr& msg) {
@@ -72,7 +75,6 @@ class LandmarkStorm : public Storm {
     repeat([this](int i) { ask(i); });
     repeat([this](int i) { useFiles(i); });
     repeat([this](int i) { tellPlaces(i); });
-    repeat([this](int i) { lookAtPictures(i); });
   }
   void ask(int i) {
     std_srvs::Trigger call;
@@ -85,27 +87,21 @@ class LandmarkStorm : public Storm {
     sleep(30);
   }
   void tellPlaces(int i) {
-    const auto places = node_.advertise<geometry_msgs::PoseWithCovarianceStamped>("initialpose", 1);
-    const auto maps = node_.advertise<MarkerMapEntries>("marker_map/entries", 1);
     sleep(200);
     geometry_msgs::PoseWithCovarianceStamped place;
     place.header.frame_id = "map";
     place.pose.pose.position.x = i % 5;
     place.pose.pose.orientation.w = i % 3 ? 1 : 0;  // every third one is refused
     for (const int k : {0, 7, 35}) place.pose.covariance[k] = 0.1;
-    places.publish(place);
+    places_pub_.publish(place);
     MarkerMapEntries map;  // without markers
     map.header.frame_id = i % 2 ? "map" : "";
-    maps.publish(map);
+    maps_pub_.publish(map);
   }
-  void lookAtPictures(int) {
-    const auto pictures = node_.subscribe<visualization_msgs::MarkerArray>(
-        "landmark_map", 1, [this](const auto&) { ++pictures_; });
-    sleep(200);
-  }
+  void onPicture(const visualization_msgs::MarkerArrayConstPtr&) { ++pictures_; }
 
-  ros::Subscriber poses_sub_;
-  ros::Publisher odometry_pub_, sightings_pub_;
+  ros::Subscriber poses_sub_, pictures_sub_;
+  ros::Publisher odometry_pub_, sightings_pub_, places_pub_, maps_pub_;
   std::atomic<int> poses_{0}, answers_{0}, pictures_{0};
   std::atomic<double> x_{0};
 };
@@ -129,6 +125,15 @@ TEST_F(LandmarkStorm, ItIsUnloadedWhileItWorks) {
   for (int i = 0; i < 5; ++i) {
     ASSERT_TRUE(load());
     EXPECT_TRUE(await([this, wanted = answers_ + 2] { return answers_ >= wanted; }));
+    EXPECT_TRUE(loader_.unload("/slam"));
+  }
+}
+
+TEST_F(LandmarkStorm, ItIsUnloadedWhileItStarts) {
+  rage();
+  for (int i = 0; i < 30; ++i) {
+    ASSERT_TRUE(load());
+    sleep(i / 3);
     EXPECT_TRUE(loader_.unload("/slam"));
   }
 }
