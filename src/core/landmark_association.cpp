@@ -159,7 +159,7 @@ class JointSearch {
 /// The source work's: each is the other's nearest, below a distance.
 std::vector<Association> nearest(const std::vector<LandmarkPoint>& landmarks,
                                  const std::vector<LandmarkPointSighting>& sightings, double limit) {
-  const auto nearestOf = [limit](const auto& from, const auto& all) {
+  const auto nearest_of = [limit](const auto& from, const auto& all) {
     int found = kNone;
     double least = limit;
     for (size_t k = 0; k < all.size(); ++k) {
@@ -170,8 +170,8 @@ std::vector<Association> nearest(const std::vector<LandmarkPoint>& landmarks,
   };
   std::vector<Association> found(sightings.size());
   for (size_t i = 0; i < sightings.size(); ++i) {
-    const int landmark = nearestOf(sightings[i], landmarks);
-    if (landmark != kNone && nearestOf(landmarks[landmark], sightings) == static_cast<int>(i))
+    const int landmark = nearest_of(sightings[i], landmarks);
+    if (landmark != kNone && nearest_of(landmarks[landmark], sightings) == static_cast<int>(i))
       found[i] = {Origin::known, static_cast<size_t>(landmark)};
   }
   return found;

@@ -36,8 +36,8 @@ std::optional<size_t> LandmarkCandidates::nearest(const Sighting& sighting) cons
 }
 
 std::vector<bool> LandmarkCandidates::see(double stamp, const std::vector<Sighting>& sightings) {
-  const auto isForgotten = [&](const Candidate& each) { return stamp - each.last > params_.memory; };
-  candidates_.erase(std::remove_if(candidates_.begin(), candidates_.end(), isForgotten), candidates_.end());
+  const auto is_forgotten = [&](const Candidate& each) { return stamp - each.last > params_.memory; };
+  candidates_.erase(std::remove_if(candidates_.begin(), candidates_.end(), is_forgotten), candidates_.end());
   std::vector<std::optional<size_t>> seen(candidates_.size());  // the sighting of each
   for (size_t i = 0; i < sightings.size(); ++i) {
     const auto k = nearest(sightings[i]);
@@ -63,8 +63,8 @@ std::vector<bool> LandmarkCandidates::see(double stamp, const std::vector<Sighti
     candidate.last = stamp;
     is_landmark[i] = ++candidate.count > params_.sightings;
   }
-  const auto isDone = [&](const Candidate& each) { return each.count > params_.sightings; };
-  candidates_.erase(std::remove_if(candidates_.begin(), candidates_.end(), isDone), candidates_.end());
+  const auto is_done = [&](const Candidate& each) { return each.count > params_.sightings; };
+  candidates_.erase(std::remove_if(candidates_.begin(), candidates_.end(), is_done), candidates_.end());
   return is_landmark;
 }
 

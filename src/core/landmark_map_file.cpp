@@ -81,8 +81,8 @@ LandmarkMap parse(const YAML::Node& root) {
 void requireLabels(const LandmarkMap& map) {
   const auto& labels = map.labels;
   if (labels.size() != map.landmarks.size()) throw std::invalid_argument("every landmark needs a label");
-  const auto hasNoClass = [](const LandmarkLabel& label) { return label.class_name.empty(); };
-  if (map.frame.empty() || std::any_of(labels.begin(), labels.end(), hasNoClass))
+  const auto has_no_class = [](const LandmarkLabel& label) { return label.class_name.empty(); };
+  if (map.frame.empty() || std::any_of(labels.begin(), labels.end(), has_no_class))
     throw std::invalid_argument("the frame and every class need a name");
   for (size_t i = 0; i < labels.size(); ++i)
     if (labels[i].id && std::count(labels.begin(), labels.end(), labels[i]) > 1)

@@ -81,8 +81,8 @@ class Matcher {
       for (const size_t j : nearestTo(i)) tryPair(i, j);
     }
     if (hypotheses_.empty()) return {};
-    const auto isWorse = [](const Hypothesis& a, const Hypothesis& b) { return a.evidence < b.evidence; };
-    const Hypothesis best = *std::max_element(hypotheses_.begin(), hypotheses_.end(), isWorse);
+    const auto is_worse = [](const Hypothesis& a, const Hypothesis& b) { return a.evidence < b.evidence; };
+    const Hypothesis best = *std::max_element(hypotheses_.begin(), hypotheses_.end(), is_worse);
     const double needed = std::log(params_.certainty / (1 - params_.certainty));
     if (best.evidence - std::log(static_cast<double>(tried_)) < needed) return {};
     for (const Hypothesis& other : hypotheses_)
@@ -109,11 +109,11 @@ class Matcher {
     std::vector<size_t> others;
     for (size_t j = 0; j < local_.size(); ++j)
       if (j != i) others.push_back(j);
-    const auto isNearer = [&](size_t a, size_t b) {
+    const auto is_nearer = [&](size_t a, size_t b) {
       const Vector2d& from = local_[i].landmark.position;
       return (local_[a].landmark.position - from).norm() < (local_[b].landmark.position - from).norm();
     };
-    std::sort(others.begin(), others.end(), isNearer);
+    std::sort(others.begin(), others.end(), is_nearer);
     others.resize(std::min(others.size(), kNeighbours));
     return others;
   }

@@ -87,7 +87,7 @@ LandmarkReport LandmarkSlam::seeKnown(double stamp, const std::vector<LabelledSi
 /// Landmarks that may be seen from where the robot may be, and that the sightings may be of.
 std::vector<size_t> LandmarkSlam::inReach(const std::vector<LabelledSighting>& sightings) const {
   const double off = kDeviations * largestDeviation(filter().covariance({}).topLeftCorner<2, 2>());
-  const auto mayBe = [off](const LabelledSighting& each, double range) {
+  const auto may_be = [off](const LabelledSighting& each, double range) {
     const double deviation = largestDeviation(each.sighting.covariance.topLeftCorner<2, 2>());
     return std::abs(each.sighting.position.norm() - range) < 2 * kDeviations * deviation + off;
   };
@@ -96,7 +96,8 @@ std::vector<size_t> LandmarkSlam::inReach(const std::vector<LabelledSighting>& s
   for (size_t i = 0; i < landmarks.size(); ++i) {
     const double range = (landmarks[i].position - filter().pose().position).norm();
     if (range < params_.sensor.max_range + off ||
-        std::any_of(sightings.begin(), sightings.end(), [&](const auto& each) { return mayBe(each, range); }))
+        std::any_of(sightings.begin(), sightings.end(),
+                    [&](const auto& each) { return may_be(each, range); }))
       found.push_back(i);
   }
   return found;

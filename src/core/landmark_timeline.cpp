@@ -44,12 +44,12 @@ bool LandmarkTimeline::odometry(double stamp, const Pose2& T_odom_base) {
 Arrival LandmarkTimeline::see(double stamp, const std::vector<LabelledSighting>& sightings,
                               const Pose2& T_base_sensor) {
   const double moment = stamp + params_.clock_offset + newest().slam.filter().clockOffset();
-  const auto isSame = [&](const Moment& other) {
+  const auto is_same = [&](const Moment& other) {
     return other.heard == stamp && other.T_base_sensor == T_base_sensor && other.sightings == sightings;
   };
   applied_.clear();
-  if (std::any_of(moments_.begin(), moments_.end(), isSame) ||
-      std::any_of(waiting_.begin(), waiting_.end(), isSame))
+  if (std::any_of(moments_.begin(), moments_.end(), is_same) ||
+      std::any_of(waiting_.begin(), waiting_.end(), is_same))
     return Arrival::duplicate;
   if (history_.empty() || moment > history_.last()) {
     wait({moment, stamp, sightings, T_base_sensor});

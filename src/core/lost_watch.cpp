@@ -14,10 +14,10 @@ constexpr int kBonds = 3;  // looks in a row: one or two may be mistaken
 }  // namespace
 
 void LostWatch::look(const Look& look) {
-  const auto isOld = [this](int key) { return key < first_loose_; };
-  const auto seen = static_cast<int>(std::count_if(look.seen.begin(), look.seen.end(), isOld));
+  const auto is_old = [this](int key) { return key < first_loose_; };
+  const auto seen = static_cast<int>(std::count_if(look.seen.begin(), look.seen.end(), is_old));
   std::vector<int> missed;
-  std::copy_if(look.missed.begin(), look.missed.end(), std::back_inserter(missed), isOld);
+  std::copy_if(look.missed.begin(), look.missed.end(), std::back_inserter(missed), is_old);
   weigh(seen, missed, look);
   if (seen > static_cast<int>(missed.size())) {
     ++bonds_;
