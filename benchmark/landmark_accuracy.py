@@ -20,7 +20,8 @@ from scipy.stats import chi2
 from tables import Row, Table, Value
 
 import sextant
-from sextant.simulation.landmark_world import LandmarkWorld, LandmarkWorldParams, WorldMoment, rotation
+from sextant.plane_poses import rotation
+from sextant.simulation.landmark_world import LandmarkWorld, LandmarkWorldParams, WorldMoment
 
 RUNS, DURATION = 50, 300.0  # seconds
 BAND, SHARE = (0.9, 1.15), 90.0  # of NEES over its degrees of freedom; % of the moments in their 95 % band

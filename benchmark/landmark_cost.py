@@ -16,7 +16,7 @@ from landmark_drives import EXACT
 from tables import Row, Table, Value
 
 import sextant
-from sextant.simulation.landmark_world import composed, in_frame
+from sextant.plane_poses import composed, in_frame
 
 SIZES = (0, 15, 50, 150, 500, 1000)  # landmarks
 TEXTBOOK = 150  # landmarks

@@ -16,7 +16,8 @@ from landmark_drives import EXACT, labelled, odometry_params, pose_error, rms, s
 from tables import Row, Table, Value
 
 import sextant
-from sextant.simulation.landmark_world import LandmarkWorld, LandmarkWorldParams, composed
+from sextant.plane_poses import composed
+from sextant.simulation.landmark_world import LandmarkWorld, LandmarkWorldParams
 
 RUNS, DURATION = 20, 120.0  # seconds
 ODOMETRY, SPEED, TURN = 30.0, 0.5, 1.0  # Hz, m/s, rad/s

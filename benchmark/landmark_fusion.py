@@ -12,7 +12,7 @@ from simulated_sightings import T_BASE_CAMERA, SimulatedCamera
 from tables import Table, Value
 
 import sextant
-from sextant.simulation.landmark_world import composed, relative
+from sextant.plane_poses import composed, relative
 from sextant.simulation.motion import FigureEight
 from sextant.simulation.room import default_map
 

@@ -19,7 +19,8 @@ from tables import Row, Table, Value
 
 import sextant
 from sextant.landmarks.slam_params import LandmarkSlamSettings
-from sextant.simulation.landmark_world import LandmarkDrive, LandmarkWorld, LandmarkWorldParams, composed
+from sextant.plane_poses import composed
+from sextant.simulation.landmark_world import LandmarkDrive, LandmarkWorld, LandmarkWorldParams
 
 DEMO = Path(__file__).resolve().parents[1] / "launch" / "landmarks_demo.launch"
 SET = ("landmarks", "classes", "half_side", "missed", "phantoms", "delay", "scale")  # by its arguments

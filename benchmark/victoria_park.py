@@ -8,7 +8,7 @@ from typing import Dict, List, NamedTuple, Tuple
 import numpy as np
 
 import sextant
-from sextant.simulation.landmark_world import rotation
+from sextant.plane_poses import rotation
 
 FILE = "victoria_park.txt"
 Sighted = Tuple[int, object]  # id of a tree, from the data's makers; sextant.PlaneSighting

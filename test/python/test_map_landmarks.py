@@ -15,7 +15,8 @@ from written_bags import nanoseconds
 import sextant
 from sextant.commands.map_landmarks import main
 from sextant.landmarks.landmark_colours import colour_of_class
-from sextant.simulation.landmark_world import LandmarkWorld, LandmarkWorldParams, in_frame
+from sextant.plane_poses import in_frame
+from sextant.simulation.landmark_world import LandmarkWorld, LandmarkWorldParams
 from sextant.statistics.trajectory_files import read_trajectory
 
 WORLD = LandmarkWorld(LandmarkWorldParams(seed=3, duration=60.0, landmarks=12, half_side=5.0))

@@ -8,15 +8,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from sextant.simulation.landmark_world import (
-    LandmarkDrive,
-    LandmarkWorld,
-    LandmarkWorldParams,
-    class_name,
-    composed,
-    in_frame,
-    relative,
-)
+from sextant.plane_poses import composed, in_frame, relative
+from sextant.simulation.landmark_world import LandmarkDrive, LandmarkWorld, LandmarkWorldParams, class_name
 from sextant.simulation.odometry import SteppedOdometry
 
 EXACT = dict(turn_by_turn=0.0, turn_by_way=0.0, way_by_way=0.0, way_by_turn=0.0, aside_by_way=0.0)
@@ -130,11 +123,6 @@ def test_odometry_in_its_frame_is_as_uncertain_as_it_says():
     assert in_band(distances, 3 * len(distances))
     assert reading.motion.speed == pytest.approx(moment.step[0] / 0.02)
     assert reading.turn_rate_variance == pytest.approx(moment.noise[2, 2] / 0.02**2)
-
-
-def test_relative_undoes_composed():
-    pose, step = np.array([1.0, -2.0, 3.0]), np.array([0.3, 0.1, 0.5])
-    np.testing.assert_allclose(relative(pose, composed(pose, step)), step, atol=1e-12)
 
 
 def test_classes_have_names_of_their_own():

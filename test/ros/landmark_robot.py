@@ -12,7 +12,8 @@ from ros_probe import Recorder, until
 
 import sextant
 from sextant.msg import LandmarkMapEntries, LandmarkSighting, LandmarkSightings
-from sextant.simulation.landmark_world import LandmarkWorld, LandmarkWorldParams, composed, in_frame
+from sextant.plane_poses import composed, in_frame
+from sextant.simulation.landmark_world import LandmarkWorld, LandmarkWorldParams
 
 BEGIN = 1000.0  # s
 START_SIGMA = 0.001  # m and rad

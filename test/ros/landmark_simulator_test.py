@@ -16,7 +16,8 @@ from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
 
 from sextant.msg import LandmarkSightings
-from sextant.simulation.landmark_world import LandmarkWorld, LandmarkWorldParams, composed, in_frame, relative
+from sextant.plane_poses import composed, in_frame, relative
+from sextant.simulation.landmark_world import LandmarkWorld, LandmarkWorldParams
 
 DURATION, RATE, DELAY = 6.0, 20, 0.3  # as in the .test file
 PARAMS = LandmarkWorldParams(

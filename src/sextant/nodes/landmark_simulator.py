@@ -21,6 +21,7 @@ from sextant.nodes.listeners import wait_for_listener
 from sextant.nodes.params import read_params
 from sextant.nodes.simulated_clock import SimulatedClock
 from sextant.nodes.simulator_messages import pose_to_transform, reading_to_message, truth_to_message
+from sextant.plane_poses import in_frame, relative
 from sextant.simulation.landmark_world import (
     LandmarkDrive,
     LandmarkWorld,
@@ -28,8 +29,6 @@ from sextant.simulation.landmark_world import (
     Look,
     SeenLandmark,
     WorldMoment,
-    in_frame,
-    relative,
 )
 from sextant.simulation.motion import Motion
 from sextant.simulation.odometry import SteppedOdometry

@@ -8,7 +8,7 @@ from typing import Tuple
 import cv2
 import numpy as np
 
-from sextant.places.onnx_model import BACKENDS, ImageInput, open_network, read_input
+from sextant.onnx_model import BACKENDS, ImageInput, only, open_network, read_model
 from sextant.ranges import check_ranges
 
 LARGEST = 4096  # pixels
@@ -65,10 +65,12 @@ class GlobalDescriptor:
         """
         settings.validate()
         self._settings = settings
-        self.size = _size(settings, read_input(settings.model))  # width and height, pixels
+        facts = read_model(settings.model)
+        only(settings.model, "output", facts.outputs)
+        self.size = _size(settings, facts.input)  # width and height, pixels
         self._network = open_network(settings.model, settings.backend, threads or cv2.getNumThreads())
         noise = np.random.default_rng(0).integers(0, 256, (*self.size[::-1], 3), np.uint8)
-        made = self._network(self._blob(noise))
+        made = self._network(self._blob(noise))[0]
         if made.size < 2 or made.size != max(made.shape):
             shape = "×".join(str(size) for size in made.shape)
             reason = f"{settings.model}: makes {shape} of a picture, it must make one vector"
@@ -82,7 +84,7 @@ class GlobalDescriptor:
         """
         if image.dtype != np.uint8 or image.ndim not in (2, 3) or image.shape[2:] not in ((), (3,)):
             raise ValueError(f"a picture is {image.dtype} {image.shape}, it must be uint8, grey or BGR")
-        vector = self._network(self._blob(image)).ravel().astype(np.float64)
+        vector = self._network(self._blob(image))[0].ravel().astype(np.float64)
         length = np.linalg.norm(vector)
         if not np.isfinite(length):
             raise ValueError(

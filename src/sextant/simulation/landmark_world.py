@@ -11,6 +11,7 @@ from typing import Deque, Iterator, List, NamedTuple, Optional, Tuple
 
 import numpy as np
 
+from sextant.plane_poses import composed, in_frame, rotation
 from sextant.ranges import check_ranges
 
 COLOURS = ("blue", "red", "yellow", "green", "orange", "purple", "white", "black")
@@ -207,29 +208,6 @@ def class_name(number: int) -> str:
     """Pillars of one colour, as long as there are colours."""
     colour = COLOURS[number % len(COLOURS)]
     return f"{colour}_pillar" if number < len(COLOURS) else f"{colour}_pillar_{number // len(COLOURS) + 1}"
-
-
-def rotation(angle: float) -> np.ndarray:
-    """(2, 2) counter-clockwise, radians."""
-    c, s = np.cos(angle), np.sin(angle)
-    return np.array([[c, -s], [s, c]])
-
-
-def composed(pose: np.ndarray, step: np.ndarray) -> np.ndarray:
-    """(3,) x, y, heading after a step (3,) in the frame of the pose."""
-    position = pose[:2] + rotation(pose[2]) @ step[:2]
-    return np.array([*position, np.remainder(pose[2] + step[2] + np.pi, 2 * np.pi) - np.pi])
-
-
-def relative(pose: np.ndarray, other: np.ndarray) -> np.ndarray:
-    """(3,) of another pose (3,) in the frame of a pose (3,): the step that composed() takes from it."""
-    turn = np.remainder(other[2] - pose[2] + np.pi, 2 * np.pi) - np.pi
-    return np.array([*in_frame(pose, other[:2]), turn])
-
-
-def in_frame(pose: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """(n, 2) of points (n, 2) of the map, in the frame of a pose (3,)."""
-    return (points - pose[:2]) @ rotation(pose[2])
 
 
 def _scattered(rng: np.random.Generator, params: LandmarkWorldParams) -> np.ndarray:

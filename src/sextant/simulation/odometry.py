@@ -7,7 +7,7 @@ from typing import Tuple
 
 import numpy as np
 
-from sextant.simulation.landmark_world import composed, rotation
+from sextant.plane_poses import composed, rotation
 from sextant.simulation.motion import Motion
 
 
@@ -19,6 +19,12 @@ class OdometryNoise:
     distance_per_metre: float = 0.02  # m / sqrt(m)
     angle_per_metre: float = 0.02  # rad / sqrt(m)
     angle_per_radian: float = 0.03  # rad / sqrt(rad)
+
+    def deviations(self, distance: float, turn: float) -> np.ndarray:
+        """(2,) of a way (metres) and a turn (radians)."""
+        by_distance, by_turn = np.sqrt(abs(distance)), np.sqrt(abs(turn))
+        angle = np.hypot(self.angle_per_metre * by_distance, self.angle_per_radian * by_turn)
+        return np.array([self.distance_per_metre * by_distance, angle])
 
 
 @dataclass(frozen=True)
@@ -48,7 +54,7 @@ class WheelOdometry:
             return self._reading(motion.speed, motion.turn_rate, np.zeros(2))
         distance, turn = _arc(self._last, motion)
         self._last = motion
-        sigmas = self._sigmas(distance, turn)
+        sigmas = self._noise.deviations(distance, turn)
         self._spread(distance, turn, sigmas)
         measured = np.array([distance, turn]) + sigmas * self._random.standard_normal(2)
         heading = self._pose[2] + 0.5 * measured[1]
@@ -62,17 +68,6 @@ class WheelOdometry:
     def _reading(self, speed: float, turn_rate: float, variances: np.ndarray) -> OdometryReading:
         x, y, yaw = self._pose
         return OdometryReading(Motion(x, y, 0.0, yaw, speed, turn_rate), self._covariance.copy(), *variances)
-
-    def _sigmas(self, distance: float, turn: float) -> np.ndarray:
-        """Standard deviations of the measured (distance, turn)."""
-        noise = self._noise
-        by_distance, by_turn = np.sqrt(abs(distance)), np.sqrt(abs(turn))
-        return np.array(
-            [
-                noise.distance_per_metre * by_distance,
-                np.hypot(noise.angle_per_metre * by_distance, noise.angle_per_radian * by_turn),
-            ]
-        )
 
     def _spread(self, distance: float, turn: float, sigmas: np.ndarray) -> None:
         """P = F P F' + G Q G' with the derivatives F by the pose and G by distance and turn."""

@@ -1,17 +1,18 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""A network in an ONNX file with one image in and one vector out, run by onnxruntime or by OpenCV's dnn."""
+"""A network in an ONNX file that takes one image, run by onnxruntime or by OpenCV's dnn."""
 
 import importlib.util
 import re
-from typing import Any, Callable, List, NamedTuple, Sequence
+from typing import Any, Callable, Dict, List, NamedTuple, Sequence
 
 import cv2
 import numpy as np
 
 INSTALL = "install onnxruntime: pip install onnxruntime"
 
-Network = Callable[[np.ndarray], np.ndarray]  # float32 (1, channels, height, width) to what the model makes
+# float32 (1, channels, height, width) to what the model makes
+Network = Callable[[np.ndarray], List[np.ndarray]]
 
 
 class ImageInput(NamedTuple):
@@ -22,33 +23,55 @@ class ImageInput(NamedTuple):
     width: int
 
 
-def read_input(path: str) -> ImageInput:
-    """What the file says that the model takes.
+class ModelFacts(NamedTuple):
+    """What a file says of its model."""
 
+    input: ImageInput
+    outputs: List[str]  # names
+    notes: Dict[str, str]  # that its maker wrote into it, by name
+
+
+def read_model(path: str) -> ModelFacts:
+    """
     :raises OSError: it cannot be read
-    :raises ValueError: it is no ONNX file, or no model of one image to one output
+    :raises ValueError: it is no ONNX file, or no model of one image
     """
     import onnx  # here: few maps have a model, and it takes time
     from google.protobuf.message import DecodeError
 
     try:
-        graph = onnx.load(path, load_external_data=False).graph
+        model = onnx.load(path, load_external_data=False)
     except DecodeError:
         raise ValueError(f"{path}: is no ONNX file") from None
+    graph = model.graph
     if not graph.node:
         raise ValueError(f"{path}: is no ONNX file, or there is no network in it")
     if any(each.data_location == onnx.TensorProto.EXTERNAL for each in graph.initializer):
         raise ValueError(f"{path}: its weights are in another file; save both as one by onnx.save()")
-    _only(path, "output", graph.output)
-    tensor = _only(path, "input", _inputs_of(path, graph)).type.tensor_type
-    return _image_input(path, tensor, tensor.elem_type == onnx.TensorProto.FLOAT)
+    _check_weights(path, graph)
+    tensor = only(path, "input", _inputs_of(path, graph)).type.tensor_type
+    taken = _image_input(path, tensor, tensor.elem_type == onnx.TensorProto.FLOAT)
+    notes = {each.key: each.value for each in model.metadata_props}
+    return ModelFacts(taken, [each.name for each in graph.output], notes)
 
 
-def _only(path: str, what: str, found: Sequence[Any]) -> Any:
+def only(path: str, what: str, found: Sequence[Any]) -> Any:
+    """:raises ValueError: there are more inputs or outputs than one, or none"""
     if len(found) != 1:
-        names = ", ".join(each.name for each in found)
+        names = ", ".join(getattr(each, "name", each) for each in found)
         raise ValueError(f"{path}: has {len(found)} {what}s ({names}); it must have one")
     return found[0]
+
+
+def _check_weights(path: str, graph: Any) -> None:
+    """:raises ValueError: some are not there; OpenCV would read beyond them, or crash"""
+    from onnx import numpy_helper
+
+    for each in graph.initializer:
+        try:
+            numpy_helper.to_array(each)
+        except (ValueError, TypeError, KeyError) as error:
+            raise ValueError(f"{path}: its weights {each.name} cannot be read ({error})") from None
 
 
 def _image_input(path: str, tensor: Any, is_float: bool) -> ImageInput:
@@ -98,9 +121,9 @@ def _by_onnxruntime(path: str, threads: int) -> Network:
         raise _cannot(path, "onnxruntime", error) from None
     name = session.get_inputs()[0].name
 
-    def run(blob: np.ndarray) -> np.ndarray:
+    def run(blob: np.ndarray) -> List[np.ndarray]:
         try:
-            return session.run(None, {name: blob})[0]
+            return session.run(None, {name: blob})
         except Exception as error:
             raise _cannot(path, "onnxruntime", error) from None
 
@@ -117,10 +140,12 @@ def _by_opencv(path: str, _threads: int) -> Network:
             raise ValueError(f"{reason}; {INSTALL}") from None
         raise _cannot(path, "OpenCV's dnn", error, INSTALL) from None
 
-    def run(blob: np.ndarray) -> np.ndarray:
+    last = net.getUnconnectedOutLayersNames()
+
+    def run(blob: np.ndarray) -> List[np.ndarray]:
         try:
             net.setInput(blob)
-            return net.forward()
+            return list(net.forward(last))
         except cv2.error as error:
             raise _cannot(path, "OpenCV's dnn", error, INSTALL) from None
 

@@ -1,0 +1,28 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Poses in the plane: (3,) x, y (metres) and heading (radians)."""
+
+import numpy as np
+
+
+def rotation(angle: float) -> np.ndarray:
+    """(2, 2) counter-clockwise, radians."""
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([[c, -s], [s, c]])
+
+
+def composed(pose: np.ndarray, step: np.ndarray) -> np.ndarray:
+    """(3,) x, y, heading after a step (3,) in the frame of the pose."""
+    position = pose[:2] + rotation(pose[2]) @ step[:2]
+    return np.array([*position, np.remainder(pose[2] + step[2] + np.pi, 2 * np.pi) - np.pi])
+
+
+def relative(pose: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """(3,) of another pose (3,) in the frame of a pose (3,): the step that composed() takes from it."""
+    turn = np.remainder(other[2] - pose[2] + np.pi, 2 * np.pi) - np.pi
+    return np.array([*in_frame(pose, other[:2]), turn])
+
+
+def in_frame(pose: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """(n, 2) of points (n, 2) of the map, in the frame of a pose (3,)."""
+    return (points - pose[:2]) @ rotation(pose[2])
