@@ -39,6 +39,7 @@ void bindSensorParams(py::module_& module) {
   py::class_<LandmarkSensorParams>(module, "LandmarkSensorParams", "What a sensor sees, and how surely.")
       .def(py::init<>())
       .def_readwrite("max_range", &LandmarkSensorParams::max_range)
+      .def_readwrite("min_range", &LandmarkSensorParams::min_range)
       .def_readwrite("field_of_view", &LandmarkSensorParams::field_of_view)
       .def_readwrite("detection", &LandmarkSensorParams::detection)
       .def_readwrite("phantom", &LandmarkSensorParams::phantom)

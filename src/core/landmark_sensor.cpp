@@ -33,6 +33,7 @@ double largestDeviation(const Eigen::Matrix2d& covariance) {
 
 void LandmarkSensorParams::validate() const {
   Range::openLow(0, 1000).require("max_range", max_range, "m");
+  Range::closed(0, max_range).require("min_range", min_range, "m");
   Range::openLow(0, 2 * M_PI).require("field_of_view", field_of_view, "rad");
   Range::closed(0.01, 0.99).require("detection", detection);
   Range::closed(0.001, 0.5).require("phantom", phantom);
@@ -57,7 +58,7 @@ std::vector<size_t> LandmarkSensor::surelyInView(const SightingPrediction& in_ba
 
 bool LandmarkSensor::isInView(const Vector2d& position, double off) const {
   const double range = position.norm(), direction = std::abs(std::atan2(position.y(), position.x()));
-  if (range + off > params_.max_range || off > range) return false;
+  if (range + off > params_.max_range || range - off < params_.min_range || off > range) return false;
   if (params_.field_of_view >= 2 * M_PI) return true;
   return direction + std::asin(off / range) < params_.field_of_view / 2;
 }

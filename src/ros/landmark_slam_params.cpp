@@ -41,6 +41,7 @@ void readLandmarks(ParamReader& reader, LandmarkSlamNodeParams& params) {
   reader.read("candidate_sightings", params.slam.candidates.sightings);
   reader.read("candidate_memory", params.slam.candidates.memory);
   reader.read("max_range", params.slam.sensor.max_range);
+  reader.read("min_range", params.slam.sensor.min_range);
   reader.read("field_of_view", params.slam.sensor.field_of_view);
   reader.read("detection", params.slam.sensor.detection);
   reader.read("phantom", params.slam.sensor.phantom);

@@ -47,6 +47,16 @@ TEST(LandmarkSensor, SeesWhatLiesInItsSector) {
   EXPECT_TRUE(sensor.surelyInView(at({})).empty());
 }
 
+TEST(LandmarkSensor, MayMissWhatIsNear) {
+  LandmarkSensorParams far = params();
+  far.width = 0;
+  far.min_range = 1;
+  const LandmarkSensor sensor(far);
+  EXPECT_EQ(sensor.surelyInView(at({polar(0.99, 0), polar(1.01, 0.1)})), Found{1});
+  EXPECT_TRUE(sensor.surelyInView(at({polar(1.29, 0)}, 0.1)).empty());
+  EXPECT_FALSE(sensor.surelyInView(at({polar(1.31, 0)}, 0.1)).empty());
+}
+
 // Three deviations are what a landmark may be off.
 TEST(LandmarkSensor, IsSureOnlyWhereItCannotBeOutside) {
   const LandmarkSensor sensor(params());
@@ -104,6 +114,7 @@ TEST(LandmarkSensor, LooksWhereItIsTurnedTo) {
 TEST(LandmarkSensor, NamesAFieldThatIsOutOfRange) {
   const std::vector<std::pair<std::string, std::function<void(LandmarkSensorParams&)>>> mistakes{
       {"max_range", [](auto& params) { params.max_range = 0; }},
+      {"min_range", [](auto& params) { params.min_range = params.max_range + 1; }},
       {"field_of_view", [](auto& params) { params.field_of_view = 6.3; }},
       {"detection", [](auto& params) { params.detection = 1; }},
       {"phantom", [](auto& params) { params.phantom = 0; }},

@@ -12,6 +12,7 @@ namespace sextant {
 /// What a sensor sees, how surely, and what the things are like that it sees.
 struct LandmarkSensorParams {
   double max_range = 5.0;  ///< metres, (0, 1000]
+  double min_range = 0.0;  ///< metres; what is nearer it may miss, [0, max_range]
   double field_of_view =
       1.0;                  ///< of all directions that it surely sees, about its x axis, radians, (0, 2 pi]
   double detection = 0.8;   ///< probability that it sees what is there, [0.01, 0.99]

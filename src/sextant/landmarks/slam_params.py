@@ -19,7 +19,7 @@ from sextant.strict_params import Check, not_empty, one_of, param, parse_params,
 _FILTER = ("form", "sigma_points", "init", "alpha", "beta", "scale_sigma", "scale_drift", "clock_sigma")
 _ODOMETRY = ("turn_by_turn", "turn_by_way", "way_by_way", "way_by_turn", "aside_by_way")
 _ASSOCIATION = ("gate", "doubt", "margin", "density", "new_margin", "nearest_distance", "effort")
-_SENSOR = ("max_range", "field_of_view", "detection", "phantom", "width", "separation")
+_SENSOR = ("max_range", "min_range", "field_of_view", "detection", "phantom", "width", "separation")
 
 # Where in LandmarkSlamSettings a parameter is.
 CORE_FIELDS: Dict[str, str] = {
