@@ -16,6 +16,7 @@ void bindMarkerMap(pybind11::module_& module);
 void bindMarkerLocator(pybind11::module_& module);
 void bindMarkerLocalization(pybind11::module_& module);
 void bindMapMaker(pybind11::module_& module);
+void bindArena(pybind11::module_& module);
 void bindRoomRenderer(pybind11::module_& module);
 void bindLocalFeatures(pybind11::module_& module);
 void bindDescriptorIndex(pybind11::module_& module);

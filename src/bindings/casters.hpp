@@ -75,6 +75,8 @@ inline std::vector<std::pair<std::string, int>> pairs(const std::vector<MarkerKe
 using ImageArray = pybind11::array_t<uint8_t, pybind11::array::c_style | pybind11::array::forcecast>;
 cv::Mat imageFromArray(const ImageArray& array);
 pybind11::array_t<uint8_t> arrayFromImage(const cv::Mat& image);
+/// An image of 8-bit red, green and blue.
+pybind11::array_t<uint8_t> arrayFromColour(const cv::Mat& image);
 
 /// Rows of float32 or uint8 as a view, without a copy where they are continuous; it lives as long as the
 /// array.

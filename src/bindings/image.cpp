@@ -22,6 +22,12 @@ pybind11::array_t<uint8_t> arrayFromImage(const cv::Mat& image) {
   return array;
 }
 
+pybind11::array_t<uint8_t> arrayFromColour(const cv::Mat& image) {
+  pybind11::array_t<uint8_t> array({image.rows, image.cols, 3});
+  for (int y = 0; y < image.rows; ++y) std::memcpy(array.mutable_data(y, 0, 0), image.ptr(y), 3 * image.cols);
+  return array;
+}
+
 cv::Mat matrixFromArray(const pybind11::array& array) {
   const bool numbers = pybind11::isinstance<pybind11::array_t<float>>(array);
   if (!numbers && !pybind11::isinstance<pybind11::array_t<uint8_t>>(array))

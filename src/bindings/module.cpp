@@ -14,6 +14,7 @@ PYBIND11_MODULE(_core, module) {
   sextant::bindMarkerLocator(module);
   sextant::bindMarkerLocalization(module);
   sextant::bindMapMaker(module);
+  sextant::bindArena(module);
   sextant::bindRoomRenderer(module);
   sextant::bindLocalFeatures(module);
   sextant::bindDescriptorIndex(module);

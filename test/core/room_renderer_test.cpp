@@ -8,6 +8,8 @@
 #include <opencv2/core.hpp>
 #include <string>
 
+#include "test_cameras.hpp"
+
 namespace sextant {
 namespace {
 
@@ -29,13 +31,6 @@ CameraModel cameraWith(const Lens& lens) {
   c.K << lens.focal_length, 0, 322.3, 0, lens.focal_length + 1.7, 237.9, 0, 0, 1;
   c.P.leftCols<3>() = c.K;
   return CameraModel(c, CameraModel::Image::raw);
-}
-
-// Looks along +x from (x, y, z), turned by roll, pitch and yaw.
-Pose cameraPose(const Eigen::Vector3d& p, const Eigen::Vector3d& rpy) {
-  Pose T_mount_optical = Pose::Identity();
-  T_mount_optical.linear() << 0, 0, 1, -1, 0, 0, 0, -1, 0;
-  return poseFromXyzRpy(p, rpy) * T_mount_optical;
 }
 
 MarkerMap oneMarker() {

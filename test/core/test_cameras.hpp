@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sextant/core/camera.hpp"
+#include "sextant/core/pose.hpp"
 
 namespace sextant {
 
@@ -33,6 +34,13 @@ inline std::vector<CameraCalibration> testCalibrations() {
   std::vector<CameraCalibration> all;
   for (const auto& [model, D] : lenses) all.push_back(testCalibration(model, D));
   return all;
+}
+
+/// T_map_camera of one at p that looks along +x, turned by roll, pitch and yaw.
+inline Pose cameraPose(const Eigen::Vector3d& p, const Eigen::Vector3d& rpy) {
+  Pose T_mount_optical = Pose::Identity();
+  T_mount_optical.linear() << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+  return poseFromXyzRpy(p, rpy) * T_mount_optical;
 }
 
 }  // namespace sextant
