@@ -1,0 +1,113 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""A robot with a camera among pillars, with a ball: a BallGround that can be seen."""
+
+from dataclasses import dataclass, field
+from typing import Dict, List, Tuple
+
+import numpy as np
+
+import sextant
+from sextant.objects.object_kinds import BALL
+from sextant.ranges import check_ranges
+from sextant.simulation.ball_ground import BallGround, BallParams, DriveParams
+from sextant.simulation.ball_world import BallWorld
+from sextant.simulation.rgbd_camera import RgbdCamera, RgbdParams, RgbdPicture
+
+HEIGHT = 0.4  # of a pillar, metres
+COLOURS: Dict[str, Tuple[float, float, float]] = {  # share of light that is reflected
+    BALL: (0.85, 0.62, 0.04),
+    "blue_pillar": (0.04, 0.12, 0.55),
+    "green_pillar": (0.05, 0.40, 0.10),
+    "red_pillar": (0.62, 0.05, 0.05),
+}
+COLOUR_CHANGE = 0.15  # share by which the paint of one is another's
+WALL = 2.5  # metres
+
+
+@dataclass(frozen=True)
+class BallSimulationParams:
+    """Of everything but where things are."""
+
+    seed: int = 0  # [0, 2^31 - 1] of surfaces, paint, light and all noise
+    flicker: float = 0.15  # [0, 1] share by which the light changes
+    ball: BallParams = field(default_factory=BallParams)
+    drive: DriveParams = field(default_factory=DriveParams)
+    camera: RgbdParams = field(default_factory=RgbdParams)
+
+    def validate(self) -> None:
+        """:raises ValueError: names the first field out of range"""
+        check_ranges(self, seed=(0, 2**31 - 1), flicker=(0, 1))
+        for each in (self.ball, self.drive, self.camera):
+            each.validate()
+
+
+class BallSimulation:
+    """Moves on in time; a picture is of the moment at which it is asked for."""
+
+    def __init__(self, world: BallWorld, params: BallSimulationParams):
+        """:raises ValueError: a parameter out of range"""
+        params.validate()
+        self.world = world
+        self.ground = BallGround(
+            world.size, world.pillars, world.ball, world.robot, params.ball, params.drive, params.seed
+        )
+        self.camera = RgbdCamera(params.camera, params.seed)
+        self._params, self._random = params, np.random.default_rng([params.seed, 11])
+        scene = sextant.ArenaSceneParams()
+        scene.size, scene.wall_height, scene.seed = np.array(world.size, float), WALL, params.seed
+        self._scene = sextant.ArenaScene(scene)
+        self._objects = self._painted()
+        self._light = drawn_light(self._random)
+        self._brightness = self._light.brightness
+        self._phases = self._random.uniform(0.0, 2.0 * np.pi, 2)
+        self._frames = 0
+
+    @property
+    def class_names(self) -> List[str]:
+        """Of the objects that a picture tells of, by their index: the pillars, then the ball."""
+        return [each.class_name for each in self.world.pillars] + [BALL]
+
+    def take_picture(self) -> RgbdPicture:
+        """What the camera sees now."""
+        ground, robot = self.ground, self.ground.robot
+        self._objects[-1].position = np.array([*ground.ball, ground.ball_params.radius])
+        self._scene.set_objects(self._objects)
+        waves = np.sin(2.0 * np.pi * ground.stamp / np.array([7.0, 31.0]) + self._phases)
+        self._light.brightness = self._brightness * (1.0 + self._params.flicker * 0.5 * waves.sum())
+        self._scene.set_light(self._light)
+        self._frames += 1
+        return self.camera.take(self._scene, robot.pose, self._frames)
+
+    def _painted(self) -> List["sextant.ArenaObject"]:
+        """The pillars, then the ball."""
+        objects = []
+        for pillar in self.world.pillars:
+            each = sextant.ArenaObject()
+            each.position = np.array([pillar.x, pillar.y, 0.0])
+            each.radius, each.height = pillar.radius, HEIGHT
+            objects.append(each)
+        ball = sextant.ArenaObject()
+        ball.shape, ball.radius = sextant.ArenaObject.Shape.ball, self.ground.ball_params.radius
+        objects.append(ball)
+        for each, name in zip(objects, self.class_names):
+            each.colour = drawn_paint(name, self._random)
+        return objects
+
+
+def drawn_paint(class_name: str, random: np.random.Generator) -> np.ndarray:
+    """(3,) share of red, green and blue light that it reflects."""
+    change = random.uniform(1.0 - COLOUR_CHANGE, 1.0 + COLOUR_CHANGE, 3)
+    return np.clip(np.array(COLOURS[class_name]) * change, 0.0, 1.0)
+
+
+def drawn_light(random: np.random.Generator) -> "sextant.ArenaLight":
+    """From a dim room to a bright one, from lamps to daylight."""
+    light = sextant.ArenaLight()
+    light.brightness = float(np.exp(random.uniform(np.log(0.45), np.log(1.4))))
+    light.direct = float(random.uniform(0.2, 0.65))
+    turn, high = random.uniform(-np.pi, np.pi), random.uniform(0.4, 1.4)
+    light.toward = np.array([np.cos(turn), np.sin(turn), high])
+    warmth = random.uniform(-0.12, 0.12)
+    light.tint = np.array([1.0 + warmth, 1.0, 1.0 - warmth])
+    return light
