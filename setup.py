@@ -5,6 +5,8 @@ from setuptools import find_packages, setup
 
 setup(
     **generate_distutils_setup(
-        packages=find_packages("src"), package_dir={"": "src"}, package_data={"sextant.places": ["page/*"]}
+        packages=find_packages("src"),
+        package_dir={"": "src"},
+        package_data={"sextant.objects": ["models/*"], "sextant.places": ["page/*"]},
     )
 )

@@ -78,7 +78,10 @@ def parse_params(
     for name, field in fields.items():
         if name not in taken and _is_required(field):
             raise ValueError(f"{prefix}{name}: required, but not set")
-    return cls(**taken)
+    try:
+        return cls(**taken)
+    except ValueError as error:  # of values that do not go together
+        raise ValueError(f"{prefix}{error}") from None
 
 
 def _is_required(field: dataclasses.Field) -> bool:
@@ -104,6 +107,8 @@ def _checked(field: dataclasses.Field, hint: Any, value: Any, prefix: str) -> An
 
 def _converted(hint: Any, value: Any) -> Any:
     """:raises TypeError: with the name of the type that is allowed"""
+    if hint is Any:
+        return value
     origin = getattr(hint, "__origin__", None)
     if origin in _CONTAINERS:
         return _CONTAINERS[origin](hint.__args__, value)
