@@ -1,0 +1,55 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""The command that trains a detector: a quick run from pictures to a network that is read again."""
+
+import importlib.util
+import sys
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from sextant.commands.train_object_detector import main
+from sextant.objects.object_kinds import KINDS
+from sextant.objects.yolo_detector import YoloDetector, YoloSettings
+
+HAS_TORCH = importlib.util.find_spec("torch") is not None
+needs_torch = pytest.mark.skipif(not HAS_TORCH, reason="PyTorch is optional: apt install python3-torch")
+
+
+@needs_torch
+def test_a_quick_training_makes_a_network_and_goes_on_where_it_was(tmp_path, capsys):
+    folder = tmp_path / "detector"
+    assert main([str(folder), "--quick", "--size", "64"]) == 0
+    said = capsys.readouterr().out
+    assert "epoch 2 of 2" in said and "mean" in said and all(name in said for name in KINDS)
+    detector = YoloDetector(YoloSettings(model=str(folder / "objects.onnx")))
+    assert (detector.classes, detector.size) == (list(KINDS), (64, 64))
+    detector.detect(np.zeros((48, 64, 3), np.uint8))
+    with Image.open(folder / "confusion.png") as picture:
+        assert picture.format == "PNG"
+    before = (folder / "objects.onnx").read_bytes()
+    assert main([str(folder), "--quick", "--size", "64"]) == 0
+    assert "epoch" not in capsys.readouterr().out  # both were there
+    assert (folder / "objects.onnx").read_bytes() == before
+
+
+@needs_torch
+@pytest.mark.parametrize(
+    "arguments, reason",
+    [
+        (["--size", "100"], "--size is 100, allowed are multiples of 32"),
+        (["--epochs", "0"], "--epochs is 0, allowed is a whole number from 1 on"),
+        (["--seed", "1000"], "--seed must be within"),
+    ],
+)
+def test_what_cannot_be_is_refused_before_anything_is_drawn(tmp_path, arguments, reason, capsys):
+    assert main([str(tmp_path / "detector"), *arguments]) == 2
+    assert reason in capsys.readouterr().err
+    assert not (tmp_path / "detector").exists()
+
+
+def test_without_pytorch_it_says_what_to_install(tmp_path, monkeypatch, capsys):
+    monkeypatch.setitem(sys.modules, "torch", None)
+    assert main([str(tmp_path / "detector")]) == 2
+    assert "PyTorch is missing: apt install python3-torch" in capsys.readouterr().err
