@@ -10,10 +10,12 @@ from cv_bridge import CvBridge
 from cv_bridge.boost.cv_bridge_boost import cvtColor2
 
 from sextant.bags.bag_file import DamagedMessage
+from sextant.objects.depth_image import metres_of
 
 _BAYER = [f"bayer_{order}{bits}" for order in ("rggb", "bggr", "gbrg", "grbg") for bits in (8, 16)]
 _COLOURS = [f"{order}{bits}" for order in ("rgb", "rgba", "bgr", "bgra") for bits in (8, 16)]
 PICTURES = {"mono8", "mono16", "yuv422", "8UC1", "8UC3", "8UC4", *_BAYER, *_COLOURS}
+DEPTHS = ("16UC1", "32FC1")
 
 _Own = Dict[str, Callable[[np.ndarray], np.ndarray]]
 
@@ -48,6 +50,17 @@ def grey_image(message: Any) -> np.ndarray:
 def colour_image(message: Any) -> np.ndarray:
     """As grey_image(), but (height, width, 3) in the order BGR of one that has colours."""
     return _converted(message, _OWN_COLOUR, "bgr8")
+
+
+def depth_image(message: Any) -> np.ndarray:
+    """float32 (height, width) metres, 0 where there is none, of a sensor_msgs/Image as REP 118 has it.
+
+    :raises DamagedMessage: another encoding, or a size, step or length that cannot be
+    """
+    if message.encoding not in DEPTHS:
+        allowed = " or ".join(DEPTHS)
+        raise DamagedMessage(f"the encoding '{message.encoding}' holds no depth, publish {allowed}")
+    return metres_of(_pixels(message))
 
 
 def _converted(message: Any, own: _Own, encoding: str) -> np.ndarray:

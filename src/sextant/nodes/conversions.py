@@ -25,6 +25,11 @@ def pose_from_message(pose: Pose) -> np.ndarray:
     return pose_of_fields(pose.position, pose.orientation)
 
 
+def pose_from_transform(transform: Transform) -> np.ndarray:
+    """4x4 pose of a geometry_msgs/Transform; raises as sextant.poses.pose_of()."""
+    return pose_of_fields(transform.translation, transform.rotation)
+
+
 def image_to_message(image: np.ndarray, header: Header) -> Image:
     """sensor_msgs/Image of a uint8 array: mono8 of (height, width), rgb8 of (height, width, 3)."""
     height, width = image.shape[:2]
