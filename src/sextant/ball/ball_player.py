@@ -1,0 +1,150 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""The whole way from pictures and odometry to commands, without ROS: what the ball task's nodes do together.
+
+detector -> ObjectLocator -> LandmarkTimeline (pillars) and BallTracker (the ball) -> BallTask
+"""
+
+from collections import deque
+from dataclasses import dataclass, field
+from typing import Deque, List, NamedTuple, Optional, Protocol, Tuple
+
+import numpy as np
+
+import sextant
+from sextant.ball.ball_task import BallTask
+from sextant.ball.ball_task_params import BallTaskParams
+from sextant.ball.depth_points import DepthPoints
+from sextant.ball.floor_grid import FloorGrid, FloorGridParams
+from sextant.ball.task_view import Action, SeenBall, SeenPillar, TaskView
+from sextant.objects.ball_tracker import BallTracker, BallTrackerSettings
+from sextant.objects.ball_view import BallView
+from sextant.objects.detection import Detections
+from sextant.objects.object_kinds import BALL, KINDS
+from sextant.objects.object_locator import LocatedObject, LocatorSettings, ObjectLocator
+from sextant.objects.pinhole_camera import PinholeCamera
+from sextant.plane_poses import composed, rotation
+
+KEPT = 100  # readings of odometry
+
+
+class Detector(Protocol):
+    """YoloDetector, ColourDetector."""
+
+    classes: List[str]
+
+    def detect(self, image: np.ndarray) -> Detections: ...
+
+
+class RgbdMount(NamedTuple):
+    """Two cameras on a robot."""
+
+    colour: PinholeCamera
+    depth: PinholeCamera
+    T_base_colour: np.ndarray  # (4, 4)
+    T_base_depth: np.ndarray
+
+
+def _slam() -> "sextant.LandmarkSlamParams":
+    params = sextant.LandmarkSlamParams()
+    params.sensor.max_range, params.sensor.min_range, params.sensor.field_of_view = 2.5, 1.0, 0.75
+    params.sensor.separation, params.sensor.width = 0.15, 0.1
+    params.candidates.sightings = 2  # of a pillar beside the robot there are few as it turns
+    return params
+
+
+@dataclass
+class BallPlayerParams:
+    """Of all parts."""
+
+    locator: LocatorSettings = field(default_factory=LocatorSettings)
+    tracker: BallTrackerSettings = field(default_factory=BallTrackerSettings)
+    slam: "sextant.LandmarkSlamParams" = field(default_factory=_slam)
+    timeline: "sextant.LandmarkTimelineParams" = field(default_factory=sextant.LandmarkTimelineParams)
+    grid: FloorGridParams = field(default_factory=FloorGridParams)
+    task: BallTaskParams = field(default_factory=BallTaskParams)
+
+
+class BallPlayer:
+    """Hears odometry and pictures, each with its stamp, and says what to do."""
+
+    def __init__(self, params: BallPlayerParams, mount: RgbdMount, detector: Detector):
+        """:raises ValueError: a parameter out of range"""
+        self._params, self._mount, self._detector = params, mount, detector
+        T_colour_depth = np.linalg.inv(mount.T_base_colour) @ mount.T_base_depth
+        self._locator = ObjectLocator(params.locator, mount.colour, mount.depth, T_colour_depth)
+        self._points = DepthPoints(mount.depth, mount.T_base_depth, params.locator.scale)
+        self.tracker, self.task = BallTracker(params.tracker), BallTask(params.task)
+        start = sextant.LandmarkSlam(params.slam, np.zeros(3), 1e-6 * np.eye(3))
+        self.timeline = sextant.LandmarkTimeline(params.timeline, start)
+        self.grid = FloorGrid(params.grid)
+        self._readings: Deque[Tuple[float, np.ndarray]] = deque(maxlen=KEPT)
+        self._ball_seen = -np.inf
+        self.found: List[Tuple[np.ndarray, str]] = []  # boxes of the last picture, and their classes
+        near, far = params.locator.nearest + 0.2, params.slam.sensor.max_range
+        self._in_view = BallView(mount.colour, KINDS[BALL].radius, near, far)
+
+    def odometry(self, stamp: float, T_odom_base: np.ndarray) -> None:
+        """(3,) x, y, heading."""
+        if self.timeline.odometry(stamp, T_odom_base):
+            self._readings.append((stamp, np.asarray(T_odom_base)))
+
+    def picture(self, stamp: float, colour: np.ndarray, depth: np.ndarray) -> None:
+        """Of a moment at which odometry told something.
+
+        :param colour: uint8 (height, width, 3), red first. :param depth: float32 metres, 0: none
+        """
+        T_odom_base = dict(self._readings).get(stamp)
+        if T_odom_base is None:
+            return
+        found = self._detector.detect(colour)
+        names = [self._detector.classes[each] for each in found.classes]
+        self.found, kinds = list(zip(found.boxes, names)), [KINDS[name] for name in names]
+        places = self._locator.locate(depth, found.boxes, kinds, self._mount.T_base_colour)
+        seen = [(name, place) for name, place in zip(names, places) if place is not None]
+        self._see_pillars(stamp, [each for each in seen if each[0] != BALL])
+        self._see_ball(stamp, seen, T_odom_base)
+        self.grid.look(self._points.of(depth), composed(self._T_map_odom(), T_odom_base))
+
+    def step(self, stamp: float, is_bumped: bool) -> Action:
+        """What to do now."""
+        T_map_odom, (_, T_odom_base) = self._T_map_odom(), self._readings[-1]
+        slam = self.timeline.slam
+        pillars = [
+            SeenPillar(label.class_name, landmark.position)
+            for label, landmark in zip(slam.labels, slam.filter.landmarks)
+        ]
+        pose, ball = composed(T_map_odom, T_odom_base), self._ball(stamp, T_map_odom)
+        return self.task.step(TaskView(stamp, pose, pillars, ball, is_bumped, self.grid))
+
+    def _see_pillars(self, stamp: float, seen: List[Tuple[str, LocatedObject]]) -> None:
+        sightings = [
+            sextant.LabelledSighting(
+                sextant.LandmarkLabel(name), sextant.PlaneSighting(place.position, place.covariance)
+            )
+            for name, place in seen
+        ]
+        self.timeline.see(stamp, sightings)
+
+    def _see_ball(self, stamp: float, seen: List[Tuple[str, LocatedObject]], T_odom_base: np.ndarray) -> None:
+        R, t = rotation(T_odom_base[2]), T_odom_base[:2]
+        balls = [place for name, place in seen if name == BALL]
+        pillars = [np.array([*place.position, KINDS[name].radius]) for name, place in seen if name != BALL]
+        sightings = [(R @ ball.position + t, R @ ball.covariance @ R.T) for ball in balls]
+        self.tracker.look(
+            stamp,
+            sightings,
+            lambda ball: self._in_view.has(R.T @ (ball - t), self._mount.T_base_colour, pillars),
+        )
+        if balls:
+            self._ball_seen = stamp
+
+    def _ball(self, stamp: float, T_map_odom: np.ndarray) -> Optional[SeenBall]:
+        ball = self.tracker.at(stamp)
+        if ball is None:
+            return None
+        R = rotation(T_map_odom[2])
+        return SeenBall(R @ ball.position + T_map_odom[:2], R @ ball.velocity, self._ball_seen)
+
+    def _T_map_odom(self) -> np.ndarray:
+        return self.timeline.now.T_map_odom
