@@ -14,14 +14,18 @@ import roslib.packages
 import yaml
 
 import sextant
+from sextant.nodes.ball_simulator import BallSimulatorParams
+from sextant.nodes.ball_task_node_params import BallTaskNodeParams
 from sextant.nodes.drive_recorder import RecorderParams
 from sextant.nodes.landmark_simulator import LandmarkSimulatorParams
 from sextant.nodes.marker_broadcaster import BroadcasterParams
+from sextant.nodes.object_locator_params import ObjectLocatorParams
 from sextant.nodes.place_localizer_params import PlaceLocalizerParams
 from sextant.nodes.place_visualizer import VisualizerParams
 from sextant.nodes.publish_image import PublisherParams
 from sextant.nodes.simulator import SimulatorParams
 from sextant.nodes.street_simulator import StreetParams
+from sextant.simulation.rgbd_camera import RgbdParams
 from sextant.simulation.room import default_map
 from sextant.strict_params import parse_params
 
@@ -30,7 +34,8 @@ LAUNCH_FILES = sorted((ROOT / "launch").glob("*.launch"))
 ROOM = str(ROOT / "config" / "room.txt")
 
 NEEDED = {"places.launch": ["map:=park.txt"], "amcl.launch": ["places:=park.txt"]}
-FOREIGN = {"robot_localization", "amcl", "map_server"}  # packages that Debian does not have
+# Packages that Debian does not have, and one that only a Kobuki needs.
+FOREIGN = {"robot_localization", "amcl", "map_server", "topic_tools"}
 
 # Arguments that, all together, enter every <... if=...> of the shipped files.
 BRANCHES = {
@@ -43,6 +48,11 @@ BRANCHES = {
     ],
     "landmarks.launch": [["manager:=sextant_manager", "markers:=[markers]", "start_pose:=[1, 2.5, 0]"]],
     "landmarks_demo.launch": [["rviz:=true"]],
+    "ball_task.launch": [["rviz:=true", "task:=3", "detector:=colour"]],
+    "turtlebot.launch": [
+        ["mount:=0.1 0 0.3 0 0.25 0", "rviz:=true"],
+        ["kobuki_bumper:=", "autostart:=false"],
+    ],
     "robot_localization.launch": [["odom:=wheels/odom"]],
     "amcl.launch": [["floor:=floor.yaml"]],
     "places.launch": [["camera:=true", "rviz:=true"], ["visualizer:=false"]],
@@ -57,9 +67,12 @@ RUNS = [
 
 # Parameters of the rospy nodes; those of a nodelet are in the source that reads them.
 RECORDS = {
+    "ball_simulator": BallSimulatorParams,
     "marker_broadcaster": BroadcasterParams,
+    "ball_task": BallTaskNodeParams,
     "drive_recorder": RecorderParams,
     "landmark_simulator": LandmarkSimulatorParams,
+    "object_locator": ObjectLocatorParams,
     "place_localizer": PlaceLocalizerParams,
     "place_visualizer": VisualizerParams,
     "publish_image": PublisherParams,
@@ -181,16 +194,21 @@ def test_defaults_of_places_launch_are_those_of_its_nodes():
 def test_defaults_of_landmarks_launch_are_those_of_its_node():
     args = {name: default for name, (default, _) in own_declared(ROOT / "launch/landmarks.launch").items()}
     sensor = sextant.LandmarkSlamParams().sensor
-    assert (float(args["max_range"]), float(args["field_of_view"])) == (
-        sensor.max_range,
-        sensor.field_of_view,
-    )
+    for name in ("max_range", "min_range", "field_of_view"):
+        assert float(args[name]) == getattr(sensor, name)
 
 
 def test_the_demo_of_landmarks_tells_what_its_sensor_sees():
     config = load(ROOT / "launch/landmarks_demo.launch")
     simulated, told = LandmarkSimulatorParams(), params_of(config, "landmark_slam")
     assert (told["max_range"], told["field_of_view"]) == (simulated.max_range, simulated.field_of_view)
+
+
+def test_the_ball_task_knows_the_simulated_camera():
+    config, camera = load(ROOT / "launch/ball_task.launch"), RgbdParams()
+    for name, parameter in (("object_locator", "scale"), ("ball_task", "depth_scale")):
+        assert params_of(config, name)[parameter] * camera.depth_scale == pytest.approx(1.0)
+    assert 0.7 * camera.colour_fov < params_of(config, "landmark_slam")["field_of_view"] < camera.colour_fov
 
 
 def test_filter_of_robot_localization_is_whole():
