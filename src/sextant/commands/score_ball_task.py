@@ -1,0 +1,104 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Plays the ball task in many simulated worlds, without a window, and tells how often it succeeds.
+
+score_ball_task --worlds 200 --jobs 2 --results worlds.csv     ended at any time, it goes on where it was
+score_ball_task --tasks 3 --seed 17 --worlds 1                 one world
+"""
+
+import argparse
+from pathlib import Path
+from typing import List, Optional, Sequence
+
+from sextant.commands.command_line import Answer, CommandParser, check_output, run
+from sextant.jobs import run_jobs
+from sextant.objects.shipped_model import shipped_model
+from sextant.simulation.ball_match import MatchResult
+from sextant.simulation.ball_score import (
+    Match,
+    append_result,
+    detector_of,
+    is_success,
+    play_match,
+    read_results,
+    score_of,
+)
+from sextant.simulation.ball_world import TASKS
+
+
+def main(arguments: Optional[Sequence[str]] = None) -> int:
+    """:returns: exit code: 0, or 2 when nothing was played."""
+    return run(_parser(), arguments, _score)
+
+
+def _parser() -> CommandParser:
+    parser = CommandParser(prog="score_ball_task", description=__doc__)
+    add, default = parser.add_argument, "(default: %(default)s)"
+    add("--tasks", type=int, nargs="+", choices=sorted(TASKS), default=sorted(TASKS), metavar="TASK")
+    add("--worlds", type=int, default=200, metavar="N", help=f"of each task {default}")
+    add("--seed", type=int, default=0, metavar="N", help="of the first world; the others follow")
+    add("--jobs", type=int, default=1, metavar="N", help="worlds that are played at a time")
+    add("--detector", choices=("network", "colour"), default="network")
+    add("--model", metavar="ONNX", help="network that finds the objects (default: Sextant's own)")
+    add("--results", type=Path, metavar="CSV", help="one line a world; those in it are not played again")
+    add("--film", type=Path, metavar="FILE", help="of one world: a strip (.png) or an animation (.gif)")
+    add("--force", action="store_true", help="overwrite the film")
+    return parser
+
+
+def _score(options: argparse.Namespace) -> Answer:
+    if options.worlds < 1 or options.seed < 0:
+        raise ValueError("--worlds must be 1 or more, --seed 0 or more")
+    wanted = _wanted(options)
+    results = [_filmed(wanted, options)] if options.film else _played(wanted, options)
+    failures = [_failure(each) for each in results if each.pillars or not is_success(each)]
+    return Answer([*failures, *_table(results)])
+
+
+def _wanted(options: argparse.Namespace) -> List[Match]:
+    model = "" if options.detector == "colour" else options.model or str(shipped_model())
+    detector_of(model)  # refuses what cannot be before anything is played
+    seeds = range(options.seed, options.seed + options.worlds)
+    return [Match(task, seed, model) for task in options.tasks for seed in seeds]
+
+
+def _filmed(wanted: List[Match], options: argparse.Namespace) -> MatchResult:
+    from sextant.simulation.ball_film import BallFilm  # only now: matplotlib takes a second to load
+
+    if len(wanted) != 1 or options.results:
+        raise ValueError("--film is of one world, without --results: give --tasks, --seed and --worlds 1")
+    check_output(options.film, options.force)
+    film = BallFilm(options.film)
+    result = play_match(wanted[0], film.watch)
+    film.write()
+    return result
+
+
+def _played(wanted: List[Match], options: argparse.Namespace) -> List[MatchResult]:
+    known = read_results(options.results) if options.results else {}
+    matches = [each for each in wanted if each[:2] not in known]
+    for result in run_jobs(play_match, matches, options.jobs, progress="worlds"):
+        known[result.task, result.seed] = result
+        if options.results:
+            append_result(options.results, result)
+    return [known[each[:2]] for each in wanted]
+
+
+def _failure(result: MatchResult) -> str:
+    through = "through" if result.through else "not through"
+    return (
+        f"task {result.task}, seed {result.seed}: {result.reason}; the ball was {through}, the robot stopped "
+        f"{100 * result.stop:.1f} cm before the line and touched {result.pillars} pillars"
+    )
+
+
+def _table(results: List[MatchResult]) -> List[str]:
+    lines = ["task  worlds  success  through  no pillar touched  to the goal  stop error  kicks  speed"]
+    for task in sorted({each.task for each in results}):
+        score = score_of([each for each in results if each.task == task])
+        shares = (
+            f"{100 * score.success:5.1f} %  {100 * score.through:5.1f} %  {100 * score.untouched:15.1f} %"
+        )
+        rest = f"{score.goal_seconds:9.1f} s  {100 * score.stop_error:7.1f} cm  {score.kicks:5.2f}"
+        lines.append(f"{task:4}  {score.worlds:6}  {shares}  {rest}  {score.speed:4.1f}x")
+    return lines
