@@ -1,8 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-import subprocess
-import sys
 import unittest
 
 import numpy as np
@@ -13,6 +11,7 @@ from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 from ros_probe import Recorder, TransformRecorder, matrix, until
 from sensor_msgs.msg import CameraInfo, Image
+from start_up import assert_refused
 from std_msgs.msg import Bool
 from std_srvs.srv import Trigger
 from tf2_msgs.msg import TFMessage
@@ -252,23 +251,13 @@ class ToldTest(unittest.TestCase):
 
 class StartUpTest(unittest.TestCase):
     def test_mistakes_stop_the_start_with_the_full_name(self):
-        for name, value, reason in (
+        mistakes = (
             ("no_such_parameter", "1", "/bad/no_such_parameter: unknown"),
             ("task", "4", "/bad/task: must be one of 2, 3"),
             ("depth_encoding", "mono16", "/bad/depth_encoding: must be one of 16UC1, 32FC1"),
             ("bounce", "1.5", "/bad/bounce: must be within [0.0, 1.0]"),
-        ):
-            code = "from sextant.nodes.ball_simulator import main; main()"
-            node = subprocess.run(
-                [sys.executable, "-c", code, "__name:=bad", f"_{name}:={value}"],
-                stdout=subprocess.PIPE,
-                stderr=subprocess.STDOUT,
-                timeout=60,
-                check=False,
-            )
-            rospy.delete_param("/bad/" + name)
-            self.assertEqual(node.returncode, 1, node.stdout)
-            self.assertIn(reason, node.stdout.decode())
+        )
+        assert_refused(self, "ball_simulator", mistakes)
 
 
 def suite():

@@ -16,6 +16,7 @@ from geometry_msgs.msg import Twist
 from nav_msgs.msg import OccupancyGrid, Odometry
 from ros_probe import Diagnostics, transform, until
 from sensor_msgs.msg import CameraInfo, Image
+from start_up import assert_refused
 from std_msgs.msg import Bool
 from std_srvs.srv import Trigger
 
@@ -219,21 +220,12 @@ class EndTest(unittest.TestCase):
         robot.end()
 
     def test_mistakes_stop_the_start_with_the_full_name(self):
-        for name, value, reason in (
+        mistakes = (
             ("no_such_parameter", "1", "/bad/no_such_parameter: unknown"),
             ("most_kicks", "1.5", "/bad/most_kicks: must be a whole number"),
             ("run_up", "0.2", "/bad/run_up is 0.2, it must be more than"),
-        ):
-            node = subprocess.run(
-                [sys.executable, "-c", CODE, "__name:=bad", f"_{name}:={value}"],
-                stdout=subprocess.PIPE,
-                stderr=subprocess.STDOUT,
-                timeout=60,
-                check=False,
-            )
-            rospy.delete_param("/bad/" + name)
-            self.assertEqual(node.returncode, 1, node.stdout)
-            self.assertIn(reason, node.stdout.decode())
+        )
+        assert_refused(self, "ball_task", mistakes)
 
 
 def suite():

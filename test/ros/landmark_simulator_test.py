@@ -1,8 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-import subprocess
-import sys
 import unittest
 
 import numpy as np
@@ -11,6 +9,7 @@ import rostest
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 from ros_probe import Recorder, TransformRecorder, matrix, until
+from start_up import assert_refused
 from std_srvs.srv import Trigger
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
@@ -148,22 +147,12 @@ class ToldTest(unittest.TestCase):
 
 class StartUpTest(unittest.TestCase):
     def test_mistakes_stop_the_start_with_the_full_name(self):
-        for name, value, reason in (
+        mistakes = (
             ("no_such_parameter", "1", "/bad/no_such_parameter: unknown"),
             ("range_noise", "[0.1]", "/bad/range_noise: must be two numbers"),
             ("missed", "1.0", "/bad/missed is 1.0, allowed is"),
-        ):
-            code = "from sextant.nodes.landmark_simulator import main; main()"
-            node = subprocess.run(
-                [sys.executable, "-c", code, "__name:=bad", f"_{name}:={value}"],
-                stdout=subprocess.PIPE,
-                stderr=subprocess.STDOUT,
-                timeout=60,
-                check=False,
-            )
-            rospy.delete_param("/bad/" + name)
-            self.assertEqual(node.returncode, 1, node.stdout)
-            self.assertIn(reason, node.stdout.decode())
+        )
+        assert_refused(self, "landmark_simulator", mistakes)
 
 
 def suite():

@@ -12,6 +12,7 @@ import rospy
 import rostest
 from ros_probe import Diagnostics, Recorder, stamps, subscribers_of, until
 from sensor_msgs.msg import Image
+from start_up import assert_refused
 from std_msgs.msg import Header
 
 from sextant.msg import Objects
@@ -183,7 +184,7 @@ class ObjectDetectorTest(unittest.TestCase):
         folder = Path(tempfile.mkdtemp())
         (folder / "text.onnx").write_text("no model\n")
         model = constant_network(folder / "net.onnx", [np.zeros((1, 6, 84), np.float32)], names=NAMES)
-        for name, value, reason in (
+        mistakes = (
             ("no_such_parameter", "1", "/bad/no_such_parameter: unknown"),
             ("detector", "nose", "/bad/detector: must be one of network, colour"),
             ("confidence", "2.0", "/bad/confidence: must be within"),
@@ -192,20 +193,8 @@ class ObjectDetectorTest(unittest.TestCase):
             ("model", str(folder / "text.onnx"), "text.onnx: is no ONNX file"),
             ("classes", "[a, b, c]", "classes are 3 names, but"),
             ("size", "320", "size is 320, but"),
-        ):
-            given = {"model": model, "backend": "opencv", name: value}
-            options = [f"_{key}:={text}" for key, text in given.items()]
-            node = subprocess.run(
-                [*NODE, "__name:=bad", *options],
-                stdout=subprocess.PIPE,
-                stderr=subprocess.STDOUT,
-                timeout=60,
-                check=False,
-            )
-            for key in given:
-                rospy.delete_param("/bad/" + key)
-            self.assertEqual(node.returncode, 1, node.stdout)
-            self.assertIn(reason, node.stdout.decode())
+        )
+        assert_refused(self, "object_detector", mistakes, model=model, backend="opencv")
 
 
 if __name__ == "__main__":

@@ -1,8 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-import subprocess
-import sys
 import unittest
 
 import numpy as np
@@ -12,6 +10,7 @@ import tf2_ros
 from nav_msgs.msg import Odometry
 from ros_probe import Diagnostics, Recorder, transform, until
 from sensor_msgs.msg import CameraInfo, Image
+from start_up import assert_refused
 from std_msgs.msg import Header
 from visualization_msgs.msg import Marker, MarkerArray
 
@@ -156,22 +155,12 @@ class ObjectLocatorTest(unittest.TestCase):
         self.assertGreaterEqual(kinds.count(Marker.CYLINDER), 1)
 
     def test_mistakes_stop_the_start_with_the_full_name(self):
-        for name, value, reason in (
+        mistakes = (
             ("no_such_parameter", "1", "/bad/no_such_parameter: unknown"),
             ("scale", "3.0", "/bad/scale: must be within"),
             ("kinds", "{cat: {shape: cat, radius: 0.1}}", "/bad/kinds: kinds/cat/shape: must be one of"),
-        ):
-            code = "from sextant.nodes.object_locator import main; main()"
-            node = subprocess.run(
-                [sys.executable, "-c", code, "__name:=bad", f"_{name}:={value}"],
-                stdout=subprocess.PIPE,
-                stderr=subprocess.STDOUT,
-                timeout=60,
-                check=False,
-            )
-            rospy.delete_param("/bad/" + name)
-            self.assertEqual(node.returncode, 1, node.stdout)
-            self.assertIn(reason, node.stdout.decode())
+        )
+        assert_refused(self, "object_locator", mistakes)
 
 
 if __name__ == "__main__":

@@ -1,8 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-import subprocess
-import sys
 import time
 import unittest
 
@@ -14,6 +12,7 @@ from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import CameraInfo, Image
+from start_up import assert_refused
 from std_msgs.msg import Bool
 from tf2_msgs.msg import TFMessage
 
@@ -171,27 +170,15 @@ class CommandTest(unittest.TestCase):
 
 class StartUpTest(unittest.TestCase):
     def test_mistakes_stop_the_start_with_the_full_name(self):
-        for name, value, reason in (
+        mistakes = (
             ("no_such_parameter", "1", "unknown"),
             ("noise_sigma", "loud", "must be"),
             ("width", "-5", "allowed"),
             ("motion", "fly", "must be one of"),
             ("map_file", "/no/such/map.yaml", "/no/such/map.yaml"),
             ("family", "tag99h99", "tag99h99"),
-        ):
-            code = "from sextant.nodes.simulator import main; main()"
-            node = subprocess.run(
-                [sys.executable, "-c", code, "__name:=bad", f"_{name}:={value}"],
-                stdout=subprocess.PIPE,
-                stderr=subprocess.STDOUT,
-                timeout=60,
-                check=False,
-            )
-            output = node.stdout.decode()
-            rospy.delete_param("/bad/" + name)
-            self.assertEqual(node.returncode, 1, output)
-            self.assertIn(reason, output)
-            self.assertIn("/bad", output)
+        )
+        assert_refused(self, "simulator", mistakes)
 
 
 def suite():

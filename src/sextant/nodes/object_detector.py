@@ -3,10 +3,6 @@
 """Tells where in a camera's pictures objects are, and of which class."""
 
 import sys
-import threading
-import time
-from collections import deque
-from typing import Deque, Optional
 
 import cv2
 import numpy as np
@@ -18,15 +14,12 @@ from sextant.bags.bag_file import DamagedMessage
 from sextant.bags.pictures import colour_image
 from sextant.msg import Objects
 from sextant.nodes.conversions import image_to_message
+from sextant.nodes.newest_picture import NewestPicture
 from sextant.nodes.object_detector_params import Detector, ObjectDetectorParams
 from sextant.nodes.object_detector_report import ObjectDetectorReport
 from sextant.nodes.object_messages import objects_message
 from sextant.nodes.params import read_params
 from sextant.objects.box_picture import box_picture
-
-REPORT_EVERY = 1.0  # seconds, to diagnostics
-PAUSE = 0.2  # seconds, between two looks at who listens
-BUFFER = 2**24  # bytes, of a connection
 
 
 class ObjectDetectorNode:
@@ -34,44 +27,20 @@ class ObjectDetectorNode:
 
     def __init__(self, detector: Detector):
         self._detector, self._report = detector, ObjectDetectorReport()
-        self._news, self._stop = threading.Event(), threading.Event()
-        self._waiting: Deque[Image] = deque(maxlen=1)  # the newest picture, until it is worked on
-        self._subscriber: Optional[rospy.Subscriber] = None
         self._updater = Updater()
         self._updater.setHardwareID("none")
         self._updater.add("objects", self._report.tell)
-        rospy.on_shutdown(self._stop.set)
         self._objects = rospy.Publisher("objects", Objects, queue_size=10)
         self._pictures = rospy.Publisher("objects/image", Image, queue_size=1)
         rospy.loginfo("finds %s", ", ".join(detector.classes))
 
     def run(self) -> None:
         """Until the node ends."""
-        due = 0.0
-        while not self._stop.is_set():
-            self._listen()
-            if self._news.wait(PAUSE):
-                self._news.clear()
-                if self._waiting:  # not where the news was of one that is done
-                    self._work(self._waiting.pop())
-            if time.monotonic() >= due:  # update() asks the master for the period, and fails without it
-                due = time.monotonic() + REPORT_EVERY
-                self._updater.force_update()
+        NewestPicture("image", Image, self._is_wanted, self._work).run(self._updater)
 
-    def _listen(self) -> None:
-        """To pictures while somebody listens; not in a call by rospy, whose locks would meet ours."""
-        wanted = any(each.get_num_connections() for each in (self._objects, self._pictures))
-        self._report.is_heard = wanted
-        if wanted and self._subscriber is None:
-            self._subscriber = rospy.Subscriber("image", Image, self._hear, queue_size=1, buff_size=BUFFER)
-        elif not wanted and self._subscriber is not None:
-            self._subscriber.unregister()
-            self._subscriber = None
-            self._waiting.clear()
-
-    def _hear(self, message: Image) -> None:
-        self._waiting.append(message)
-        self._news.set()
+    def _is_wanted(self) -> bool:
+        self._report.is_heard = any(each.get_num_connections() for each in (self._objects, self._pictures))
+        return self._report.is_heard
 
     def _work(self, message: Image) -> None:
         try:

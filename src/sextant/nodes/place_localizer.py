@@ -5,8 +5,7 @@
 import sys
 import threading
 import time
-from collections import deque
-from typing import Deque, Optional
+from typing import Optional
 
 import rospy
 from diagnostic_updater import Updater
@@ -22,6 +21,7 @@ from sextant.jobs import JobError, SchedulerError
 from sextant.msg import PlaceHypotheses, Places
 from sextant.nodes.awaited_file import wait_for_file
 from sextant.nodes.conversions import image_to_message
+from sextant.nodes.newest_picture import NewestPicture
 from sextant.nodes.params import read_params
 from sextant.nodes.place_localizer_params import PlaceLocalizerParams
 from sextant.nodes.place_messages import fix_message, hypotheses_message, places_message, pose_message
@@ -33,8 +33,6 @@ from sextant.places.place_localization import Localization, PlaceLocalizer, Stat
 from sextant.places.place_map import GeoCorners, MetricFrame
 
 WARN_EVERY = 10.0  # seconds
-REPORT_EVERY = 1.0  # seconds, to diagnostics
-PAUSE = 0.2  # seconds, between two looks at who listens
 LATE = rospy.Duration(1.0)  # that a picture may come late; one from longer ago: its clock was set back
 MATCH_SIDE = 640  # pixels of the map's photo, in the picture of matches
 
@@ -63,10 +61,8 @@ class PlaceLocalizerNode:
 
     def __init__(self, params: PlaceLocalizerParams, loaded: LoadedMap):
         self._params, self._loaded = params, loaded
-        self._lock, self._news, self._stop = threading.Lock(), threading.Event(), threading.Event()
+        self._lock = threading.Lock()
         self._input = ("image/compressed", CompressedImage) if params.compressed else ("image", Image)
-        self._waiting: Deque = deque(maxlen=1)  # the newest picture, until it is worked on
-        self._subscriber: Optional[rospy.Subscriber] = None
         self._last: Optional[rospy.Time] = None  # stamp of the last picture
         self._pose: Optional[PoseWithCovarianceStamped] = None  # the last one
         self._track, self.report = OdometryTrack(), PlaceReport()
@@ -74,7 +70,6 @@ class PlaceLocalizerNode:
         self._updater.setHardwareID("none")
         self._updater.add("places", self.report.tell)
         self._advertise()
-        rospy.on_shutdown(self._stop.set)
         if params.use_odometry:
             rospy.Subscriber("odom", Odometry, self._on_odometry, queue_size=100)
         for name, answer in (("reload", self._reload), ("reset", self._reset)):
@@ -92,20 +87,9 @@ class PlaceLocalizerNode:
 
     # ---- listening
 
-    def _listen(self) -> None:
-        """To pictures while somebody listens; not in a call by rospy, whose locks would meet ours."""
+    def _is_wanted(self) -> bool:
         outputs = (self._places, self._hypotheses, self._matches, self._poses, self._fixes)
-        wanted = self._params.initialpose != "never" or any(each.get_num_connections() for each in outputs)
-        if wanted and self._subscriber is None:
-            name, kind = self._input
-            self._subscriber = rospy.Subscriber(name, kind, self._on_picture, queue_size=1, buff_size=2**24)
-        elif not wanted and self._subscriber is not None:
-            self._subscriber.unregister()
-            self._subscriber = None
-
-    def _on_picture(self, message) -> None:
-        self._waiting.append(message)
-        self._news.set()
+        return self._params.initialpose != "never" or any(each.get_num_connections() for each in outputs)
 
     def _on_odometry(self, message: Odometry) -> None:
         position = message.pose.pose.position
@@ -117,16 +101,7 @@ class PlaceLocalizerNode:
 
     def run(self) -> None:
         """Until the node ends."""
-        due = 0.0
-        while not self._stop.is_set():
-            self._listen()
-            if self._news.wait(PAUSE):
-                self._news.clear()
-                if self._waiting:  # not where the news was of one that is done
-                    self._work(self._waiting.pop())
-            if time.monotonic() >= due:  # update() asks the master for the period, and fails without it
-                due = time.monotonic() + REPORT_EVERY
-                self._updater.force_update()
+        NewestPicture(*self._input, self._is_wanted, self._work).run(self._updater)
 
     def _work(self, message) -> None:
         try:

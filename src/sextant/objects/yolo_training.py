@@ -55,6 +55,7 @@ def train(
 
     :param checkpoint: written after each epoch; where it is there, training goes on from it
     :raises OSError: it cannot be read or written
+    :raises ValueError: a setting out of range, or the checkpoint is of another training
     """
     settings.validate()
     torch.manual_seed(settings.seed)
@@ -112,22 +113,32 @@ class _State:
                 kept.copy_(now)
 
     def save(self, path: Path) -> None:
-        """Everything that is needed to go on."""
+        """Everything that is needed to go on, as tensors and whole numbers."""
+        saved = {
+            "network": self._network.state_dict(),
+            "kept": self.kept.state_dict(),
+            "moments": self._optimizer.state_dict()["state"],
+            "epoch": self.epoch,
+        }
         with atomic_file(path, "wb") as file:
-            torch.save(
-                {name: getattr(self, name).state_dict() for name in _SAVED} | {"epoch": self.epoch}, file
-            )
+            torch.save(saved, file)
 
     def load(self, path: Path) -> None:
-        """Nothing, where it is not there."""
-        if path.exists():
-            saved = torch.load(path)
-            for name in _SAVED:
-                getattr(self, name).load_state_dict(saved[name])
-            self.epoch = saved["epoch"]
-
-
-_SAVED = ("_network", "kept", "_optimizer", "_scheduler")
+        """Nothing, where it is not there. Nothing that is in it is run."""
+        if not path.exists():
+            return
+        try:
+            saved = torch.load(path, weights_only=True)
+            self._network.load_state_dict(saved["network"])
+            self.kept.load_state_dict(saved["kept"])
+            self._optimizer.load_state_dict({**self._optimizer.state_dict(), "state": saved["moments"]})
+            self.epoch = int(saved["epoch"])
+        except OSError:
+            raise
+        except Exception as error:  # what is no checkpoint raises nearly anything
+            raise ValueError(f"{path}: is of no such training, remove it: {error}") from None
+        for _ in range(self.epoch * self._steps):
+            self._scheduler.step()
 
 
 def _groups(network: nn.Module, decay: float) -> List[dict]:
