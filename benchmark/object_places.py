@@ -14,6 +14,7 @@ import numpy as np
 from tables import Row, Table, Value
 
 from sextant.objects.detection import names_of
+from sextant.objects.mean_precision import SAME, overlaps
 from sextant.objects.object_kinds import BALL, KINDS
 from sextant.objects.object_locator import LocatorSettings, ObjectLocator
 from sextant.objects.pinhole_camera import PinholeCamera
@@ -23,7 +24,6 @@ from sextant.simulation.ball_world import drawn_world
 WORLDS, SHOTS, QUICK_WORLDS = 100, 6, 4
 RANGES = ((0.5, 1.0), (1.0, 2.0), (2.0, 3.0), (0.5, 3.0))  # metres
 ERROR, NEES = 3.0, (0.3, 1.3)  # % at the 95 %; more than the deviations that are told is worse than less
-SAME_BOX = 0.5  # intersection over union
 COLUMNS = ["objects", "told, %", "error at 95 %, %", "median, %", "NEES"]
 
 
@@ -119,13 +119,7 @@ def _detected(detector: Any, image: np.ndarray, true: np.ndarray, names: List[st
     """(n, 4) of the true ones; NaN where one was not found."""
     found, boxes = detector.detect(image), np.full_like(true, np.nan)
     for box, name in zip(found.boxes, names_of(found.classes, detector.classes)):
-        overlaps = [_overlap(box, each) if name == other else 0.0 for each, other in zip(true, names)]
-        if overlaps and max(overlaps) >= SAME_BOX:
-            boxes[int(np.argmax(overlaps))] = box
+        shares = overlaps(box[np.newaxis], true)[0] * [name == other for other in names]
+        if shares.max(initial=0.0) >= SAME:
+            boxes[int(np.argmax(shares))] = box
     return boxes
-
-
-def _overlap(a: np.ndarray, b: np.ndarray) -> float:
-    """Intersection over union."""
-    inner = np.prod(np.maximum(0.0, np.minimum(a[2:], b[2:]) - np.maximum(a[:2], b[:2])))
-    return float(inner / (np.prod(a[2:] - a[:2]) + np.prod(b[2:] - b[:2]) - inner))

@@ -29,7 +29,6 @@ class BallFloor:
         self.discs = [Disc(*each.position, params.pillar_radius) for each in view.pillars]
         self._about = np.array([view.pose[:2], *about])
         self._clearance = params.kick.robot_radius + clearance
-        self.without_ball = self._floor(self.discs)
         discs = list(self.discs)
         if view.ball is not None:
             discs.append(Disc(*view.ball.position, params.kick.ball_radius))
@@ -46,7 +45,8 @@ class BallFloor:
     def kick(self, goal: Goal, before: Optional[Kick]) -> Optional[Kick]:
         """The best kick of the ball, which is seen; None: there is none."""
         costs, _ = self.with_ball.costs(self._view.pose[:2])
-        planner = KickPlanner(self._params.kick, goal, self.discs, self.without_ball, costs)
+        without_ball = self._floor(self.discs)
+        planner = KickPlanner(self._params.kick, goal, self.discs, without_ball, costs)
         return planner.plan(self._view.ball.position, before)
 
     def vantage(self) -> Optional[np.ndarray]:

@@ -7,7 +7,7 @@ detector -> ObjectLocator -> LandmarkTimeline (pillars) and BallTracker (the bal
 
 from collections import deque
 from dataclasses import dataclass, field
-from typing import Deque, List, NamedTuple, Optional, Protocol, Tuple
+from typing import Deque, List, NamedTuple, Optional, Tuple
 
 import numpy as np
 
@@ -19,21 +19,13 @@ from sextant.ball.floor_grid import FloorGrid, FloorGridParams
 from sextant.ball.task_view import Action, SeenBall, SeenPillar, TaskView
 from sextant.objects.ball_tracker import BallTracker, BallTrackerSettings
 from sextant.objects.ball_view import BallView
-from sextant.objects.detection import Detections
+from sextant.objects.detection import Detector
 from sextant.objects.object_kinds import BALL, KINDS
 from sextant.objects.object_locator import LocatedObject, LocatorSettings, ObjectLocator
 from sextant.objects.pinhole_camera import PinholeCamera
 from sextant.plane_poses import composed, rotation
 
 KEPT = 100  # readings of odometry
-
-
-class Detector(Protocol):
-    """YoloDetector, ColourDetector."""
-
-    classes: List[str]
-
-    def detect(self, image: np.ndarray) -> Detections: ...
 
 
 class RgbdMount(NamedTuple):
@@ -79,7 +71,6 @@ class BallPlayer:
         self.timeline = sextant.LandmarkTimeline(params.timeline, start)
         self.grid = FloorGrid(params.grid)
         self._readings: Deque[Tuple[float, np.ndarray]] = deque(maxlen=KEPT)
-        self._ball_seen = -np.inf
         self.found: List[Tuple[np.ndarray, str]] = []  # boxes of the last picture, and their classes
         near, far = params.locator.nearest + 0.2, params.slam.sensor.max_range
         self._in_view = BallView(mount.colour, KINDS[BALL].radius, near, far)
@@ -93,10 +84,11 @@ class BallPlayer:
         """Of a moment at which odometry told something.
 
         :param colour: uint8 (height, width, 3), red first. :param depth: float32 metres, 0: none
+        :raises ValueError: it did not, or a picture is none
         """
         T_odom_base = dict(self._readings).get(stamp)
         if T_odom_base is None:
-            return
+            raise ValueError(f"odometry told nothing at {stamp} s, when the picture was taken")
         found = self._detector.detect(colour)
         names = [self._detector.classes[each] for each in found.classes]
         self.found, kinds = list(zip(found.boxes, names)), [KINDS[name] for name in names]
@@ -136,15 +128,13 @@ class BallPlayer:
             sightings,
             lambda ball: self._in_view.has(R.T @ (ball - t), self._mount.T_base_colour, pillars),
         )
-        if balls:
-            self._ball_seen = stamp
 
     def _ball(self, stamp: float, T_map_odom: np.ndarray) -> Optional[SeenBall]:
         ball = self.tracker.at(stamp)
         if ball is None:
             return None
         R = rotation(T_map_odom[2])
-        return SeenBall(R @ ball.position + T_map_odom[:2], R @ ball.velocity, self._ball_seen)
+        return SeenBall(R @ ball.position + T_map_odom[:2], R @ ball.velocity, ball.seen)
 
     def _T_map_odom(self) -> np.ndarray:
         return self.timeline.now.T_map_odom

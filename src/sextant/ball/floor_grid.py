@@ -7,6 +7,7 @@ from typing import Tuple
 
 import numpy as np
 
+from sextant.plane_poses import rotation
 from sextant.ranges import check_ranges
 
 
@@ -51,9 +52,7 @@ class FloorGrid:
         params = self.params
         away = np.hypot(points[:, 0], points[:, 1])
         points = points[(away >= params.nearest) & (away <= params.farthest)]
-        x, y, heading = pose
-        c, s = np.cos(heading), np.sin(heading)
-        at = points[:, :2] @ np.array([[c, s], [-s, c]]) + [x, y]
+        at = points[:, :2] @ rotation(pose[2]).T + pose[:2]
         high = points[:, 2]
         stands = self._counted(at[(high >= params.low) & (high <= params.high)]) >= 2
         floor = self._counted(at[abs(high) <= params.floor]) >= 1

@@ -6,7 +6,7 @@ What stands on the floor is widened by the robot's radius, so that the robot is 
 where nobody has looked a metre counts as more than one.
 """
 
-from typing import List, NamedTuple, Optional, Tuple
+from typing import Dict, List, NamedTuple, Optional, Tuple
 
 import numpy as np
 from scipy.ndimage import distance_transform_edt
@@ -50,6 +50,7 @@ class FreeFloor:
         self.at, self._clearance = at, clearance
         self.is_free = self.distance >= clearance
         self.is_seen = grid.seen[self._box]
+        self._costs: Dict[int, Tuple[np.ndarray, np.ndarray]] = {}  # by start
 
     def cell(self, point: np.ndarray) -> Tuple[int, int]:
         """Row and column of a point (2,) of the map."""
@@ -83,14 +84,16 @@ class FreeFloor:
         if here < self._clearance:
             near = np.hypot(*np.moveaxis(self.at - start, -1, 0)) < ESCAPE
             self.is_free |= near & (self.distance >= here - 0.5 * self._grid.params.cell)
+            self._costs.clear()
         return self
 
     def costs(self, start: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
         """Of the cheapest way to each cell, metres, inf: none; the cell before it, flat, negative: none."""
-        graph = self._graph()
-        first = np.ravel_multi_index(self.cell(start), self.is_free.shape)
-        costs, before = dijkstra(graph, directed=False, indices=first, return_predecessors=True)
-        return costs.reshape(self.is_free.shape), before
+        first = int(np.ravel_multi_index(self.cell(start), self.is_free.shape))
+        if first not in self._costs:
+            costs, before = dijkstra(self._graph(), directed=False, indices=first, return_predecessors=True)
+            self._costs[first] = costs.reshape(self.is_free.shape), before
+        return self._costs[first]
 
     def _graph(self) -> csr_matrix:
         """Of all cells and their eight neighbours."""

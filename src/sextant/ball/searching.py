@@ -44,7 +44,7 @@ class Searching:
     def step(self, view: TaskView, lacking: str) -> Step:
         """:param lacking: what is looked for"""
         if self._goal is not None:
-            return self._drive(view, lacking)
+            return self._drive(view)
         if not self._turn.is_done(view.pose[2]):
             return Step((0.0, self._params.follower.search_rate))
         return self._go_on(view, lacking)
@@ -57,7 +57,7 @@ class Searching:
         self._goal, self._planned = place, -math.inf
         return Step(HALT)
 
-    def _drive(self, view: TaskView, lacking: str) -> Step:
+    def _drive(self, view: TaskView) -> Step:
         if view.stamp - self._planned > REPLAN:
             self._path, self._planned = way_to(self._params, view, self._goal), view.stamp
         if self._path is None or np.linalg.norm(view.pose[:2] - self._goal) < ARRIVED:

@@ -15,11 +15,12 @@ from sextant.bags.pictures import colour_image
 from sextant.msg import Objects
 from sextant.nodes.conversions import image_to_message
 from sextant.nodes.newest_picture import NewestPicture
-from sextant.nodes.object_detector_params import Detector, ObjectDetectorParams
+from sextant.nodes.object_detector_params import ObjectDetectorParams
 from sextant.nodes.object_detector_report import ObjectDetectorReport
 from sextant.nodes.object_messages import objects_message
 from sextant.nodes.params import read_params
 from sextant.objects.box_picture import box_picture
+from sextant.objects.detection import Detector
 
 
 class ObjectDetectorNode:

@@ -3,17 +3,16 @@
 """Parameters of the node object_detector, and the detector that they mean."""
 
 from dataclasses import dataclass
-from typing import Any, Callable, Dict, List, Union
+from typing import Any, Callable, Dict, List
 
 from sextant.objects.colour_detector import RANGES, ColourDetector, ColourSettings, ranges_of
+from sextant.objects.detection import Detector
 from sextant.objects.shipped_model import shipped_model
 from sextant.objects.yolo_detector import YoloDetector, YoloSettings
 from sextant.onnx_model import BACKENDS
 from sextant.strict_params import one_of, param, within
 
 _YOLO, _COLOUR = YoloSettings(), ColourSettings()
-
-Detector = Union[YoloDetector, ColourDetector]
 
 
 def _ranges(value: Dict[str, Any]) -> str:

@@ -24,6 +24,7 @@ class RgbdGeometry:
     def __init__(self, settings: LocatorSettings, base_frame: str):
         self._settings, self._base_frame = settings, base_frame
         self._infos: Dict[str, CameraInfo] = {}
+        self._cameras: Dict[str, PinholeCamera] = {}  # of these
         self._locator: Optional[ObjectLocator] = None
         self._T_colour_depth = np.eye(4)
         self._buffer = tf2_ros.Buffer()
@@ -33,6 +34,7 @@ class RgbdGeometry:
         """:param which: "colour" or "depth" """
         if which not in self._infos or not same_calibration(info, self._infos[which]):
             self._locator = None
+            self._cameras.pop(which, None)
         self._infos[which] = info
 
     def camera(self, which: str) -> PinholeCamera:
@@ -40,10 +42,12 @@ class RgbdGeometry:
         topic = {"colour": "camera_info", "depth": "depth/camera_info"}[which]
         if which not in self._infos:
             raise ValueError(f"nothing is heard on {rospy.resolve_name(topic)}")
-        try:
-            return PinholeCamera.of(camera_from_info(self._infos[which], rectified=False))
-        except ValueError as error:
-            raise ValueError(f"{rospy.resolve_name(topic)}: {error}") from None
+        if which not in self._cameras:
+            try:
+                self._cameras[which] = PinholeCamera.of(camera_from_info(self._infos[which], rectified=False))
+            except ValueError as error:
+                raise ValueError(f"{rospy.resolve_name(topic)}: {error}") from None
+        return self._cameras[which]
 
     def at(self, colour: Any, depth: Any) -> Tuple[ObjectLocator, np.ndarray]:
         """The locator and T_base_colour (4, 4).

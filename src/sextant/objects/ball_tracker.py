@@ -47,6 +47,7 @@ class BallEstimate(NamedTuple):
     position: np.ndarray  # (2,) metres
     velocity: np.ndarray  # (2,) m/s
     covariance: np.ndarray  # (4, 4) of both
+    seen: float  # seconds, stamp of the last sighting
 
 
 class _Track(NamedTuple):
@@ -117,7 +118,7 @@ class BallTracker:
         if track is None or stamp - track.stamp > self._settings.memory:
             return None
         mean, covariance = merged(moved_on(track.modes, stamp - track.stamp, self._settings.motion))
-        return BallEstimate(mean[:2], mean[2:], covariance)
+        return BallEstimate(mean[:2], mean[2:], covariance, track.stamp)
 
     def clear(self) -> None:
         """Forgets everything."""

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What a detector finds in a picture, and which of several finds is told."""
 
-from typing import List, NamedTuple, Sequence
+from typing import Dict, List, NamedTuple, Protocol, Sequence
 
 import cv2
 import numpy as np
@@ -18,6 +18,16 @@ class Detections(NamedTuple):
     def of(self, which: np.ndarray) -> "Detections":
         """:param which: indices or a mask"""
         return Detections(self.boxes[which], self.scores[which], self.classes[which])
+
+
+class Detector(Protocol):
+    """What finds objects: YoloDetector, ColourDetector."""
+
+    classes: List[str]
+    seconds: Dict[str, float]  # of each stage of the last picture
+
+    def detect(self, image: np.ndarray) -> Detections:
+        """:param image: uint8 (height, width, 3), red first"""
 
 
 NOTHING = Detections(np.zeros((0, 4)), np.zeros(0), np.zeros(0, int))

@@ -16,6 +16,7 @@ from sextant.atomic_file import atomic_file
 from sextant.ball.ball_player import BallPlayer
 from sextant.ball.task_view import Action
 from sextant.objects.object_kinds import BALL
+from sextant.plane_poses import rotation
 from sextant.simulation.ball_ground import Pillar
 from sextant.simulation.ball_simulation import COLOURS, BallSimulation
 from sextant.simulation.rgbd_camera import RgbdPicture
@@ -63,9 +64,8 @@ class BallFilm:
         ):
             return
         start = simulation.world.robot
-        c, s = np.cos(start[2]), np.sin(start[2])
         # The player's map begins where the robot did.
-        way = action.path @ np.array([[c, s], [-s, c]]) + start[:2]
+        way = action.path @ rotation(start[2]).T + start[:2]
         pose = np.array([robot.x, robot.y, robot.yaw])
         still = Still(
             simulation.ground.stamp, action.state, picture.colour, list(player.found), pose,

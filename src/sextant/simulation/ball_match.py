@@ -8,9 +8,10 @@ from typing import Callable, Deque, NamedTuple, Optional, Tuple
 
 import numpy as np
 
-from sextant.ball.ball_player import BallPlayer, BallPlayerParams, Detector, RgbdMount
+from sextant.ball.ball_player import BallPlayer, BallPlayerParams, RgbdMount
 from sextant.ball.goal import goal_between, goes_through
 from sextant.ball.task_view import Action
+from sextant.objects.detection import Detector
 from sextant.objects.pinhole_camera import PinholeCamera
 from sextant.simulation.ball_simulation import BallSimulation, BallSimulationParams
 from sextant.simulation.ball_world import drawn_world

@@ -10,8 +10,9 @@ from typing import Dict, List, NamedTuple, Optional, Sequence, Tuple
 import cv2
 import numpy as np
 
-from sextant.ball.ball_player import BallPlayerParams, Detector
+from sextant.ball.ball_player import BallPlayerParams
 from sextant.objects.colour_detector import ColourDetector, ColourSettings
+from sextant.objects.detection import Detector
 from sextant.objects.object_locator import LocatorSettings
 from sextant.objects.yolo_detector import YoloDetector, YoloSettings
 from sextant.simulation.ball_match import MatchResult, Watch, play
