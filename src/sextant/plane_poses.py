@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Poses in the plane: (3,) x, y (metres) and heading (radians)."""
 
+import math
+
 import numpy as np
 
 
@@ -9,6 +11,11 @@ def rotation(angle: float) -> np.ndarray:
     """(2, 2) counter-clockwise, radians."""
     c, s = np.cos(angle), np.sin(angle)
     return np.array([[c, -s], [s, c]])
+
+
+def planar(T: np.ndarray) -> np.ndarray:
+    """(3,) x, y, heading of a pose (4, 4) seen from above."""
+    return np.array([T[0, 3], T[1, 3], math.atan2(T[1, 0], T[0, 0])])
 
 
 def composed(pose: np.ndarray, step: np.ndarray) -> np.ndarray:

@@ -11,7 +11,6 @@ from nav_msgs.msg import Odometry
 from sextant.ball.floor_grid import FloorGrid, FloorGridParams
 from sextant.msg import LandmarkMapEntries, LandmarkMapEntry, ObjectBox, Objects
 from sextant.nodes.ball_senses import BallSenses
-from sextant.nodes.floor_eye import FloorLook
 
 SECOND = 10**9
 GRID = FloorGrid(FloorGridParams())
@@ -116,7 +115,7 @@ def test_a_short_touch_is_told_once_and_a_long_one_as_long_as_it_lasts():
 
 def test_a_depth_image_waits_for_the_pose_of_its_moment():
     senses = placed(5.0)
-    senses.hear_depth(FloorLook(5_050_000_000, np.ones((2, 3))))
+    senses.hear_depth(5_050_000_000, np.ones((2, 3)))
     assert senses.looks() == []
     senses.hear_odometry(told("odom", 5.1, 1.0, 0.0))
     senses.hear_pose(told("map", 5.1, 2.4, 3.0, 0.5 * math.pi))

@@ -9,6 +9,7 @@ import numpy as np
 
 import sextant
 from sextant.bags.bag_file import DamagedMessage
+from sextant.plane_poses import planar
 from sextant.poses import pose_of_fields
 
 UP = 0.999  # cosine of the tilt of a frame whose z is up
@@ -17,11 +18,6 @@ UP = 0.999  # cosine of the tilt of a frame whose z is up
 def planar_pose(pose: Any) -> np.ndarray:
     """(3,) x, y, heading of a geometry_msgs/Pose seen from above. :raises ValueError: it is none"""
     return planar(pose_of_fields(pose.position, pose.orientation))
-
-
-def planar(T: np.ndarray) -> np.ndarray:
-    """(3,) x, y, heading of a pose (4, 4) seen from above."""
-    return np.array([T[0, 3], T[1, 3], math.atan2(T[1, 0], T[0, 0])])
 
 
 def view_of(T_base_frame: np.ndarray) -> np.ndarray:

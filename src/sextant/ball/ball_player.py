@@ -17,6 +17,7 @@ from sextant.ball.ball_task_params import BallTaskParams
 from sextant.ball.depth_points import DepthPoints
 from sextant.ball.floor_grid import FloorGrid, FloorGridParams
 from sextant.ball.task_view import Action, SeenBall, SeenPillar, TaskView
+from sextant.objects.ball_look import BallLook
 from sextant.objects.ball_tracker import BallTracker, BallTrackerSettings
 from sextant.objects.ball_view import BallView
 from sextant.objects.detection import Detector
@@ -95,7 +96,8 @@ class BallPlayer:
         places = self._locator.locate(depth, found.boxes, kinds, self._mount.T_base_colour)
         seen = [(name, place) for name, place in zip(names, places) if place is not None]
         self._see_pillars(stamp, [each for each in seen if each[0] != BALL])
-        self._see_ball(stamp, seen, T_odom_base)
+        located = [(KINDS[name], place) for name, place in seen]
+        BallLook.of(located, self._mount.T_base_colour, self._in_view).tell(self.tracker, stamp, T_odom_base)
         self.grid.look(self._points.of(depth), composed(self._T_map_odom(), T_odom_base))
 
     def step(self, stamp: float, is_bumped: bool) -> Action:
@@ -117,17 +119,6 @@ class BallPlayer:
             for name, place in seen
         ]
         self.timeline.see(stamp, sightings)
-
-    def _see_ball(self, stamp: float, seen: List[Tuple[str, LocatedObject]], T_odom_base: np.ndarray) -> None:
-        R, t = rotation(T_odom_base[2]), T_odom_base[:2]
-        balls = [place for name, place in seen if name == BALL]
-        pillars = [np.array([*place.position, KINDS[name].radius]) for name, place in seen if name != BALL]
-        sightings = [(R @ ball.position + t, R @ ball.covariance @ R.T) for ball in balls]
-        self.tracker.look(
-            stamp,
-            sightings,
-            lambda ball: self._in_view.has(R.T @ (ball - t), self._mount.T_base_colour, pillars),
-        )
 
     def _ball(self, stamp: float, T_map_odom: np.ndarray) -> Optional[SeenBall]:
         ball = self.tracker.at(stamp)

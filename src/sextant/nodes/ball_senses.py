@@ -2,8 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What messages tell of robot, pillars, ball and floor, put together in the map at the newest pose."""
 
-from collections import deque
-from typing import Deque, List, Optional, Sequence, Tuple
+from typing import List, Optional, Sequence, Tuple
 
 import numpy as np
 from nav_msgs.msg import Odometry
@@ -12,14 +11,12 @@ from sextant.ball.floor_grid import FloorGrid
 from sextant.ball.task_view import SeenBall, SeenPillar, TaskView
 from sextant.msg import LandmarkMapEntries, Objects
 from sextant.nodes.conversions import pose_from_message
-from sextant.nodes.floor_eye import FloorLook
+from sextant.nodes.pose_trail import PoseTrail
 from sextant.nodes.stamp_pairs import Pair, StampPairs
 from sextant.objects.object_kinds import BALL
-from sextant.poses import LONGEST_GAP, interpolated_poses
+from sextant.plane_poses import planar
 
-KEPT = 500  # poses
 WAITING = 5  # depth images
-SET_BACK = 10**9  # nanoseconds: stamps that fall back farther are of a clock that was set back
 
 
 class BallSenses:
@@ -29,8 +26,7 @@ class BallSenses:
         """:param ball_timeout: seconds after which a ball that nobody tells of is not known any more"""
         self._ball_timeout = ball_timeout
         self._pairs = StampPairs(0.0)  # pose in the map and odometry, both at a stamp
-        self._poses: Deque[Tuple[int, np.ndarray]] = deque(maxlen=KEPT)  # stamp, T_map_base
-        self._looks: Deque[FloorLook] = deque(maxlen=WAITING)
+        self._trail = PoseTrail(WAITING)  # in the map, and what depth images show
         self._pillars: List[SeenPillar] = []
         self._ball: Optional[Odometry] = None
         self._ball_seen = np.inf  # seconds, in a picture; inf: nobody tells of pictures
@@ -76,45 +72,35 @@ class BallSenses:
         """Of before."""
         self._was_pressed = self._is_pressed
 
-    def hear_depth(self, look: FloorLook) -> None:
-        """It waits until there is a pose."""
-        self._looks.append(look)
+    def hear_depth(self, stamp: int, points: np.ndarray) -> None:
+        """Of the floor (n, 3), in the robot frame; they wait until there is a pose of their time."""
+        self._trail.wait(stamp, points)
 
     @property
     def stamp(self) -> float:
         """Seconds, of the newest pose; -inf: there is none."""
-        return 1e-9 * self._poses[-1][0] if self._poses else -np.inf
+        return 1e-9 * self._trail.newest[0] if self._trail.newest else -np.inf
 
     def view(self, grid: FloorGrid) -> TaskView:
         """As of the newest pose, which is there."""
-        stamp, T_map_base = self._poses[-1]
+        stamp, T_map_base = self._trail.newest
         is_bumped, self._was_pressed = self._was_pressed, self._is_pressed
         ball = self._seen_ball(stamp)
-        return TaskView(1e-9 * stamp, _planar(T_map_base), self._pillars, ball, is_bumped, grid)
+        return TaskView(1e-9 * stamp, planar(T_map_base), self._pillars, ball, is_bumped, grid)
 
     def looks(self) -> List[Tuple[np.ndarray, np.ndarray]]:
         """Points (n, 3) in the robot frame, and its pose (3,) then, of depth images that were not told."""
-        placed = []
-        while self._looks and self._poses and self._looks[0].stamp <= self._poses[-1][0]:
-            look = self._looks.popleft()
-            stamps, poses = (np.array(values) for values in zip(*self._poses))
-            (T,) = interpolated_poses(stamps, poses, np.array([look.stamp]), LONGEST_GAP)
-            if T is not None:
-                placed.append((look.points, _planar(T)))
-        return placed
+        return [(points, planar(T_map_base)) for _, points, T_map_base in self._trail.ready()]
 
     def _move(self, pairs: List[Pair]) -> None:
         for pose, odometry in pairs:
             stamp, T_map_base = pose.header.stamp.to_nsec(), pose_from_message(pose.pose.pose)
-            if self._poses and stamp < self._poses[-1][0] - SET_BACK:
-                self._poses.clear()
-                self._looks.clear()
+            if self._trail.is_set_back(stamp):
+                self._trail.clear()
                 self._ball, self._ball_seen = None, np.inf
-            elif self._poses and stamp <= self._poses[-1][0]:
-                continue
-            self.map_frame = pose.header.frame_id
-            self._T_map_odom = T_map_base @ np.linalg.inv(pose_from_message(odometry.pose.pose))
-            self._poses.append((stamp, T_map_base))
+            if self._trail.add(stamp, T_map_base):
+                self.map_frame = pose.header.frame_id
+                self._T_map_odom = T_map_base @ np.linalg.inv(pose_from_message(odometry.pose.pose))
 
     def _seen_ball(self, now: int) -> Optional[SeenBall]:
         if self._ball is None:
@@ -131,8 +117,3 @@ class BallSenses:
 def _check_finite(values: Sequence) -> None:
     if not np.all(np.isfinite(values)):
         raise ValueError("a place or a speed is not finite")
-
-
-def _planar(T: np.ndarray) -> np.ndarray:
-    """(3,) x, y, heading."""
-    return np.array([T[0, 3], T[1, 3], np.arctan2(T[1, 0], T[0, 0])])

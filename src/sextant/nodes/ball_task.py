@@ -116,7 +116,8 @@ class BallTaskNode:
     def _on_depth(self, depth: Image) -> None:
         with self._ears:
             try:
-                self._senses.hear_depth(self._eye.look(depth, self._senses.base_frame))
+                points = self._eye.look(depth, self._senses.base_frame)
+                self._senses.hear_depth(depth.header.stamp.to_nsec(), points)
                 self._report.depth_images += 1
             except ValueError as error:
                 self._report.refuse("depth/image", error)

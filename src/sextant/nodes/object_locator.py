@@ -16,7 +16,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from sextant.bags.pictures import depth_image
 from sextant.msg import LandmarkSightings, ObjectBox, Objects
-from sextant.nodes.ball_follower import BallFollower, BallLook, Followed
+from sextant.nodes.ball_follower import BallFollower, Followed
 from sextant.nodes.object_locator_params import ObjectLocatorParams
 from sextant.nodes.object_locator_report import ObjectLocatorReport
 from sextant.nodes.object_messages import (
@@ -27,8 +27,9 @@ from sextant.nodes.object_messages import (
     sightings_message,
 )
 from sextant.nodes.params import read_params
-from sextant.nodes.rgbd_geometry import RgbdGeometry
+from sextant.nodes.rgbd_locator import COLOUR, DEPTH, RgbdLocator
 from sextant.nodes.stamp_pairs import Pair, StampPairs
+from sextant.objects.ball_look import BallLook
 from sextant.objects.ball_tracker import BallTracker
 from sextant.objects.ball_view import BallView
 from sextant.objects.object_kinds import kinds_of
@@ -45,7 +46,7 @@ class ObjectLocatorNode:
         self._radius = min(
             [kind.radius for kind in self._kinds.values() if kind.shape == "ball"], default=0.0
         )
-        self._geometry = RgbdGeometry(params.locator(), params.base_frame)
+        self._locator = RgbdLocator(params.locator(), params.base_frame)
         self._pairs, self._ball = StampPairs(params.slop), BallFollower(BallTracker(params.ball()))
         self._drawn: List[Marker] = []  # of the ball
         self._lock, self._stop = threading.Lock(), threading.Event()
@@ -56,8 +57,8 @@ class ObjectLocatorNode:
         self._landmarks = rospy.Publisher("landmarks", LandmarkSightings, queue_size=10)
         self._balls = rospy.Publisher("ball", Odometry, queue_size=10)
         self._visualization = rospy.Publisher("visualization", MarkerArray, queue_size=1)
-        rospy.Subscriber("camera_info", CameraInfo, self._on_info, "colour", queue_size=1)
-        rospy.Subscriber("depth/camera_info", CameraInfo, self._on_info, "depth", queue_size=1)
+        for topic in (COLOUR, DEPTH):
+            rospy.Subscriber(topic, CameraInfo, self._on_info, topic, queue_size=1)
         rospy.Subscriber("odom", Odometry, self._on_odometry, queue_size=100)
         rospy.Subscriber("depth/image", Image, self._on_depth, queue_size=5, buff_size=BUFFER)
         rospy.Subscriber("objects", Objects, self._on_objects, queue_size=10)
@@ -67,9 +68,9 @@ class ObjectLocatorNode:
         while not self._stop.wait(REPORT_EVERY):
             self._updater.force_update()
 
-    def _on_info(self, info: CameraInfo, which: str) -> None:
+    def _on_info(self, info: CameraInfo, topic: str) -> None:
         with self._lock:
-            self._geometry.hear(which, info)
+            self._locator.hear(topic, info)
 
     def _on_objects(self, objects: Objects) -> None:
         with self._lock:
@@ -102,8 +103,8 @@ class ObjectLocatorNode:
         metres = depth_image(depth)
         if not metres.any():
             raise ValueError(f"{rospy.resolve_name('depth/image')}: no pixel has a depth")
-        locator, T_base_colour = self._geometry.at(objects.header, depth.header)
-        size = tuple(self._geometry.camera("colour").size)
+        locator, T_base_colour = self._locator.at(objects.header, depth.header)
+        size = tuple(self._locator.colour.size)
         if (objects.width, objects.height) != size:
             raise ValueError(
                 f"the picture is {objects.width}×{objects.height}, its camera {size[0]}×{size[1]}"
@@ -124,25 +125,19 @@ class ObjectLocatorNode:
     def _tell(self, seen: List[SeenObject], T_base_colour: np.ndarray, stamp: rospy.Time) -> None:
         header = Header(stamp=stamp, frame_id=self._params.base_frame)
         self._landmarks.publish(sightings_message(seen, header))
-        balls = [each.place for each in seen if each.kind.shape == "ball"]
-        pillars = [
-            np.array([*each.place.position, each.kind.radius]) for each in seen if each.kind.shape == "pillar"
-        ]
         if self._radius:
-            look = BallLook(stamp.to_nsec(), balls, pillars, T_base_colour, self._view())
-            self._tell_ball(self._ball.see(look))
+            look = BallLook.of([(each.kind, each.place) for each in seen], T_base_colour, self._view())
+            self._tell_ball(self._ball.see(stamp.to_nsec(), look))
         if self._visualization.get_num_connections():
             self._visualization.publish(MarkerArray(seen_markers(seen, header) + self._drawn))
 
     def _view(self) -> BallView:
         params = self._params
-        return BallView(
-            self._geometry.camera("colour"), self._radius, params.nearest + 0.2, params.sure_range
-        )
+        return BallView(self._locator.colour, self._radius, params.nearest + 0.2, params.sure_range)
 
     def _tell_ball(self, looks: Iterable[Followed]) -> None:
-        for look, frame, ball in looks:
-            header = Header(stamp=rospy.Time(nsecs=look.stamp), frame_id=frame)
+        for stamp, frame, ball in looks:
+            header = Header(stamp=rospy.Time(nsecs=stamp), frame_id=frame)
             self._drawn = ball_markers(ball, self._radius, header) if ball else []
             if ball:
                 self._balls.publish(ball_message(ball, self._radius, header))

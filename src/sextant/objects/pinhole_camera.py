@@ -11,7 +11,7 @@ import numpy as np
 MODELS = ("plumb_bob", "rational_polynomial")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class PinholeCamera:
     """A raw image's camera; in its pixels (0, 0) is the middle of the first one."""
 
