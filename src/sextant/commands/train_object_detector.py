@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Teaches a small network to find balls and pillars in simulated pictures, and tells how well it does.
 
-train_object_detector detector/                      an hour on two cores; ended at any time, it goes on
+train_object_detector detector/                      half an hour on one core; ended at any time, it goes on
 train_object_detector detector/ --quick              a few pictures and steps: does everything work?
 
 Writes objects.onnx (for object_detector), confusion.png (what was taken for what) and checkpoint.pt into it.

@@ -82,7 +82,8 @@ class Head(nn.Module):
             Conv(HEAD, HEAD), nn.Conv2d(HEAD, classes, 1),
         )  # fmt: skip
         nn.init.constant_(self.scores[-1].bias, math.log(LIKELY / (1.0 - LIKELY)))
-        nn.init.constant_(self.box[-1].bias, 0.0)
+        with torch.no_grad():
+            self.box[-1].bias.copy_(-0.5 * torch.arange(BINS).repeat(4))  # most things are small
 
     def forward(self, x: Tensor) -> Tensor:
         return torch.cat([self.box(x), self.scores(x)], 1)

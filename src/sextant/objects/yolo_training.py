@@ -21,6 +21,8 @@ from sextant.objects.yolo_network import YoloNetwork
 from sextant.ranges import check_ranges
 
 LEAST_SIDE = 3.0  # pixels of a box; of smaller ones it is no matter whether they are told
+WARM_UP, LAST_RATE = 300, 0.02  # batches; share of the learning rate that is left at the end
+MOST_CHANGE = 10.0  # of the gradient's norm
 KEPT = 0.3  # share of an object that has to be in a changed picture for it to be told there
 
 
@@ -29,11 +31,11 @@ class TrainingSettings:
     """How long, and how pictures are changed each time they are shown."""
 
     epochs: int = 15  # [1, 10000] times that every picture is shown
-    batch: int = 32  # [1, 1024] pictures
+    batch: int = 16  # [1, 1024] pictures
     rate: float = 2e-3  # (0, 1] the highest learning rate
     decay: float = 0.02  # [0, 1] of weights
     average: float = 0.998  # [0, 1] of weights from batch to batch, in those that are kept
-    zoom: float = 0.35  # [0, 1] share by which a picture becomes larger or smaller
+    zoom: float = 0.3  # [0, 1] share by which a picture becomes larger or smaller
     shift: float = 0.15  # [0, 1] of its side
     light: float = 0.35  # [0, 1] share by which brightness and contrast change
     tint: float = 0.08  # [0, 1] share by which a colour's channel changes
@@ -74,14 +76,11 @@ class _State:
 
     def __init__(self, pictures: PictureSet, classes: int, settings: TrainingSettings):
         self._pictures, self._settings = pictures, settings
-        self._network = YoloNetwork(classes)
+        self._network = YoloNetwork(classes).to(memory_format=torch.channels_last)
         self._loss = YoloLoss(pictures.images.shape[1], classes)
         self.kept = copy.deepcopy(self._network).requires_grad_(False)  # averaged
         self._optimizer = torch.optim.AdamW(_groups(self._network, settings.decay), settings.rate)
         self._steps = math.ceil(len(pictures.images) / settings.batch)
-        self._scheduler = torch.optim.lr_scheduler.OneCycleLR(
-            self._optimizer, settings.rate, settings.epochs * self._steps, pct_start=0.1
-        )
         self.epoch = 0
 
     def show_all(self, epoch: int, progress: str) -> float:
@@ -90,19 +89,29 @@ class _State:
         order, batch, losses = random.permutation(len(self._pictures.images)), self._settings.batch, []
         self._network.train()
         for step in tqdm(range(self._steps), disable=None if progress else True, desc=progress):
-            images, targets = changed(
-                _chosen(self._pictures, order[step * batch :][:batch]), self._settings, random
-            )
-            loss = self._loss(self._network(images), targets)
-            self._optimizer.zero_grad()
-            loss.backward()
-            nn.utils.clip_grad_norm_(self._network.parameters(), 10.0)
-            self._optimizer.step()
-            self._scheduler.step()
-            self._keep(epoch * self._steps + step)
-            losses.append(loss.item())
+            chosen = _chosen(self._pictures, order[step * batch :][:batch])
+            losses.append(self._learn(chosen, random, epoch * self._steps + step))
         self.epoch = epoch + 1
         return float(np.mean(losses))
+
+    def _learn(self, pictures: PictureSet, random: np.random.Generator, step: int) -> float:
+        """From one batch; its loss."""
+        for group in self._optimizer.param_groups:
+            group["lr"] = self._rate(step)
+        images, targets = changed(pictures, self._settings, random)
+        loss = self._loss(self._network(images), targets)
+        self._optimizer.zero_grad()
+        loss.backward()
+        nn.utils.clip_grad_norm_(self._network.parameters(), MOST_CHANGE)
+        self._optimizer.step()
+        self._keep(step)
+        return loss.item()
+
+    def _rate(self, step: int) -> float:
+        """It grows, and then falls as a cosine (Loshchilov and Hutter 2017, "SGDR")."""
+        share = step / (self._settings.epochs * self._steps)
+        fall = LAST_RATE + (1.0 - LAST_RATE) * 0.5 * (1.0 + math.cos(math.pi * share))
+        return self._settings.rate * fall * min(1.0, (step + 1) / WARM_UP)
 
     def _keep(self, step: int) -> None:
         share = min(self._settings.average, (1 + step) / (10 + step))
@@ -137,8 +146,6 @@ class _State:
             raise
         except Exception as error:  # what is no checkpoint raises nearly anything
             raise ValueError(f"{path}: is of no such training, remove it: {error}") from None
-        for _ in range(self.epoch * self._steps):
-            self._scheduler.step()
 
 
 def _groups(network: nn.Module, decay: float) -> List[dict]:
