@@ -142,3 +142,24 @@ def test_a_depth_image_of_another_size_is_refused_with_both_sizes():
 def test_a_setting_out_of_range_is_named(settings):
     with pytest.raises(ValueError, match=f"{next(iter(settings))} is .*, allowed is"):
         LocatorSettings(**settings).validate()
+
+
+@pytest.mark.parametrize("x, slope", [(0.6, 0.65), (0.6, 0.66), (0.64, 0.64), (0.64, 0.65), (0.72, 0.63)])
+def test_a_ball_whose_middle_the_border_cuts_is_told_where_it_is_or_not_at_all(x, slope):
+    """What is left of it is lower than it: no ball that is farther, under the floor."""
+    scene = Scene([], (x, (x - 0.1) * slope), RgbdParams())
+    left, top, right, bottom = scene.boxes[0]
+    assert left < 1.0 and right < 40.0
+    for low in (0.0, 3.0, 6.0, 9.0):
+        place = scene.located(0, box=np.array([left, top + low, right + 4.0, bottom - low]))
+        assert place is None or np.linalg.norm(place.position - scene.truth[0]) < 0.06
+
+
+@pytest.mark.parametrize(
+    "aside, top, left", [(-0.99, 4, -6), (-0.99, 4, -3), (-1.005, 0, -3), (-1.005, 2, -3)]
+)
+def test_a_few_depths_of_what_stands_before_it_are_not_the_pillar(aside, top, left):
+    """A pillar near by covers one side of another, the picture's border the other side."""
+    scene = Scene([(0.55, -0.16), (2.16, aside)], camera=RgbdParams())
+    place = scene.located(1, box=scene.boxes[1] + [left, top, -3, -1])
+    assert place is None or np.linalg.norm(place.position - scene.truth[1]) < 0.1

@@ -32,6 +32,8 @@ def test_a_quick_training_makes_a_network_and_goes_on_where_it_was(tmp_path, cap
     assert main([str(folder), "--quick", "--size", "64"]) == 0
     assert "epoch" not in capsys.readouterr().out  # both were there
     assert (folder / "objects.onnx").read_bytes() == before
+    assert main([str(folder), "--quick", "--size", "64", "--seed", "1"]) == 2
+    assert "checkpoint.pt: is of a training with another seed: take another folder" in capsys.readouterr().err
 
 
 @needs_torch

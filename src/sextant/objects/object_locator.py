@@ -7,7 +7,7 @@ from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
-from sextant.objects.box_tangents import LEFT, RIGHT, TANGENTS, BoxTangents
+from sextant.objects.box_tangents import BOTTOM, LEFT, RIGHT, TANGENTS, TOP, BoxTangents
 from sextant.objects.object_kinds import ObjectKind
 from sextant.objects.pinhole_camera import PinholeCamera
 from sextant.objects.round_fit import Planes, fit_round, goes_on, likely_ranges
@@ -18,9 +18,11 @@ MOST_POINTS = 800  # of a box: of large ones not every pixel is looked at
 
 HIDDEN = 0.25  # share of the pixels beside a box that are nearer, from which its side is no outline
 AMBIGUOUS = 0.4  # share of the points on the best fit, from which on another that fits may be right
+LEAST_SHARE = 0.25  # of the depths in a box that are on it: a few are of what stands before it
 TOO_NEAR, INNER = 0.5, 0.3  # metres to a pillar without depth; share of its width beside the middle
 SMALLEST = 2.0  # pixels, a box's side
 SURE, DISAGREE = 3.0, 5.0  # deviations
+TILT = 0.1  # radians by which what is known of the camera's tilt may be wrong
 
 
 @dataclass(frozen=True)
@@ -115,7 +117,11 @@ class ObjectLocator:
         points, pixels, step = self._points(depth, box, kind)
         # From the camera, in the robot's axes.
         seen = (points @ T_base_colour[:3, :3].T)[:, : len(tangents.middle)]
-        fits = self._fits(box, tangents, kind, pixels, seen, step)
+        fits = [
+            each
+            for each in self._fits(box, tangents, kind, pixels, seen, step)
+            if _is_on_floor(each.position, kind, T_base_colour)
+        ]
         if not fits or fits[0].points < self._settings.fewest:
             return self._too_near(box, tangents, kind, pixels, T_base_colour)
         others = (each for each in fits[1:] if np.linalg.norm(each.position - fits[0].position) > kind.radius)
@@ -154,7 +160,9 @@ class ObjectLocator:
             sides = self._outlines(box, tangents, max(far, radius), kind, pixels, seen)
             fit = sides and fit_round(seen, far * tangents.middle, radius, sides, sigma, alike)
             if fit and sides.agree(fit.position, radius) and not goes_on(seen, fit, radius, sides, sigma):
-                found.append(_Fit(int(np.count_nonzero(fit.on & inside)), fit.position, fit.covariance))
+                points = int(np.count_nonzero(fit.on & inside))
+                if points >= LEAST_SHARE * np.count_nonzero(inside):
+                    found.append(_Fit(points, fit.position, fit.covariance))
         return sorted(found, key=lambda each: -each.points)
 
     def _told(
@@ -204,8 +212,9 @@ class ObjectLocator:
         settings, size, focal = self._settings, np.tile(box[2:] - box[:2], 2), self._colour.focal_length
         deviations = np.hypot(settings.pixel_sigma, settings.size_sigma * size)  # of sides, pixels
         limits = np.array([*box[:2], *(np.array(self._colour.size) - box[2:])])
-        is_outline = limits > SURE * deviations
+        is_inside = limits > SURE * deviations
         wide = 2.0 * np.arcsin(min(1.0, kind.radius / far))
+        is_outline = is_inside & ~_is_chord(is_inside, size[:2], 0.5 * wide * focal, kind)
         left, right = (
             tangents.normals[tangents.sides == LEFT][0],
             tangents.normals[tangents.sides == RIGHT][0],
@@ -234,6 +243,25 @@ class ObjectLocator:
         x = pixels[:, 0]
         beside = [(x < box[0]) & (x > box[0] - missing), (x > box[2]) & (x < box[2] + missing)]
         return np.array([which.any() and nearer[which].mean() > HIDDEN for which in beside])
+
+
+def _is_on_floor(position: np.ndarray, kind: ObjectKind, T_base_colour: np.ndarray) -> bool:
+    """Whether a ball's middle, from the camera, is its radius above the floor."""
+    if kind.shape != "ball":
+        return True
+    above = position[2] + T_base_colour[2, 3] - kind.radius
+    return bool(abs(above) < kind.radius + TILT * np.linalg.norm(position))
+
+
+def _is_chord(is_inside: np.ndarray, size: np.ndarray, radius: float, kind: ObjectKind) -> np.ndarray:
+    """(4,) which sides of a ball's box touch nothing, for the picture ends before its middle.
+
+    :param is_inside: (4,) whether the sides are off the picture's borders
+    :param size: (2,) of the box, pixels. :param radius: of the ball, pixels
+    """
+    is_cut = np.array([not is_inside[[LEFT, RIGHT]].all(), not is_inside[[TOP, BOTTOM]].all()])
+    across, along = is_cut & (size < radius) & (kind.shape == "ball")
+    return np.array([along, across, along, across])
 
 
 def _without_doubles(

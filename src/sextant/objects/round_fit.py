@@ -19,6 +19,7 @@ BESIDE = (0.3, 1.2)  # of the radius, beyond a plane that touches it, where noth
 FEWEST_BESIDE, SHARE_BESIDE = 8, 0.2  # points there, and of those on it, to say anything
 MOST_BESIDE = 0.5  # share of them as far away as it
 CANDIDATES = 3  # ranges of an object
+OPEN = 1e8  # condition of the information, from which it says nothing about some direction
 
 
 class Planes(NamedTuple):
@@ -71,7 +72,7 @@ def fit_round(
 
     :param start: (k,) about the middle. :param sigma: as likely_ranges()
     :param alike: points with one common error: lumps of noise
-    :returns: None where no points are left that fit
+    :returns: None where no points are left that fit, or they leave it open where it is
     """
     middle, far = start.astype(float), float(np.linalg.norm(start))
     away = np.linalg.norm(points - middle, axis=1)
@@ -93,6 +94,8 @@ def fit_round(
         information = weight * rows.T @ rows + (planes.normals.T * plane_weights) @ planes.normals
         pull = weight * rows.T @ off[which]
         pull += (planes.normals.T * plane_weights) @ (radius - planes.normals @ middle)
+        if np.linalg.cond(information) > OPEN:
+            return None
         middle = middle + np.linalg.solve(information, pull)
     on[near] = which
     return RoundFit(middle, np.linalg.inv(information), on)

@@ -4,7 +4,7 @@
 
 import copy
 import math
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import List, Tuple
 
@@ -82,6 +82,9 @@ class _State:
         self._optimizer = torch.optim.AdamW(_groups(self._network, settings.decay), settings.rate)
         self._steps = math.ceil(len(pictures.images) / settings.batch)
         self.epoch = 0
+        pictures_of = dict(zip(("pictures", "size"), pictures.images.shape))
+        # A checkpoint is of one training. As text: PyTorch reads no real numbers without running a file.
+        self._about = {name: str(value) for name, value in {**asdict(settings), **pictures_of}.items()}
 
     def show_all(self, epoch: int, progress: str) -> float:
         """Every picture once; the mean loss."""
@@ -122,12 +125,13 @@ class _State:
                 kept.copy_(now)
 
     def save(self, path: Path) -> None:
-        """Everything that is needed to go on, as tensors and whole numbers."""
+        """Everything that is needed to go on, as tensors, whole numbers and text."""
         saved = {
             "network": self._network.state_dict(),
             "kept": self.kept.state_dict(),
             "moments": self._optimizer.state_dict()["state"],
             "epoch": self.epoch,
+            "about": self._about,
         }
         with atomic_file(path, "wb") as file:
             torch.save(saved, file)
@@ -138,6 +142,7 @@ class _State:
             return
         try:
             saved = torch.load(path, weights_only=True)
+            other = [name for name, value in self._about.items() if saved["about"][name] != value]
             self._network.load_state_dict(saved["network"])
             self.kept.load_state_dict(saved["kept"])
             self._optimizer.load_state_dict({**self._optimizer.state_dict(), "state": saved["moments"]})
@@ -146,6 +151,8 @@ class _State:
             raise
         except Exception as error:  # what is no checkpoint raises nearly anything
             raise ValueError(f"{path}: is of no such training, remove it: {error}") from None
+        if other:
+            raise ValueError(f"{path}: is of a training with another {', '.join(other)}: take another folder")
 
 
 def _groups(network: nn.Module, decay: float) -> List[dict]:
