@@ -9,6 +9,10 @@ from test_ball_task import POSTS, assert_won, world_of
 
 from sextant.ball.ball_task import BallTask
 from sextant.ball.ball_task_params import BallTaskParams
+from sextant.ball.floor_grid import FloorGrid, FloorGridParams
+from sextant.ball.searching import FullTurn
+from sextant.ball.task_view import SeenBall, SeenPillar, TaskView
+from sextant.objects.object_kinds import GOAL
 from sextant.simulation.ball_ground import BallGround, Pillar
 
 FEW = BallTaskParams(most_searches=1)
@@ -150,3 +154,78 @@ def test_once_ended_it_does_nothing_until_it_is_started_again():
     task.start()
     action = task.step(view._replace(stamp=4.0))
     assert (action.kicks, action.is_ended) == (0, False)
+
+
+def seen_at(x, stamp=None, **what):
+    """A ball on the axis of the goal at x = -1, as a view of a robot that stands; and pillars."""
+    now = what.pop("now")
+    ball = SeenBall(np.array([x, 0.0]), np.zeros(2), now if stamp is None else stamp)
+    pillars = [SeenPillar(GOAL, np.array(post[:2])) for post in POSTS]
+    pose = what.pop("pose", np.array([1.0, 0.0, np.pi]))
+    return TaskView(now, pose, pillars, ball, what.pop("is_bumped", False), FloorGrid(FloorGridParams()))
+
+
+def watching(stamp=0.0):
+    """A task that has kicked."""
+    task = BallTask(BallTaskParams())
+    task.step(seen_at(0.0, now=stamp))
+    task.kicks, task.state, task._entered = 1, "watching", stamp
+    return task
+
+
+def test_a_ball_that_nobody_sees_behind_the_line_is_not_through():
+    """It is believed to roll on, and lies before the line in truth."""
+    task = watching()
+    task.step(seen_at(-0.9, now=0.1))
+    for tick in range(2, 40):
+        task.step(seen_at(-0.9 - 0.01 * tick, now=0.1 * tick, stamp=0.1))
+    assert task.state == "watching"
+    task.step(seen_at(-1.3, now=4.0))
+    assert task.state == "stopping"
+
+
+def test_after_a_pause_of_poses_it_is_not_stuck():
+    task, stamp = BallTask(BallTaskParams()), 0.0
+    pose, states = np.array([1.2, 0.6, 2.5]), []
+    for pause in (3.0, 3.0):
+        driven = 0
+        while driven < 20:
+            action = task.step(seen_at(0.0, now=stamp, pose=pose))
+            speed, turn_rate = action.command
+            pose = pose + 0.05 * np.array([speed * np.cos(pose[2]), speed * np.sin(pose[2]), turn_rate])
+            stamp += 0.05
+            states.append(action.state)
+            driven += action.command[0] > 0.1
+        stamp += pause
+    assert "approaching" in states and "recovering" not in states
+
+
+def test_a_post_that_is_lost_does_not_make_both_one():
+    """All that is left stands between them."""
+    posts = [SeenPillar(GOAL, np.array([-1.0, y])) for y in (-0.36, 0.36)]
+    task = BallTask(BallTaskParams())
+    task.step(seen_at(0.0, now=0.0)._replace(pillars=posts))
+    task.kicks = 1
+    task.step(seen_at(0.0, now=0.1)._replace(pillars=[SeenPillar(GOAL, np.array([-1.0, 0.0]))]))
+    assert task.goal.width == pytest.approx(0.72)
+    assert np.isfinite(task.goal.out).all()
+
+
+def test_a_ball_that_presses_the_bumper_is_no_collision():
+    """A base whose bumper is as low as the ball: each kick presses it."""
+    states = []
+
+    def meddle(ground, action):
+        states.append(action.state)
+        near = np.linalg.norm(ground.ball - [ground.robot.x, ground.robot.y]) < 0.177 + 0.05 + 0.02
+        (ground._against.add if near else ground._against.discard)("ball")
+
+    played = play(world_of(), meddle=meddle)
+    assert_won(played)
+    assert "kicking" in states and "recovering" not in states
+
+
+def test_noise_of_a_standing_robots_heading_is_no_full_turn():
+    turn, random = FullTurn(), np.random.default_rng(1)
+    assert not any(turn.is_done(each) for each in random.normal(0.0, 0.02, 2000))
+    assert any(turn.is_done(-0.01 * i) for i in range(700))

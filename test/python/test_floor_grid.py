@@ -112,3 +112,14 @@ def test_the_known_box_holds_what_was_seen_and_the_points():
 def test_wrong_parameters_are_named(wrong, named):
     with pytest.raises(ValueError, match=f"^{named} is"):
         FloorGrid(FloorGridParams(**wrong))
+
+
+def test_a_grid_about_another_middle_is_the_same_moved():
+    middle, points = np.array([20.0, -7.0]), points_at([[1.0, 0.0], [2.0, 0.5]], 0.3)
+    here, there = FloorGrid(FloorGridParams()), FloorGrid(FloorGridParams(), middle)
+    for grid, place in ((here, np.zeros(2)), (there, middle)):
+        for _ in range(2):
+            grid.look(points, np.array([*place, 0.3]))
+    assert here.occupied.any()
+    np.testing.assert_array_equal(here.evidence, there.evidence)
+    np.testing.assert_allclose(there.centers(np.array([[3, 5]])) - middle, here.centers(np.array([[3, 5]])))

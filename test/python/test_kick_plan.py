@@ -26,7 +26,8 @@ def planned(ball, others=(), robot=(2.5, 0.5), before=None, seen=(-5.0, 5.0)):
     """The kick, among pillars, on a floor that is seen. :param seen: from and to which y"""
     ball, robot = np.array(ball, float), np.array(robot, float)
     grid = FloorGrid(FloorGridParams(half_side=5.0))
-    grid.seen[:, (grid.centers(np.arange(200)) > seen[0]) & (grid.centers(np.arange(200)) < seen[1])] = True
+    y = grid.centers(np.stack([np.arange(200)] * 2, axis=1))[:, 1]
+    grid.seen[:, (y > seen[0]) & (y < seen[1])] = True
     discs = [*POSTS, *others]
     about = np.array([robot, ball, [-1.0, -1.5], [2.5, 1.5]])
     free = FreeFloor(grid, discs, 0.237, about)

@@ -145,3 +145,19 @@ def test_allows_line():
     assert not floor.allows(np.array([0.2, 0.0])) and floor.allows(np.array([0.4, 0.0]))
     assert not floor.allows_line(np.array([-1.0, 0.1]), np.array([1.0, 0.1]))
     assert floor.allows_line(np.array([-1.0, 0.4]), np.array([1.0, 0.4]))
+
+
+def test_of_what_is_beyond_the_floor_nothing_is_known():
+    """The grid ends at 4 m: a pillar beyond it must not be driven through."""
+    floor = floor_of(seen_grid(), [Disc(4.5, 0.0, 0.05)])
+    beyond = np.array([5.0, 0.0])
+    assert not (floor.holds(beyond) or floor.allows(beyond) or floor.knows(beyond))
+    assert floor.path(np.zeros(2), beyond) is None and floor.path(beyond, np.zeros(2)) is None
+    assert not floor.allows_line(np.zeros(2), beyond)
+
+
+def test_the_floor_holds_a_margin_about_its_points():
+    grid = seen_grid(0.5)
+    near = FreeFloor(grid, [], CLEARANCE, np.zeros((1, 2)))
+    far = FreeFloor(grid, [], CLEARANCE, np.zeros((1, 2)), 1.5)
+    assert not near.holds([1.4, 0.0]) and far.holds([1.4, 0.0])

@@ -10,7 +10,7 @@ from scipy.ndimage import binary_dilation, uniform_filter
 from sextant.ball.ball_task_params import BallTaskParams
 from sextant.ball.goal import Goal
 from sextant.ball.kick_plan import Kick, KickPlanner
-from sextant.ball.path_planner import Disc, FreeFloor
+from sextant.ball.path_planner import MARGIN, Disc, FreeFloor
 from sextant.ball.task_view import TaskView
 
 TIGHT = 0.02  # metres of clearance, where there is no way with more
@@ -35,7 +35,8 @@ class BallFloor:
         self.with_ball = self._floor(discs)
 
     def _floor(self, discs: List[Disc]) -> FreeFloor:
-        floor = FreeFloor(self._view.grid, discs, self._clearance, self._about)
+        margin = max(MARGIN, self._params.kick.run_up + self._clearance)
+        floor = FreeFloor(self._view.grid, discs, self._clearance, self._about, margin)
         return floor.with_escape(self._view.pose[:2])
 
     def path(self, end: np.ndarray) -> Optional[np.ndarray]:

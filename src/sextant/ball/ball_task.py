@@ -21,11 +21,15 @@ from sextant.objects.object_kinds import GOAL
 REPLAN = 0.5  # seconds
 ARRIVED, CLOSEST = 0.05, 0.015  # metres; each time that was not near enough it is half as much
 BEHIND = 0.02  # metres behind the goal's line from which on a ball is through
-POST_MOVED = 0.4  # metres that a post may be corrected by from one moment to the next
+FRESH = 0.5  # seconds; where a ball went that was not seen for longer nobody knows
+POST_MOVED = 0.4  # share of the goal's width that a post may be corrected by in one moment
 WATCH, FIRST_WATCH = 8.0, 0.6  # seconds at most, and at least
 OUT_OF_VIEW = 0.3  # radians
 BACK_OFF, BACK_SPEED = 0.25, 0.15  # metres and m/s after a bump
 STUCK, MOVING = 2.5, 0.05  # seconds and m/s: a robot that is told to drive and does not
+PAUSE = 0.5  # seconds without a view, in which it was told nothing
+LEAST_GAIN, MOST_GAIN = 0.5, 2.5  # what may be learnt of a floor
+TOUCHES = 0.1  # metres beyond contact at which a ball may press the bumper
 BLOCKED = 3  # times that no way was found, until it gives up
 MOST_TRIES = 12  # to come to stand behind the ball, for one kick
 ENDS = ("done", "failed")
@@ -64,7 +68,7 @@ class BallTask:
         self._is_through, self._is_learned = False, True
         self._searching = Searching(self.params)
         self._path, self._planned = None, -math.inf
-        self._moved_at, self._moved_pose = math.nan, np.zeros(3)
+        self._moved_at, self._moved_pose, self._stepped = math.nan, np.zeros(3), math.nan
         self._sense = 1.0  # -1: it was told to go back
 
     def step(self, view: TaskView) -> Action:
@@ -80,9 +84,9 @@ class BallTask:
         step = self._states[self.state](view)
         if step.next:
             self._enter(step.next, step.reason, view)
-        self._notice_stuck(view, step)
+        is_stuck = self._notice_stuck(view, step)
         ended = self.state in ENDS
-        command = HALT if ended else step.command
+        command = HALT if ended or is_stuck else step.command
         return Action(command, self.state, self.reason, step.path, self.goal, self._kick, self.kicks, ended)
 
     def _enter(self, state: str, reason: str, view: TaskView) -> None:
@@ -116,10 +120,16 @@ class BallTask:
         elif self.goal is not None:
             self.goal = _corrected(self.goal, blue)
         if self.goal is not None and self.kicks and view.ball is not None:
-            self._follow_ball(self.goal, view.ball.position)
+            self._follow_ball(self.goal, view.ball, view.stamp - view.ball.stamp)
 
-    def _follow_ball(self, goal: Goal, ball: np.ndarray) -> None:
-        """It is through when it is surely behind the line: one that lies on it may seem to cross it."""
+    def _follow_ball(self, goal: Goal, seen: SeenBall, age: float) -> None:
+        """It is through when it was seen surely behind the line: one that lies on it may seem to cross it.
+
+        :param age: seconds since the picture that showed it last: it counts where it was then
+        """
+        if age > FRESH:
+            return
+        ball = seen.position - age * seen.velocity
         if goal.before(ball) > 0.0:
             self._before = ball
         elif goal.before(ball) < -BEHIND and self._before is not None:
@@ -132,10 +142,21 @@ class BallTask:
             return
         if view.stamp - self._begin > self.params.time_limit:
             self._enter("failed", f"not done after {self.params.time_limit:g} s, last: {self.state}", view)
-        elif view.is_bumped and self.state != "recovering":
+        elif view.is_bumped and self.state != "recovering" and not self._touches_ball(view):
             self._bump("bumped", view)
         elif self._is_through and self.state in ("searching", "approaching", "aligning", "watching"):
             self._enter("stopping", "the ball went through the goal", view)
+
+    def _touches_ball(self, view: TaskView) -> bool:
+        """Whether it is the ball that presses the bumper as it is kicked."""
+        kick = self.params.kick
+        if self.state == "kicking":
+            ball = self._kicking.kick.ball
+        elif self.state == "watching" and view.stamp - self._entered < FIRST_WATCH:
+            ball = self._kick.ball
+        else:
+            return False
+        return np.linalg.norm(ball - view.pose[:2]) < kick.robot_radius + kick.ball_radius + TOUCHES
 
     def _bump(self, how: str, view: TaskView) -> None:
         self._bumps += 1
@@ -145,16 +166,21 @@ class BallTask:
         mark_bump(self.params, view, self._sense)
         self._enter("recovering", how, view)
 
-    def _notice_stuck(self, view: TaskView, step: Step) -> None:
+    def _notice_stuck(self, view: TaskView, step: Step) -> bool:
         """A robot that has no bumper, too, notices that it does not move."""
+        was_told = view.stamp - self._stepped < PAUSE
+        self._stepped = view.stamp
         if step.command[0]:
             self._sense = math.copysign(1.0, step.command[0])
         is_told = abs(step.command[0]) > MOVING and self.state not in ENDS
-        if not is_told or np.linalg.norm(view.pose[:2] - self._moved_pose[:2]) > MOVING * STUCK:
+        moved = np.linalg.norm(view.pose[:2] - self._moved_pose[:2])
+        if not (is_told and was_told) or moved > MOVING * STUCK:
             self._moved_at, self._moved_pose = view.stamp, view.pose
         elif view.stamp - self._moved_at > STUCK:
             self._moved_at = view.stamp
             self._bump("stuck", view)
+            return True
+        return False
 
     def _search(self, view: TaskView) -> Step:
         if view.ball is not None and self.goal is not None:
@@ -226,9 +252,11 @@ class BallTask:
             return
         self._is_learned = True
         rolled = float((ball.position - self._kick.ball) @ self._kick.direction)
-        speed = self.params.kick.speed(self._kick.way, self._gain)
-        if rolled > 0.1 and speed < self.params.kick.most_speed:
-            self._gain *= min(max(math.sqrt(self._kick.way / rolled), 0.7), 1.4)
+        kick = self.params.kick
+        speed = kick.speed(self._kick.way, self._gain)
+        if rolled > 0.1 and kick.least_speed < speed < kick.most_speed:
+            learnt = self._gain * min(max(math.sqrt(self._kick.way / rolled), 0.7), 1.4)
+            self._gain = min(max(learnt, LEAST_GAIN), MOST_GAIN)
 
     def _stop(self, view: TaskView) -> Step:
         return self._stopping.step(view, self.goal)
@@ -257,6 +285,6 @@ def _corrected(goal: Goal, blue: np.ndarray) -> Goal:
     for i in range(2):
         if len(blue):
             off = np.linalg.norm(blue - posts[i], axis=1)
-            if off.min() < POST_MOVED:
+            if off.min() < POST_MOVED * goal.width:
                 posts[i] = blue[np.argmin(off)]
     return goal_between(posts[0], posts[1], posts.mean(axis=0) + goal.out)

@@ -10,13 +10,15 @@ import numpy as np
 from sextant.plane_poses import rotation
 from sextant.ranges import check_ranges
 
+NO_OFFSET = np.zeros(2)
+
 
 @dataclass(frozen=True)
 class FloorGridParams:
     """Of the grid, and of the points that count in it."""
 
     cell: float = 0.05  # [0.01, 1] metres
-    half_side: float = 8.0  # [1, 100] metres from where the map begins
+    half_side: float = 8.0  # [1, 100] metres from its middle
     nearest: float = 0.2  # [0, 100] metres; points nearer to the robot do not count
     farthest: float = 3.0  # (0, 100]
     floor: float = 0.05  # [0, 1] metres; points this little above or below the floor are of it
@@ -36,10 +38,14 @@ class FloorGridParams:
 class FloorGrid:
     """Cells of the map; each look at one counts for or against something that stands there."""
 
-    def __init__(self, params: FloorGridParams):
-        """:raises ValueError: a parameter out of range"""
+    def __init__(self, params: FloorGridParams, middle: np.ndarray = NO_OFFSET):
+        """:param middle: (2,) metres, map: where the robot begins
+
+        :raises ValueError: a parameter out of range
+        """
         params.validate()
         self.params = params
+        self._low = np.asarray(middle) - params.half_side
         side = round(2.0 * params.half_side / params.cell)
         self.evidence = np.zeros((side, side), np.int16)  # > 0: something stands there; < 0: floor
         self.seen = np.zeros((side, side), bool)
@@ -63,12 +69,12 @@ class FloorGrid:
 
     def cells(self, points: np.ndarray) -> np.ndarray:
         """(n, 2) row and column of points (n, 2) of the map; those outside are put to the border."""
-        at = np.floor((np.asarray(points) + self.params.half_side) / self.params.cell).astype(int)
+        at = np.floor((np.asarray(points) - self._low) / self.params.cell).astype(int)
         return np.clip(at, 0, len(self.seen) - 1)
 
     def centers(self, cells: np.ndarray) -> np.ndarray:
         """(n, 2) metres, map, of cells (n, 2)."""
-        return (np.asarray(cells) + 0.5) * self.params.cell - self.params.half_side
+        return (np.asarray(cells) + 0.5) * self.params.cell + self._low
 
     @property
     def occupied(self) -> np.ndarray:
@@ -81,7 +87,7 @@ class FloorGrid:
 
     def _counted(self, points: np.ndarray) -> np.ndarray:
         counts = np.zeros(self.seen.shape, np.int32)
-        inside = (abs(points) < self.params.half_side).all(axis=1)
+        inside = (abs(points - self._low - self.params.half_side) < self.params.half_side).all(axis=1)
         np.add.at(counts, tuple(self.cells(points[inside]).T), 1)
         return counts
 

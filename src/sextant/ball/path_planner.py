@@ -19,7 +19,7 @@ SOFT = 0.12  # metres beyond the clearance within which a way costs more
 NEAR, UNSEEN = 3.0, 1.0  # of it, per metre: where it touches, and where nobody has looked
 OWN = 0.12  # metres about something round within which cells are of it
 ESCAPE = 0.4  # metres about the start in which the robot may be nearer to things than it should
-MARGIN = 0.8  # metres about start and end
+MARGIN = 0.8  # metres about start and end, at least
 STEPS = ((1, 0), (0, 1), (1, 1), (1, -1))
 
 
@@ -34,11 +34,18 @@ class Disc(NamedTuple):
 class FreeFloor:
     """Where the robot's middle may be."""
 
-    def __init__(self, grid: FloorGrid, discs: List[Disc], clearance: float, about: np.ndarray):
+    def __init__(
+        self,
+        grid: FloorGrid,
+        discs: List[Disc],
+        clearance: float,
+        about: np.ndarray,
+        margin: float = MARGIN,
+    ):
         """:param clearance: of the robot's middle to everything, metres
-        :param about: (n, 2) points that have to be on it
+        :param about: (n, 2) points that have to be on it, with a margin (metres)
         """
-        self._grid, self._box = grid, known_box(grid, about, MARGIN)
+        self._grid, self._box = grid, known_box(grid, about, margin)
         cell = grid.params.cell
         self._low = np.array([part.start for part in self._box])
         occupied = grid.occupied[self._box]
@@ -62,9 +69,14 @@ class FreeFloor:
         found = np.clip(self._grid.cells(points) - self._low, 0, np.array(self.is_free.shape) - 1)
         return found[:, 0], found[:, 1]
 
+    def holds(self, point: np.ndarray) -> bool:
+        """Whether a point (2,) of the map is on it: of those beyond nothing is known."""
+        half = 0.5 * self._grid.params.cell
+        return bool(np.all((point >= self.at[0, 0] - half) & (point <= self.at[-1, -1] + half)))
+
     def allows(self, point: np.ndarray) -> bool:
         """Whether the robot's middle may be at a point (2,) of the map."""
-        return bool(self.is_free[self.cell(point)])
+        return self.holds(point) and bool(self.is_free[self.cell(point)])
 
     def knows(self, point: np.ndarray) -> bool:
         """Whether it was seen that the robot's middle may be at a point (2,) of the map."""
@@ -72,7 +84,7 @@ class FreeFloor:
 
     def allows_line(self, start: np.ndarray, end: np.ndarray) -> bool:
         """Whether the robot may go straight."""
-        return bool(self.is_free[self._between(start, end)].all())
+        return self.holds(start) and self.holds(end) and bool(self.is_free[self._between(start, end)].all())
 
     def _between(self, start: np.ndarray, end: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
         count = 2 + int(2.0 * np.linalg.norm(end - start) / self._grid.params.cell)
@@ -114,7 +126,7 @@ class FreeFloor:
     def path(self, start: np.ndarray, end: np.ndarray) -> Optional[np.ndarray]:
         """(n, 2) corners of the cheapest way, from start to end; None: there is none."""
         goal = self.cell(end)
-        if not self.is_free[goal]:
+        if not (self.holds(start) and self.allows(end)):
             return None
         costs, before = self.costs(start)
         if not np.isfinite(costs[goal]):

@@ -26,9 +26,9 @@ class FullTurn:
     def is_done(self, heading: float) -> bool:
         """To be told each heading."""
         if self._heading is not None:
-            self._turned += abs(math.remainder(heading - self._heading, 2.0 * math.pi))
+            self._turned += math.remainder(heading - self._heading, 2.0 * math.pi)
         self._heading = heading
-        return self._turned >= FULL_TURN
+        return abs(self._turned) >= FULL_TURN
 
 
 class Searching:

@@ -147,10 +147,5 @@ class BallFilm:
         axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal", xticks=[], yticks=[])
 
 
-def robot_time(simulation: BallSimulation) -> float:
-    """Simulated seconds."""
-    return simulation.ground.stamp
-
-
 def _colour(class_name: str) -> np.ndarray:
     return np.clip(LIGHT * np.array(COLOURS[class_name]), 0.0, 1.0) ** (1.0 / 2.2)
