@@ -27,7 +27,7 @@ def told(frame, stamp, x, y, heading=0.0, speed=(0.0, 0.0), child="base"):
 
 def placed(*stamps, senses=None):
     """Odometry says (1, 0, 0), where the robot is at (2, 3) and looks along the map's y axis."""
-    senses = senses or BallSenses(1.0)
+    senses = senses or BallSenses(1.0, 0.35)
     for stamp in stamps:
         senses.hear_odometry(told("odom", stamp, 1.0, 0.0))
         senses.hear_pose(told("map", stamp, 2.0, 3.0, 0.5 * math.pi))
@@ -35,7 +35,7 @@ def placed(*stamps, senses=None):
 
 
 def test_there_is_no_pose_before_both_have_told_of_a_moment():
-    senses = BallSenses(1.0)
+    senses = BallSenses(1.0, 0.35)
     assert senses.stamp == -math.inf
     senses.hear_pose(told("map", 5.0, 0.0, 0.0))
     senses.hear_odometry(told("odom", 4.9, 0.0, 0.0))
@@ -51,8 +51,10 @@ def test_the_ball_is_taken_from_odometrys_frame_to_the_map():
     view = senses.view(GRID)
     np.testing.assert_allclose(view.pose, [2.0, 3.0, 0.5 * math.pi])
     # 0.5 ahead and 0.2 to the left, 0.1 s ago.
-    np.testing.assert_allclose(view.ball.position, np.array([1.8, 3.5]) + 0.1 * np.array([-0.1, 0.4]))
-    np.testing.assert_allclose(view.ball.velocity, [-0.1, 0.4])
+    velocity, slowed = np.array([-0.1, 0.4]), 0.1 * 0.35 / math.hypot(0.1, 0.4)
+    expected = np.array([1.8, 3.5]) + 0.1 * (1.0 - 0.5 * slowed) * velocity
+    np.testing.assert_allclose(view.ball.position, expected)
+    np.testing.assert_allclose(view.ball.velocity, (1.0 - slowed) * velocity)
     assert (view.stamp, view.ball.stamp) == (5.0, 4.9)
 
 
@@ -127,5 +129,34 @@ def test_a_depth_image_waits_for_the_pose_of_its_moment():
 def test_of_a_clock_that_was_set_back_nothing_stays():
     senses = placed(50.0)
     senses.hear_ball(told("odom", 50.0, 1.5, 0.2))
+    senses.hear_landmarks(LandmarkMapEntries(landmarks=[LandmarkMapEntry(x=1.0)]))
     senses = placed(5.0, senses=senses)
-    assert senses.stamp == 5.0 and senses.view(GRID).ball is None
+    assert senses.stamp == 5.0 and senses.view(GRID).ball is None and senses.view(GRID).pillars == []
+
+
+def test_a_ball_that_is_told_ahead_of_time_is_of_another_clock():
+    senses = placed(5.0)
+    senses.hear_ball(told("odom", 3605.0, 1.5, 0.2, speed=(0.1, 0.0)))
+    assert senses.view(GRID).ball is None
+
+
+def test_a_ball_rolls_no_farther_than_its_floor_lets_it():
+    """From 0.1 m/s at 0.35 m/s^2 it lies after 14 mm."""
+    senses = placed(5.0)
+    senses.hear_ball(told("odom", 4.2, 1.5, 0.0, speed=(0.1, 0.0)))
+    ball = senses.view(GRID).ball
+    np.testing.assert_allclose(ball.position, [2.0, 3.5 + 0.1**2 / (2 * 0.35)])
+    np.testing.assert_allclose(ball.velocity, 0.0, atol=1e-12)
+
+
+def test_when_pictures_and_depth_images_were_told_last():
+    senses = placed(5.0)
+    assert math.isnan(senses.pictures) and senses.depth == -math.inf
+    senses.hear_objects(Objects(header=told("camera", 4.9, 0.0, 0.0).header))
+    senses.hear_depth(4_950_000_000, np.ones((2, 3)))
+    senses.hear_depth(1_000_000_000, np.ones((2, 3)))
+    placed(5.0, 5.1, senses=senses)
+    assert (senses.pictures, senses.depth) == (4.9, -math.inf)  # before all poses, and its next
+    assert [len(senses.looks()), senses.without_pose] == [0, 2]
+    senses.hear_depth(5_050_000_000, np.ones((2, 3)))
+    assert len(senses.looks()) == 1 and senses.depth == pytest.approx(5.05)

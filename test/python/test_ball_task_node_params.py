@@ -33,6 +33,8 @@ def test_every_value_reaches_its_place():
         ({"speed": 50.0}, "/ball_task/speed is 50.0, allowed is [0.001, 10]"),
         ({"run_up": 0.2}, "/ball_task/run_up is 0.2, it must be more than robot_radius + ball_radius"),
         ({"grid_cell": 2.0}, "/ball_task/grid_cell is 2.0, allowed is [0.01, 1]"),
+        ({"grid_floor": 0.15}, "/ball_task/grid_floor is 0.15, it must be less than grid_low"),
+        ({"ball_radius": 0.07}, "/ball_task/grid_low is 0.13, it must be more than 2 ball_radius"),
         ({"depth_scale": 0.1}, "/ball_task/depth_scale: must be within [0.5, 2.0], is 0.1"),
     ],
 )

@@ -3,7 +3,7 @@
 import genpy
 from std_msgs.msg import Header
 
-from sextant.nodes.stamp_pairs import KEPT, StampPairs
+from sextant.nodes.stamp_pairs import LONGEST, StampPairs
 
 
 class Stamped:
@@ -36,9 +36,16 @@ def test_what_is_too_far_off_stays_alone():
 
 def test_without_the_other_topic_not_all_is_kept():
     pairs = StampPairs(0.05)
-    for i in range(KEPT + 5):
-        pairs.add_first(Stamped(1.0 + i))
-    assert pairs.alone == 5
+    for i in range(50):
+        pairs.add_first(Stamped(1.0 + 0.1 * i))
+    assert pairs.alone == 50 - (1e-9 * LONGEST / 0.1 + 1)
+
+
+def test_however_fast_the_other_topic_comes_a_late_message_finds_it():
+    pairs = StampPairs(0.01)
+    for i in range(150):  # 90 Hz
+        assert pairs.add_second(Stamped(1.0 + i / 90.0)) == []
+    assert of(pairs.add_first(Stamped(1.0))) == [(1.0, 1.0)]
 
 
 def test_a_clock_that_is_set_back_begins_anew():

@@ -17,10 +17,10 @@ from nav_msgs.msg import OccupancyGrid, Odometry
 from ros_probe import Diagnostics, transform, until
 from sensor_msgs.msg import CameraInfo, Image
 from start_up import assert_refused
-from std_msgs.msg import Bool
+from std_msgs.msg import Bool, Header
 from std_srvs.srv import Trigger
 
-from sextant.msg import BallTaskState
+from sextant.msg import BallTaskState, Objects
 
 RATE = 20.0  # Hz
 STATUS = "ball_task: task"
@@ -58,7 +58,7 @@ class Robot:
     """Stands at the map's origin, and tells so."""
 
     def __init__(self, namespace=""):
-        self.commands, self.states, self.late = [], [], 0.0
+        self.commands, self.states, self.late, self.sees = [], [], 0.0, True
         self._odom = rospy.Publisher(namespace + "odom", Odometry, queue_size=10)
         self._pose = rospy.Publisher(namespace + "odometry/filtered", Odometry, queue_size=10)
         self._depth = rospy.Publisher(namespace + "depth/image", Image, queue_size=1)
@@ -79,7 +79,8 @@ class Robot:
                 stamp = rospy.Time.now() - rospy.Duration(self.late)
                 self._odom.publish(odometry("odom", stamp))
                 self._pose.publish(odometry("map", stamp))
-                self._depth.publish(floor_image(stamp))
+                if self.sees:
+                    self._depth.publish(floor_image(stamp))
 
     def is_in(self, state):
         return until(lambda: bool(self.states) and self.states[-1].state == state, 10.0)
@@ -121,6 +122,12 @@ class BallTaskNodeTest(unittest.TestCase):
         self.call("start")
         self.assertTrue(self.robot.is_in("searching"))
 
+    def restart(self):
+        """As of a clock that was set back: nothing is remembered."""
+        self.robot.tell(late=100.0)
+        self.assertTrue(self.robot.is_in("waiting"))
+        self.robot.tell()
+
     def tearDown(self):
         self.bumper.publish(False)
         self.call("stop")
@@ -157,6 +164,32 @@ class BallTaskNodeTest(unittest.TestCase):
         self.assertTrue(self.robot.states[-1].ended)
         self.assertEqual(self.robot.commands[-1], Twist())
         self.assertTrue(until(lambda: self.diagnostics.summary(STATUS).startswith("failed: no pose")))
+
+    def test_where_no_pose_ever_comes_it_has_failed_too(self):
+        self.robot.tell(False)
+        self.call("start")
+        self.assertTrue(self.robot.is_in("failed"))
+
+    def test_when_the_depth_camera_is_dead_it_stands(self):
+        self.begin()
+        self.robot.sees = False
+        self.assertTrue(self.robot.is_in("waiting"))
+        self.assertIn("nothing on /depth/image of the last 0.5 s", self.robot.states[-1].reason)
+        self.assertEqual(self.robot.command(), (0.0, 0.0))
+        self.robot.sees = True
+        self.assertTrue(self.robot.is_in("searching"))
+
+    def test_when_the_detector_is_dead_it_stands(self):
+        """Once it told something: who has no detector may tell of ball and pillars by other means."""
+        self.begin()
+        objects = rospy.Publisher("objects", Objects, queue_size=1)
+        self.assertTrue(until(lambda: objects.get_num_connections() > 0))
+        objects.publish(Objects(header=Header(stamp=rospy.Time.now())))
+        self.assertTrue(self.robot.is_in("waiting"))
+        self.assertIn("nothing on /objects", self.robot.states[-1].reason)
+        objects.publish(Objects(header=Header(stamp=rospy.Time.now())))
+        self.assertTrue(self.robot.is_in("searching"))
+        self.restart()
 
     def test_it_does_not_drive_by_poses_of_another_time(self):
         for late in (5.0, -5.0):
@@ -198,9 +231,8 @@ class BallTaskNodeTest(unittest.TestCase):
 class EndTest(unittest.TestCase):
     def test_what_fails_in_a_step_does_not_leave_the_robot_driving(self):
         robot = Robot("/broken/")
-        node = subprocess.Popen(
-            [sys.executable, "-c", BROKEN, "__ns:=/broken"], stderr=subprocess.PIPE, stdout=subprocess.DEVNULL
-        )
+        command = [sys.executable, "-c", BROKEN, "__ns:=/broken", "_use_depth:=false"]
+        node = subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL)
         robot.tell()
         _, errors = node.communicate(timeout=20.0)
         self.assertEqual(node.returncode, 1)
@@ -211,7 +243,7 @@ class EndTest(unittest.TestCase):
 
     def test_told_to_end_its_last_command_is_to_stand(self):
         robot = Robot("/other/")
-        node = subprocess.Popen([sys.executable, "-c", CODE, "__ns:=/other"])
+        node = subprocess.Popen([sys.executable, "-c", CODE, "__ns:=/other", "_use_depth:=false"])
         robot.tell()
         self.assertTrue(until(lambda: any(each.angular.z > 0.0 for each in robot.commands)))
         node.send_signal(signal.SIGINT)

@@ -75,6 +75,8 @@ def _filmed(wanted: List[Match], options: argparse.Namespace) -> MatchResult:
 
 
 def _played(wanted: List[Match], options: argparse.Namespace) -> List[MatchResult]:
+    if options.results and not options.results.parent.is_dir():
+        raise ValueError(f"--results: there is no folder {options.results.parent}")
     known = read_results(options.results) if options.results else {}
     matches = [each for each in wanted if each[:2] not in known]
     for result in run_jobs(play_match, matches, options.jobs, progress="worlds"):

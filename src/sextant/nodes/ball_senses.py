@@ -16,20 +16,24 @@ from sextant.nodes.stamp_pairs import Pair, StampPairs
 from sextant.objects.object_kinds import BALL
 from sextant.plane_poses import planar
 
-WAITING = 5  # depth images
+WAITING = 60  # depth images
 
 
 class BallSenses:
     """Not thread-safe."""
 
-    def __init__(self, ball_timeout: float):
-        """:param ball_timeout: seconds after which a ball that nobody tells of is not known any more"""
-        self._ball_timeout = ball_timeout
+    def __init__(self, ball_timeout: float, ball_deceleration: float):
+        """:param ball_timeout: seconds after which a ball that nobody tells of is not known any more
+        :param ball_deceleration: m/s^2 by which one that rolls slows down
+        """
+        self._ball_timeout, self._ball_deceleration = ball_timeout, ball_deceleration
         self._pairs = StampPairs(0.0)  # pose in the map and odometry, both at a stamp
         self._trail = PoseTrail(WAITING)  # in the map, and what depth images show
         self._pillars: List[SeenPillar] = []
         self._ball: Optional[Odometry] = None
         self._ball_seen = np.inf  # seconds, in a picture; inf: nobody tells of pictures
+        self.pictures = np.nan  # seconds, stamp of the newest that was searched; NaN: nobody tells of them
+        self.depth = -np.inf  # seconds, stamp of the newest depth image that was used
         self._T_map_odom = np.eye(4)
         self._is_pressed, self._was_pressed = False, False
         self.map_frame, self.odom_frame, self.base_frame = "", "", ""
@@ -60,6 +64,7 @@ class BallSenses:
 
     def hear_objects(self, objects: Objects) -> None:
         """In a picture. The ball is told of also while it is only believed to be somewhere."""
+        self.pictures = objects.header.stamp.to_sec()
         if any(each.class_name == BALL for each in objects.objects):
             self._ball_seen = objects.header.stamp.to_sec()
 
@@ -90,14 +95,24 @@ class BallSenses:
 
     def looks(self) -> List[Tuple[np.ndarray, np.ndarray]]:
         """Points (n, 3) in the robot frame, and its pose (3,) then, of depth images that were not told."""
-        return [(points, planar(T_map_base)) for _, points, T_map_base in self._trail.ready()]
+        placed = []
+        for stamp, points, T_map_base in self._trail.ready():
+            self.depth = 1e-9 * stamp
+            placed.append((points, planar(T_map_base)))
+        return placed
+
+    @property
+    def without_pose(self) -> int:
+        """Depth images that no pose was told for."""
+        return self._trail.forgotten
 
     def _move(self, pairs: List[Pair]) -> None:
         for pose, odometry in pairs:
             stamp, T_map_base = pose.header.stamp.to_nsec(), pose_from_message(pose.pose.pose)
             if self._trail.is_set_back(stamp):
                 self._trail.clear()
-                self._ball, self._ball_seen = None, np.inf
+                self._ball, self._ball_seen, self._pillars = None, np.inf, []
+                self.pictures, self.depth = np.nan, -np.inf
             if self._trail.add(stamp, T_map_base):
                 self.map_frame = pose.header.frame_id
                 self._T_map_odom = T_map_base @ np.linalg.inv(pose_from_message(odometry.pose.pose))
@@ -106,12 +121,23 @@ class BallSenses:
         if self._ball is None:
             return None
         stamp = self._ball.header.stamp.to_nsec()
-        if now - stamp > 1e9 * self._ball_timeout:
+        if abs(now - stamp) > 1e9 * self._ball_timeout:  # ahead of time: of another clock
             return None
         T, at, speed = self._T_map_odom, self._ball.pose.pose.position, self._ball.twist.twist.linear
         velocity = T[:2, :2] @ [speed.x, speed.y]
-        position = T[:2, :3] @ [at.x, at.y, at.z] + T[:2, 3] + 1e-9 * (now - stamp) * velocity
-        return SeenBall(position, velocity, min(1e-9 * stamp, self._ball_seen))
+        position = T[:2, :3] @ [at.x, at.y, at.z] + T[:2, 3]
+        rolled = _rolled(velocity, 1e-9 * (now - stamp), self._ball_deceleration)
+        return SeenBall(position + rolled[0], rolled[1], min(1e-9 * stamp, self._ball_seen))
+
+
+def _rolled(velocity: np.ndarray, seconds: float, deceleration: float) -> Tuple[np.ndarray, np.ndarray]:
+    """Way (2,) and velocity (2,) of a ball after some time."""
+    speed = float(np.hypot(*velocity))
+    if speed < 1e-9:
+        return np.zeros(2), velocity
+    until = min(seconds, speed / deceleration)
+    left = 1.0 - deceleration * until / speed
+    return 0.5 * (1.0 + left) * until * velocity, left * velocity
 
 
 def _check_finite(values: Sequence) -> None:

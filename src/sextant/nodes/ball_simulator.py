@@ -57,6 +57,7 @@ class BallSimulatorParams:
 
     task: int = param(2, one_of(*TASKS))
     seed: int = param(0, within(0, 2**31 - 1))  # of the world, its look and all noise
+    obstacles: int = param(-1, within(-1, 2))  # pillars before the goal; -1: as many as come
     picture_rate: float = param(10.0, within(0.1, 100.0))  # Hz
     odometry_rate: float = param(20.0, within(1.0, 100.0))  # Hz
     latency: float = param(0.05, within(0.0, 5.0))  # seconds from a picture's stamp until it is told
@@ -82,6 +83,12 @@ class BallSimulatorParams:
     base_frame: str = param("base_link", not_empty)
     colour_frame: str = param("colour_optical_frame", not_empty)
     depth_frame: str = param("depth_optical_frame", not_empty)
+
+    def __post_init__(self):
+        """:raises ValueError: there are not so many obstacles in the task"""
+        most = TASKS[self.task].obstacles
+        if self.obstacles > most:
+            raise ValueError(f"obstacles is {self.obstacles}, allowed is [-1, {most}] in task {self.task}")
 
     def simulation(self, seed: int) -> BallSimulationParams:
         """Of a world of this seed."""
@@ -130,7 +137,8 @@ class BallSimulator:
 
     def _begin(self, seed: int) -> None:
         """A world, with the robot at its start."""
-        world = drawn_world(self._params.task, seed)
+        obstacles = None if self._params.obstacles < 0 else self._params.obstacles
+        world = drawn_world(self._params.task, seed, obstacles)
         self._seed, self._start = seed, world.robot
         self._simulation = BallSimulation(world, self._params.simulation(seed))
         self._wheels, self._rolled, self._read_at = SteppedOdometry(), np.zeros(3), self._clock.now

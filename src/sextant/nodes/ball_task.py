@@ -40,12 +40,13 @@ class BallTaskNode:
     def __init__(self, params: BallTaskNodeParams):
         self._params, self._report = params, BallTaskReport()
         self._task, self._grid = BallTask(params.task()), FloorGrid(params.grid())
-        self._senses = BallSenses(params.ball_timeout)
+        self._senses = BallSenses(params.ball_timeout, params.ball_deceleration)
         self._eye = FloorEye(params.depth_scale, params.depth_step)
         self._ears, self._hands = threading.Lock(), threading.Lock()  # what is heard; what is done
+        self._last_word = threading.RLock()  # that nothing is commanded after the node has ended
         self._news, self._stop = threading.Event(), threading.Event()
         self._is_running, self._stamp, self._robot = False, -np.inf, np.zeros(2)  # of the last step
-        self._reported = 0.0
+        self._reported, self._waits_since = 0.0, np.inf
         rospy.on_shutdown(self._end)
         self._advertise()
         if params.autostart:
@@ -95,8 +96,9 @@ class BallTaskNode:
                 self._end()
 
     def _end(self) -> None:
-        self._stop.set()
-        self._command(HALT)
+        with self._last_word:
+            self._stop.set()
+            self._command(HALT)
         self._news.set()
         time.sleep(LAST_WORD)
 
@@ -139,6 +141,7 @@ class BallTaskNode:
             self._senses.forget_touches()
         self._grid = FloorGrid(self._params.grid())
         self._is_running, self._stamp, self._report.kicks = True, -np.inf, 0
+        self._waits_since = np.inf
         self._say("waiting", "there is no pose yet")
 
     def _rest(self, state: str, reason: str) -> None:
@@ -152,30 +155,48 @@ class BallTaskNode:
             return
         with self._ears:
             stamp, looks = self._senses.stamp, self._senses.looks()
-        for points, pose in looks:
-            self._grid.look(points, pose)
         if stamp < self._stamp:
             self._begin()  # a clock was set back
-        if abs(rospy.get_time() - stamp) > self._params.pose_timeout:  # ahead of time: of another clock
-            self._wait()
+        if looks and not np.isfinite(self._stamp) and not self._grid.seen.any():
+            self._grid = FloorGrid(self._params.grid(), looks[0][1][:2])  # it begins where the robot is
+        for points, pose in looks:
+            self._grid.look(points, pose)
+        lacks = self._lacks(stamp)
+        if lacks:
+            self._wait(lacks)
         elif stamp > self._stamp:
             with self._ears:
                 view = self._senses.view(self._grid)
             self._step(view)
 
-    def _wait(self) -> None:
+    def _lacks(self, stamp: float) -> str:
+        """What it cannot drive without, and was not told of for too long. Ahead of time: of another clock."""
+        now, params, senses = rospy.get_time(), self._params, self._senses
+        if abs(now - stamp) > params.pose_timeout:
+            where = rospy.resolve_name("odometry/filtered")
+            return f"no pose on {where} of the last {params.pose_timeout:g} s"
+        for topic, newest in (
+            ("objects", senses.pictures),  # NaN, that is fine: somebody else follows the ball
+            ("depth/image", senses.depth if params.use_depth else np.nan),
+        ):
+            if abs(now - newest) > params.picture_timeout:
+                return f"nothing on {rospy.resolve_name(topic)} of the last {params.picture_timeout:g} s"
+        return ""
+
+    def _wait(self, lacks: str) -> None:
         """Blind, it stands."""
         self._command(HALT)
-        where = rospy.resolve_name("odometry/filtered")
-        if rospy.get_time() - self._stamp > self._params.patience and np.isfinite(self._stamp):
-            self._rest("failed", f"no pose on {where} for {self._params.patience:g} s")
-        elif self._report.state != "waiting":
-            self._say("waiting", f"no pose on {where} of the last {self._params.pose_timeout:g} s")
+        now = rospy.get_time()
+        self._waits_since = min(self._waits_since, now or np.inf)  # 0: there is no clock yet
+        if now - self._waits_since > self._params.patience:
+            self._rest("failed", f"{lacks}, for {self._params.patience:g} s")
+        elif (self._report.state, self._report.reason) != ("waiting", lacks):
+            self._say("waiting", lacks)
 
     def _step(self, view: TaskView) -> None:
         begin = time.perf_counter()
         action = self._task.step(view)
-        self._stamp, self._robot = view.stamp, view.pose[:2]
+        self._stamp, self._robot, self._waits_since = view.stamp, view.pose[:2], np.inf
         self._report.see(view)
         self._report.slowest = max(self._report.slowest, time.perf_counter() - begin)
         self._command(action.command)
@@ -191,8 +212,9 @@ class BallTaskNode:
             raise ValueError(f"the command {command} is not finite")
         params = self._params
         most = max(params.speed, params.most_speed), max(params.turn_rate, params.search_rate)
-        speed, turn_rate = HALT if self._stop.is_set() else np.clip(command, np.negative(most), most)
-        self._commands.publish(Twist(Vector3(speed, 0.0, 0.0), Vector3(0.0, 0.0, turn_rate)))
+        with self._last_word:
+            speed, turn_rate = HALT if self._stop.is_set() else np.clip(command, np.negative(most), most)
+            self._commands.publish(Twist(Vector3(speed, 0.0, 0.0), Vector3(0.0, 0.0, turn_rate)))
 
     def _say(self, state: str, reason: str) -> None:
         report = self._report
@@ -216,7 +238,7 @@ class BallTaskNode:
     def _tell_now_and_then(self) -> None:
         if time.monotonic() - self._reported < REPORT_EVERY:
             return
-        self._reported = time.monotonic()
+        self._reported, self._report.without_pose = time.monotonic(), self._senses.without_pose
         self._updater.force_update()
         if self._floor.get_num_connections() and np.isfinite(self._stamp):
             self._floor.publish(floor_message(self._grid, self._robot, self._header()))

@@ -24,8 +24,9 @@ class _NodeParams:
     depth_scale: float = param(1.0, within(0.5, 2.0))  # that depths are multiplied by
     depth_step: int = param(8, within(1, 100))  # pixels from one that is looked at to the next
     pose_timeout: float = param(0.5, within(0.01, 60.0))  # seconds after which a pose is too old to drive by
+    picture_timeout: float = param(2.0, within(0.01, 60.0))  # the same of depth images, and of objects
     ball_timeout: float = param(1.0, within(0.01, 60.0))  # seconds after which nobody follows the ball
-    patience: float = param(60.0, within(0.0, 1e6))  # seconds without a pose, after which the task has failed
+    patience: float = param(60.0, within(0.0, 1e6))  # seconds of waiting, after which the task has failed
 
     def task(self) -> BallTaskParams:
         """For sextant.ball.ball_task.BallTask."""
@@ -43,7 +44,9 @@ class _NodeParams:
         try:
             self.grid().validate()
         except ValueError as error:
-            raise ValueError(f"grid_{error}") from None
+            raise ValueError(f"grid_{error}".replace("less than ", "less than grid_")) from None
+        if self.grid_low <= 2.0 * self.ball_radius:
+            raise ValueError(f"grid_low is {self.grid_low}, it must be more than 2 ball_radius")
 
 
 def _taken(params: _NodeParams, cls: type, prefix: str = ""):

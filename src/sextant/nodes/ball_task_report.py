@@ -24,6 +24,7 @@ class BallTaskReport:
     pillars: int = 0
     ball: str = "not seen"
     depth_images: int = 0
+    without_pose: int = 0  # of these
     refused: int = 0  # messages
     slowest: float = 0.0  # seconds, of a step
 
@@ -45,6 +46,7 @@ class BallTaskReport:
         row.add("pillars", str(self.pillars))
         row.add("ball", self.ball)
         row.add("depth images", str(self.depth_images))
+        row.add("depth images without pose", str(self.without_pose))
         row.add("refused messages", str(self.refused))
         row.add("slowest step", f"{1e3 * self.slowest:.0f} ms")
         return row

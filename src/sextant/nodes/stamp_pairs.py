@@ -5,7 +5,7 @@
 from collections import deque
 from typing import Any, Deque, List, NamedTuple
 
-KEPT = 30  # messages of each topic
+LONGEST = 2 * 10**9  # nanoseconds that a message waits for its other, at most
 
 
 class Pair(NamedTuple):
@@ -22,7 +22,7 @@ class StampPairs:
         """:param slop: seconds that two stamps may differ"""
         self._slop = round(1e9 * slop)  # nanoseconds
         self._first: Deque = deque()
-        self._second: Deque = deque(maxlen=KEPT)
+        self._second: Deque = deque()
         self.alone = 0  # first ones without a second
 
     def add_first(self, message: Any) -> List[Pair]:
@@ -30,9 +30,7 @@ class StampPairs:
         if self._first and _stamp(message) < _stamp(self._first[-1]):
             self._first.clear()  # a clock was set back
         self._first.append(message)
-        if len(self._first) > KEPT:
-            self._first.popleft()
-            self.alone += 1
+        self.alone += _shortened(self._first)
         return self._complete()
 
     def add_second(self, message: Any) -> List[Pair]:
@@ -40,6 +38,7 @@ class StampPairs:
         if self._second and _stamp(message) < _stamp(self._second[-1]):
             self._second.clear()
         self._second.append(message)
+        _shortened(self._second)
         return self._complete()
 
     def _complete(self) -> List[Pair]:
@@ -53,6 +52,14 @@ class StampPairs:
             else:
                 self.alone += 1
         return pairs
+
+
+def _shortened(messages: Deque) -> int:
+    """Without those that are too old; their number."""
+    count = len(messages)
+    while _stamp(messages[0]) < _stamp(messages[-1]) - LONGEST:
+        messages.popleft()
+    return count - len(messages)
 
 
 def _stamp(message: Any) -> int:
