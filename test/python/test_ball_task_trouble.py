@@ -156,20 +156,18 @@ def test_once_ended_it_does_nothing_until_it_is_started_again():
     assert (action.kicks, action.is_ended) == (0, False)
 
 
-def seen_at(x, stamp=None, **what):
+def seen_at(x, now, stamp=None, pose=(1.0, 0.0, np.pi)):
     """A ball on the axis of the goal at x = -1, as a view of a robot that stands; and pillars."""
-    now = what.pop("now")
     ball = SeenBall(np.array([x, 0.0]), np.zeros(2), now if stamp is None else stamp)
     pillars = [SeenPillar(GOAL, np.array(post[:2])) for post in POSTS]
-    pose = what.pop("pose", np.array([1.0, 0.0, np.pi]))
-    return TaskView(now, pose, pillars, ball, what.pop("is_bumped", False), FloorGrid(FloorGridParams()))
+    return TaskView(now, np.array(pose), pillars, ball, False, FloorGrid(FloorGridParams()))
 
 
-def watching(stamp=0.0):
+def watching():
     """A task that has kicked."""
     task = BallTask(BallTaskParams())
-    task.step(seen_at(0.0, now=stamp))
-    task.kicks, task.state, task._entered = 1, "watching", stamp
+    task.step(seen_at(0.0, now=0.0))
+    task.kicks, task.state = 1, "watching"
     return task
 
 

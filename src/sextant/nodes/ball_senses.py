@@ -13,6 +13,7 @@ from sextant.msg import LandmarkMapEntries, Objects
 from sextant.nodes.conversions import pose_from_message
 from sextant.nodes.pose_trail import PoseTrail
 from sextant.nodes.stamp_pairs import Pair, StampPairs
+from sextant.objects.ball_motion import rolled
 from sextant.objects.object_kinds import BALL
 from sextant.plane_poses import planar
 
@@ -126,18 +127,10 @@ class BallSenses:
         T, at, speed = self._T_map_odom, self._ball.pose.pose.position, self._ball.twist.twist.linear
         velocity = T[:2, :2] @ [speed.x, speed.y]
         position = T[:2, :3] @ [at.x, at.y, at.z] + T[:2, 3]
-        rolled = _rolled(velocity, 1e-9 * (now - stamp), self._ball_deceleration)
-        return SeenBall(position + rolled[0], rolled[1], min(1e-9 * stamp, self._ball_seen))
-
-
-def _rolled(velocity: np.ndarray, seconds: float, deceleration: float) -> Tuple[np.ndarray, np.ndarray]:
-    """Way (2,) and velocity (2,) of a ball after some time."""
-    speed = float(np.hypot(*velocity))
-    if speed < 1e-9:
-        return np.zeros(2), velocity
-    until = min(seconds, speed / deceleration)
-    left = 1.0 - deceleration * until / speed
-    return 0.5 * (1.0 + left) * until * velocity, left * velocity
+        fast = float(np.hypot(*velocity))
+        way, slowed = rolled(fast, 1e-9 * (now - stamp), self._ball_deceleration)
+        ahead = velocity / max(fast, 1e-9)
+        return SeenBall(position + way * ahead, slowed * ahead, min(1e-9 * stamp, self._ball_seen))
 
 
 def _check_finite(values: Sequence) -> None:

@@ -46,6 +46,12 @@ class BallModes(NamedTuple):
     probabilities: np.ndarray  # (3,)
 
 
+def rolled(speed: float, seconds: float, deceleration: float) -> Tuple[float, float]:
+    """Metres that a ball rolls in so many seconds, and how fast (m/s) it is then: s = v t - a t^2 / 2."""
+    until = min(seconds, speed / deceleration)
+    return speed * until - 0.5 * deceleration * until**2, speed - deceleration * until
+
+
 def seen_first(position: np.ndarray, covariance: np.ndarray, settings: BallMotionSettings) -> BallModes:
     """:param position: (2,). :param covariance: (2, 2)"""
     means, covariances = np.zeros((3, 4)), np.zeros((3, 4, 4))
@@ -119,9 +125,8 @@ def _rolled(mean: np.ndarray, P: np.ndarray, seconds: float, settings: BallMotio
     speed = float(np.sqrt(mean[2:] @ mean[2:] + np.trace(P[2:, 2:])))
     if speed < 1e-9 or seconds <= 0.0:
         return mean, P
-    a = settings.rolling
-    until = min(seconds, speed / a)
-    way, slowed = speed * until - 0.5 * a * until**2, speed - a * until
+    until = min(seconds, speed / settings.rolling)
+    way, slowed = rolled(speed, until, settings.rolling)
     actual = np.hypot(*mean[2:])
     heading = mean[2:] / actual if actual > 1e-9 else np.zeros(2)
     along = np.outer(heading, heading) * min(1.0, actual / speed)
