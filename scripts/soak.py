@@ -121,7 +121,7 @@ def main():
         sys.exit("soak: at least 2 minutes, the first of which is not judged")
     port = free_port()
     os.environ["ROS_MASTER_URI"] = f"http://localhost:{port}"
-    arguments = ["headless:=true", "frames:=0", "speed:=1.0", "picture:="]
+    arguments = ["headless:=true", "frames:=0", "speed:=1.0", "picture:=none"]
     with open(path + ".log", "w") as log:
         demo = subprocess.Popen(
             ["roslaunch", "-p", str(port), "sextant", "demo.launch", *arguments], stdout=log, stderr=log

@@ -51,7 +51,7 @@ BRANCHES = {
     "ball_task.launch": [["rviz:=true", "task:=3", "detector:=colour"]],
     "turtlebot.launch": [
         ["mount:=0.1 0 0.3 0 0.25 0", "rviz:=true"],
-        ["kobuki_bumper:=", "autostart:=false"],
+        ["kobuki_bumper:=none", "autostart:=false"],
     ],
     "robot_localization.launch": [["odom:=wheels/odom"]],
     "amcl.launch": [["floor:=floor.yaml"]],
@@ -160,6 +160,25 @@ def test_nodes_know_their_parameters(run):
 @pytest.mark.parametrize("path", LAUNCH_FILES, ids=lambda path: path.name)
 def test_every_argument_is_documented(path):
     assert [each.get("name") for each in declared(path) if not each.get("doc")] == []
+
+
+@pytest.mark.parametrize("path", LAUNCH_FILES, ids=lambda path: path.name)
+def test_what_is_not_empty_by_default_is_not_switched_off_by_emptiness(path):
+    """roslaunch drops an argument without a value from its command line."""
+    args = own_declared(path)
+    assert [name for name, (default, doc) in args.items() if default and "empty:" in doc] == []
+
+
+@pytest.mark.parametrize("path", LAUNCH_FILES, ids=lambda path: path.name)
+def test_the_word_none_switches_off(path):
+    args = own_declared(path)
+    words = {name for name, (_, doc) in args.items() if "; none: " in doc}
+    given = {"map": ROOM, **dict.fromkeys(words, "none")}
+    taken = [f"{name}:={given[name]}" for name in args if name in given]
+    config = load(path, [*NEEDED.get(path.name, []), *taken])
+    values = [param.value for key, param in config.params.items() if key.rpartition("/")[2] in words]
+    assert values == [""] * len(words & {"base_frame", "fourcc", "picture"})  # the others are no parameters
+    assert not words & {node.name for node in config.nodes}
 
 
 def test_robot_launch_passes_every_argument_of_markers_launch():

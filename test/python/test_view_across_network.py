@@ -125,7 +125,7 @@ def test_a_late_viewer_gets_everything(namespaces, start):
         view = ["xvfb-run", "-a", *view]
     else:
         view.append("rviz:=false")
-    demo = ["roslaunch", "sextant", "demo.launch", "frames:=0", "picture:="]
+    demo = ["roslaunch", "sextant", "demo.launch", "frames:=0", "picture:=none"]
     start(inside(robot, *demo), environment(ROS_MASTER_URI=MASTER, ROS_HOSTNAME=ROBOT))
     assert master_answers(viewer, 30)
     time.sleep(5)  # the viewer comes late: the latched topics have been said
