@@ -90,9 +90,10 @@ configure() {
   if ! { mkdir -p "$build" && touch "$build/CATKIN_IGNORE"; }; then die "cannot write $build (left by another user? remove it)"; fi
   link_sources
   [[ $build/configured -nt ${BASH_SOURCE[0]} && -f $binary/Makefile ]] && return
+  # Debug information of lines and functions, for backtraces: the whole of it takes a third more of the compiler's time.
   cmake -S "$source" -B "$binary" -DCATKIN_DEVEL_PREFIX="$build/devel" -DCATKIN_TEST_RESULTS_DIR="$build/test_results" \
     -DPYTHON_EXECUTABLE=/usr/bin/python3 -DCATKIN_ENABLE_TESTING=ON \
-    -DCMAKE_EXPORT_COMPILE_COMMANDS=ON -DCMAKE_TARGET_MESSAGES=OFF
+    -DCMAKE_CXX_FLAGS_RELWITHDEBINFO="-O2 -g1 -DNDEBUG" -DCMAKE_EXPORT_COMPILE_COMMANDS=ON -DCMAKE_TARGET_MESSAGES=OFF
   touch "$build/configured"
 }
 
