@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A program that is killed while it saves a map of landmarks leaves a whole one."""
 
+import itertools
 import os
 import signal
 import time
@@ -10,7 +11,7 @@ import numpy as np
 
 import sextant
 
-KILLS, COUNT = 200, 60
+KILLS, COUNT = 60, 60
 LABELS = [sextant.LandmarkLabel(f"class {k % 3}") for k in range(COUNT)]
 
 
@@ -22,19 +23,32 @@ def some_map(number):
     return sextant.LandmarkMap("map", [number, 0, 0], landmarks, LABELS, root @ root.T)
 
 
+def start_saving(maps, path):
+    """A process that saves one map after the other, and a pipe that gets a byte after each."""
+    heard, said = os.pipe()
+    child = os.fork()
+    if child == 0:
+        try:
+            for each in itertools.cycle(maps):
+                sextant.write_landmark_map(each, path)
+                os.write(said, b".")
+        finally:
+            os._exit(1)
+    os.close(said)
+    return child, heard
+
+
 def test_a_whole_map_is_there_after_every_kill(tmp_path):
     path, maps = str(tmp_path / "map.yaml"), [some_map(number) for number in range(2)]
-    sextant.write_landmark_map(maps[0], path)
-    delays, found = np.random.default_rng(1).uniform(0.0, 0.02, KILLS), set()
-    for delay in delays:
-        child = os.fork()
-        if child == 0:
-            while True:
-                for each in maps:
-                    sextant.write_landmark_map(each, path)
-        time.sleep(delay)
+    rng, found = np.random.default_rng(1), set()
+    for saves, share in zip(rng.integers(1, 4, KILLS), rng.uniform(0.0, 1.0, KILLS)):
+        child, heard = start_saving(maps, path)
+        begin = time.monotonic()
+        assert all(os.read(heard, 1) for _ in range(saves)), "it does not save"
+        time.sleep(share * (time.monotonic() - begin) / saves)  # within the next, on any disk
         os.kill(child, signal.SIGKILL)
         os.waitpid(child, 0)
+        os.close(heard)
         kept = sextant.read_landmark_map(path)
         truth = maps[round(kept.pose[0])]
         np.testing.assert_array_equal(kept.covariance, truth.covariance)
