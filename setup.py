@@ -7,6 +7,6 @@ setup(
     **generate_distutils_setup(
         packages=find_packages("src"),
         package_dir={"": "src"},
-        package_data={"sextant.objects": ["models/*"], "sextant.places": ["page/*"]},
+        package_data={"sextant.objects": ["models/*"], "sextant.place_maps": ["page/*"]},
     )
 )

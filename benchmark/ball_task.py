@@ -10,11 +10,11 @@ Exit status: 0 when every bar holds, 1 when one fails, 2 when something could no
 import sys
 from typing import List
 
-from arena_speed import arena_tables
-from ball_matches import match_tables
+from ball.arena_speed import arena_tables
+from ball.ball_matches import match_tables
+from ball.object_detector import detector_tables
+from ball.object_places import place_tables
 from command import Results, run
-from object_detector import detector_tables
-from object_places import place_tables
 from tables import Table
 
 from sextant.objects.shipped_model import shipped_model
@@ -37,7 +37,7 @@ TOPICS = {
 
 def plot(folder: str, results: Results) -> None:
     """What the network takes for what."""
-    from ball_plots import plot_ball_task  # only now: matplotlib takes a second to load
+    from ball.ball_plots import plot_ball_task  # only now: matplotlib takes a second to load
 
     plot_ball_task(folder, results)
 

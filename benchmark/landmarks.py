@@ -10,13 +10,14 @@ Exit status: 0 when every bar holds, 1 when one fails, 2 when something could no
 import sys
 
 from command import Results, run
-from landmark_accuracy import accuracy_tables
-from landmark_association import association_tables
-from landmark_cost import cost_tables
-from landmark_delay import delay_tables
-from landmark_fusion import fusion_tables
-from landmark_kidnap import kidnap_tables
-from landmark_victoria_park import victoria_park_tables
+
+from landmarks.landmark_accuracy import accuracy_tables
+from landmarks.landmark_association import association_tables
+from landmarks.landmark_cost import cost_tables
+from landmarks.landmark_delay import delay_tables
+from landmarks.landmark_fusion import fusion_tables
+from landmarks.landmark_kidnap import kidnap_tables
+from landmarks.landmark_victoria_park import victoria_park_tables
 
 TOPICS = {
     "accuracy": lambda options: accuracy_tables(options.quick),
@@ -31,7 +32,7 @@ TOPICS = {
 
 def plot(folder: str, results: Results) -> None:
     """What the pose's NEES was in the course of the drives, and the real drive with its map."""
-    from landmark_plots import plot_landmarks  # only now: matplotlib takes a second to load
+    from landmarks.landmark_plots import plot_landmarks  # only now: matplotlib takes a second to load
 
     plot_landmarks(folder, results)
 

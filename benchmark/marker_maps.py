@@ -9,10 +9,11 @@ Exit status: 0 when every bar holds, 1 when one fails, 2 when something could no
 import sys
 
 from command import Results, run
-from many_bags import bag_tables
-from recorded_maps import recorded_map_tables
-from simulated_maps import simulated_tables, taped_tables
-from simulated_series import series_tables
+
+from mapping.many_bags import bag_tables
+from mapping.recorded_maps import recorded_map_tables
+from mapping.simulated_maps import simulated_tables, taped_tables
+from mapping.simulated_series import series_tables
 
 TOPICS = {
     "simulated": lambda options: simulated_tables(options.quick),
@@ -25,7 +26,7 @@ TOPICS = {
 
 def plot(folder: str, results: Results) -> None:
     """How often an error of the simulated maps is exceeded."""
-    from map_error_plot import plot_map_errors  # only now: matplotlib takes a second to load
+    from mapping.map_error_plot import plot_map_errors  # only now: matplotlib takes a second to load
 
     plot_map_errors(folder, results)
 

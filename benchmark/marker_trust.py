@@ -9,13 +9,14 @@ Exit status: 0 when every bar holds, 1 when one fails, 2 when something could no
 
 import sys
 
-from chain import chain_tables
 from command import Results, run
-from consistency import consistency_tables
-from detector_speed import speed_tables
-from head_on import head_on_tables
-from moved_marker import moved_marker_tables
-from recorded_trust import trust_tables
+
+from markers.chain import chain_tables
+from markers.consistency import consistency_tables
+from markers.detector_speed import speed_tables
+from markers.head_on import head_on_tables
+from markers.moved_marker import moved_marker_tables
+from markers.recorded_trust import trust_tables
 
 TOPICS = {
     "consistency": lambda options: consistency_tables(options.quick),
@@ -28,7 +29,7 @@ TOPICS = {
 
 
 def plot(folder: str, results: Results) -> None:
-    from trust_plots import plot_topics  # only now: matplotlib takes a second to load
+    from markers.trust_plots import plot_topics  # only now: matplotlib takes a second to load
 
     plot_topics(folder, results)
 

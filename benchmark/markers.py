@@ -8,12 +8,13 @@ Exit status: 0 when every bar holds, 1 when one fails, 2 when something could no
 
 import sys
 
-from chain import chain_tables
 from command import Results, run
 from real_data import Photos
-from real_photos import photo_tables
-from recorded_drives import recording_tables
-from simulated_drives import drive_tables
+
+from markers.chain import chain_tables
+from markers.real_photos import photo_tables
+from markers.recorded_drives import recording_tables
+from markers.simulated_drives import drive_tables
 
 TOPICS = {
     "photos": lambda options: photo_tables(Photos(options.data / "markers/photos")),
@@ -24,7 +25,7 @@ TOPICS = {
 
 
 def plot(folder: str, results: Results) -> None:
-    from error_plot import plot_errors  # only now: matplotlib takes a second to load
+    from markers.error_plot import plot_errors  # only now: matplotlib takes a second to load
 
     plot_errors(folder, results)
 

@@ -10,11 +10,12 @@ import sys
 from pathlib import Path
 
 from command import Results, run
-from place_calibration import calibration_tables
-from place_recall import recall_tables
-from place_seasons import season_tables
-from place_size import size_tables
-from place_speed import speed_tables
+
+from places.place_calibration import calibration_tables
+from places.place_recall import recall_tables
+from places.place_seasons import season_tables
+from places.place_size import size_tables
+from places.place_speed import speed_tables
 
 TOPICS = {
     "recall": lambda options: recall_tables(options.data / "places", options.quick),
@@ -27,7 +28,7 @@ TOPICS = {
 
 def plot(folder: str, results: Results) -> None:
     """Precision over recall in the corridor, and whether probabilities are true."""
-    from place_recall_plot import plot_recall  # only now: matplotlib takes a second to load
+    from places.place_recall_plot import plot_recall  # only now: matplotlib takes a second to load
 
     plot_recall(Path(folder), results)
 

@@ -4,8 +4,8 @@
 #
 # Installs what apt must and builds Sextant; afterwards `. build/devel/setup.bash` and roslaunch.
 set -euo pipefail
-. "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
+. "$(dirname "${BASH_SOURCE[0]}")/../tools/environment.sh"
 
-install_packages "$root/scripts/apt_packages.txt"
+install_packages "$root/tools/apt_packages.txt"
 continue_as_owner "$@"
 build_package "$@"

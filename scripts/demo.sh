@@ -7,9 +7,9 @@
 #   scripts/demo.sh [name:=value ...]      the arguments of launch/demo.launch, for instance rviz:=true mode:=nearest
 #   scripts/demo.sh --ros-args             lists them
 set -euo pipefail
-. "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
+. "$(dirname "${BASH_SOURCE[0]}")/../tools/environment.sh"
 
-install_packages "$root/scripts/apt_packages.txt"
+install_packages "$root/tools/apt_packages.txt"
 continue_as_owner "$@"
 build_package
 

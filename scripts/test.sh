@@ -5,9 +5,9 @@
 # Installs what apt must, builds Sextant and runs every test (gtest, pytest, rostest). Fails when one fails;
 # the last line is the total.
 set -euo pipefail
-. "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
+. "$(dirname "${BASH_SOURCE[0]}")/../tools/environment.sh"
 
-install_packages "$root/scripts/apt_packages.txt"
+install_packages "$root/tools/apt_packages.txt"
 continue_as_owner "$@"
 build_package all tests
 
@@ -17,5 +17,5 @@ complete=0
 timeout 40m make -C "$binary" --no-print-directory run_tests || complete=$?  # 0 even where a test failed
 catkin_test_results "$results" || true
 ((complete == 0)) || say "the tests did not run to their end"
-python3 "$root/scripts/test_totals.py" "$results"
+python3 "$root/tools/test_totals.py" "$results"
 exit "$complete"

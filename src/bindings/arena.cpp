@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "bindings.hpp"
 #include "casters.hpp"
-#include "sextant/core/arena_camera.hpp"
-#include "sextant/core/arena_scene.hpp"
-#include "sextant/core/depth_camera.hpp"
+#include "sextant/simulation/arena_camera.hpp"
+#include "sextant/simulation/arena_scene.hpp"
+#include "sextant/simulation/depth_camera.hpp"
 
 namespace py = pybind11;
 using namespace py::literals;

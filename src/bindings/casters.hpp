@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
-#include "sextant/core/marker.hpp"
-#include "sextant/core/pose.hpp"
+#include "sextant/markers/marker.hpp"
+#include "sextant/geometry/pose.hpp"
 
 namespace pybind11::detail {
 

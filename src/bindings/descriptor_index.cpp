@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Sextant authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sextant/core/descriptor_index.hpp"
+#include "sextant/places/descriptor_index.hpp"
 
 #include "bindings.hpp"
 #include "casters.hpp"

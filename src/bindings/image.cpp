@@ -3,7 +3,7 @@
 #include <cstring>
 
 #include "casters.hpp"
-#include "sextant/core/grey_image.hpp"
+#include "sextant/detection/grey_image.hpp"
 
 namespace sextant {
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Sextant authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sextant/core/landmark_filter.hpp"
+#include "sextant/landmarks/landmark_filter.hpp"
 
 #include <pybind11/eigen.h>
 

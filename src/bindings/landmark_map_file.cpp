@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Sextant authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sextant/core/landmark_map_file.hpp"
+#include "sextant/landmarks/landmark_map_file.hpp"
 
 #include "bindings.hpp"
 #include "casters.hpp"

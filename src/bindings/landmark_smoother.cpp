@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Sextant authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sextant/core/landmark_smoother.hpp"
+#include "sextant/landmarks/landmark_smoother.hpp"
 
 #include "bindings.hpp"
 #include "casters.hpp"

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Sextant authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sextant/core/local_features.hpp"
+#include "sextant/places/local_features.hpp"
 
 #include "bindings.hpp"
 #include "casters.hpp"

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Sextant authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sextant/core/map_maker.hpp"
+#include "sextant/mapping/map_maker.hpp"
 
 #include "bindings.hpp"
 #include "casters.hpp"

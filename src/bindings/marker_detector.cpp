@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: Sextant authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sextant/core/marker_detector.hpp"
+#include "sextant/detection/marker_detector.hpp"
 
 #include "bindings.hpp"
 #include "casters.hpp"
-#include "sextant/core/corner_refiner.hpp"
+#include "sextant/detection/corner_refiner.hpp"
 
 namespace py = pybind11;
 using namespace py::literals;

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Sextant authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sextant/core/marker_family.hpp"
+#include "sextant/markers/marker_family.hpp"
 
 #include "bindings.hpp"
 #include "casters.hpp"

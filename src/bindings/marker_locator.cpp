@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Sextant authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sextant/core/marker_locator.hpp"
+#include "sextant/localization/marker_locator.hpp"
 
 #include "bindings.hpp"
 #include "casters.hpp"

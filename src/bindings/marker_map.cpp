@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: Sextant authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sextant/core/marker_map.hpp"
+#include "sextant/markers/marker_map.hpp"
 
 #include "bindings.hpp"
 #include "casters.hpp"
-#include "sextant/core/marker_map_file.hpp"
+#include "sextant/markers/marker_map_file.hpp"
 
 namespace py = pybind11;
 using namespace py::literals;

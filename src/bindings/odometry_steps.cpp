@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Sextant authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sextant/core/odometry_steps.hpp"
+#include "sextant/landmarks/odometry_steps.hpp"
 
 #include "bindings.hpp"
 #include "casters.hpp"

@@ -4,7 +4,7 @@
 
 #include <pybind11/eigen.h>
 
-#include "sextant/core/pose2.hpp"
+#include "sextant/geometry/pose2.hpp"
 
 namespace pybind11::detail {
 

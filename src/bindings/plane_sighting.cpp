@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Sextant authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sextant/core/plane_sighting.hpp"
+#include "sextant/landmarks/plane_sighting.hpp"
 
 #include <pybind11/operators.h>
 

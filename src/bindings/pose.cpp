@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Sextant authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sextant/core/pose.hpp"
+#include "sextant/geometry/pose.hpp"
 
 #include "bindings.hpp"
 #include "casters.hpp"

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Sextant authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sextant/core/room_renderer.hpp"
+#include "sextant/simulation/room_renderer.hpp"
 
 #include <memory>
 

@@ -14,19 +14,19 @@
 #include <pluginlib/class_list_macros.hpp>
 
 #include "sextant/MarkerMapEntries.h"
-#include "sextant/ros/conversions.hpp"
-#include "sextant/ros/landmark_conversions.hpp"
-#include "sextant/ros/landmark_services.hpp"
-#include "sextant/ros/landmark_session.hpp"
-#include "sextant/ros/landmark_slam_params.hpp"
-#include "sextant/ros/landmark_slam_report.hpp"
-#include "sextant/ros/landmark_visualization.hpp"
-#include "sextant/ros/map_transform.hpp"
-#include "sextant/ros/rate_limit.hpp"
-#include "sextant/ros/stage_clock.hpp"
-#include "sextant/ros/start_in_queue.hpp"
-#include "sextant/ros/transform_queue.hpp"
-#include "sextant/ros/trouble_log.hpp"
+#include "sextant/ros/markers/conversions.hpp"
+#include "sextant/ros/landmarks/landmark_conversions.hpp"
+#include "sextant/ros/landmarks/landmark_services.hpp"
+#include "sextant/ros/landmarks/landmark_session.hpp"
+#include "sextant/ros/landmarks/landmark_slam_params.hpp"
+#include "sextant/ros/landmarks/landmark_slam_report.hpp"
+#include "sextant/ros/landmarks/landmark_visualization.hpp"
+#include "sextant/ros/geometry/map_transform.hpp"
+#include "sextant/ros/base/rate_limit.hpp"
+#include "sextant/ros/base/stage_clock.hpp"
+#include "sextant/ros/base/start_in_queue.hpp"
+#include "sextant/ros/geometry/transform_queue.hpp"
+#include "sextant/ros/base/trouble_log.hpp"
 
 namespace sextant {
 

@@ -13,17 +13,17 @@
 #include <pluginlib/class_list_macros.hpp>
 
 #include "sextant/MarkerArray.h"
-#include "sextant/core/marker_picture.hpp"
-#include "sextant/ros/conversions.hpp"
-#include "sextant/ros/detector_report.hpp"
-#include "sextant/ros/image_bridge.hpp"
-#include "sextant/ros/marker_detector_config.hpp"
-#include "sextant/ros/marker_detector_params.hpp"
-#include "sextant/ros/rate_limit.hpp"
-#include "sextant/ros/reconfigure_server.hpp"
-#include "sextant/ros/stage_clock.hpp"
-#include "sextant/ros/start_in_queue.hpp"
-#include "sextant/ros/trouble_log.hpp"
+#include "sextant/markers/marker_picture.hpp"
+#include "sextant/ros/markers/conversions.hpp"
+#include "sextant/ros/detection/detector_report.hpp"
+#include "sextant/ros/detection/image_bridge.hpp"
+#include "sextant/ros/detection/marker_detector_config.hpp"
+#include "sextant/ros/detection/marker_detector_params.hpp"
+#include "sextant/ros/base/rate_limit.hpp"
+#include "sextant/ros/base/reconfigure_server.hpp"
+#include "sextant/ros/base/stage_clock.hpp"
+#include "sextant/ros/base/start_in_queue.hpp"
+#include "sextant/ros/base/trouble_log.hpp"
 
 namespace sextant {
 

@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "sextant/core/camera.hpp"
-#include "sextant/core/pose.hpp"
+#include "sextant/geometry/camera.hpp"
+#include "sextant/geometry/pose.hpp"
 
 namespace sextant {
 

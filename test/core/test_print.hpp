@@ -9,8 +9,8 @@
 #include <optional>
 #include <vector>
 
-#include "sextant/core/marker.hpp"
-#include "sextant/core/marker_family.hpp"
+#include "sextant/markers/marker.hpp"
+#include "sextant/markers/marker_family.hpp"
 
 namespace sextant {
 

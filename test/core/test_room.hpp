@@ -5,7 +5,7 @@
 #include <random>
 #include <string>
 
-#include "sextant/core/marker_locator.hpp"
+#include "sextant/localization/marker_locator.hpp"
 
 namespace sextant {
 

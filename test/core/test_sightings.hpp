@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-#include "sextant/core/reprojection.hpp"
+#include "sextant/markers/reprojection.hpp"
 
 namespace sextant {
 

@@ -18,7 +18,7 @@ def served(folder):
     """The page of a map that is begun in the folder."""
     from served_page import Served  # only here: no other test needs a server
 
-    from sextant.places.map_draft import MapDraft
+    from sextant.place_maps.map_draft import MapDraft
 
     served = Served(MapDraft(folder / "map.txt"))
     yield served

@@ -7,8 +7,8 @@ from written_bags import WrittenBag, header
 
 import sextant
 from sextant.commands.map_landmarks import main
+from sextant.geometry.plane_poses import composed, relative, rotation
 from sextant.msg import LandmarkSighting, LandmarkSightings
-from sextant.plane_poses import composed, relative, rotation
 
 
 def sighting_message(class_name, position, covariance, heading=float("nan"), id=-1):

@@ -8,9 +8,9 @@ from typing import Optional
 import cv2
 import numpy as np
 
+from sextant.place_maps.place_map import Overview, Photo, PlaceMap
+from sextant.place_maps.place_map_file import write_place_map
 from sextant.places.place_index import IndexSettings, PlaceIndex, extract_all
-from sextant.places.place_map import Overview, Photo, PlaceMap
-from sextant.places.place_map_file import write_place_map
 
 
 def picture(seed: int, size=(320, 240)) -> np.ndarray:

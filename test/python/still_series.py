@@ -6,7 +6,7 @@ import numpy as np
 from written_bags import WrittenBag
 
 import sextant
-from sextant.drives.drive_sightings import DriveCamera, DriveSightings, SeenImage, SeenMarker
+from sextant.localization.drive_sightings import DriveCamera, DriveSightings, SeenImage, SeenMarker
 from sextant.simulation.camera import camera_calibration
 
 CALIBRATION = camera_calibration(1280, 720)

@@ -13,8 +13,8 @@ from tf2_msgs.msg import TFMessage
 
 import sextant
 from sextant.msg import Marker, MarkerArray
-from sextant.nodes.conversions import image_to_message, pose_to_message
-from sextant.nodes.simulator_messages import calibration_to_message, pose_to_transform
+from sextant.nodes.base.conversions import image_to_message, pose_to_message
+from sextant.nodes.simulation.simulator_messages import calibration_to_message, pose_to_transform
 from sextant.simulation.camera import camera_calibration
 
 START = 1_600_000_000 * 10**9  # nanoseconds

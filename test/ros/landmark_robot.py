@@ -11,8 +11,8 @@ from nav_msgs.msg import Odometry
 from ros_probe import Recorder, until
 
 import sextant
+from sextant.geometry.plane_poses import composed, in_frame
 from sextant.msg import LandmarkMapEntries, LandmarkSighting, LandmarkSightings
-from sextant.plane_poses import composed, in_frame
 from sextant.simulation.landmark_world import LandmarkWorld, LandmarkWorldParams
 
 BEGIN = 1000.0  # s

@@ -20,7 +20,7 @@
 namespace sextant {
 
 /// Nodelets in this process, in a manager with several threads, while everything changes at once. Worth most
-/// under a sanitizer: scripts/sanitize.sh.
+/// under a sanitizer: tools/sanitize.sh.
 class Storm : public ::testing::Test {
  protected:
   using Clock = std::chrono::steady_clock;

@@ -8,7 +8,7 @@ import numpy as np
 
 from sextant.bags.bag_file import BagError
 from sextant.calibration.calibration_file import CalibrationFileError, read_calibration
-from sextant.drives.drive_sightings import DriveCamera
+from sextant.localization.drive_sightings import DriveCamera
 
 _SAME = ("width", "height", "distortion_model", "D", "K", "R", "P", "binning_x", "binning_y")
 _REGION = ("x_offset", "y_offset", "width", "height")
@@ -26,7 +26,7 @@ def _listed(value: Any) -> Any:
 
 def camera_from_info(info: Any, rectified: bool) -> DriveCamera:
     """The camera of the image as it is published: binning and region of interest of a
-    sensor_msgs/CameraInfo are applied (src/ros/conversions.cpp). Its mount is left at identity.
+    sensor_msgs/CameraInfo are applied (src/ros/markers/conversions.cpp). Its mount is left at identity.
 
     :raises ValueError: it is no calibration; names the field
     """

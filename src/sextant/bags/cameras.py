@@ -12,7 +12,7 @@ from sextant.bags.calibrations import camera_from_file, camera_from_info, same_c
 from sextant.bags.camera_topics import COMPRESSED, IMAGE, MARKERS, CameraTopic
 from sextant.bags.pictures import grey_compressed, grey_image
 from sextant.bags.transforms import frame_name
-from sextant.drives.drive_sightings import DriveCamera, SeenMarker
+from sextant.localization.drive_sightings import DriveCamera, SeenMarker
 from sextant.msg import MarkerArray
 
 NAME_A_FILE = "name the camera's calibration file in place of its camera_info"

@@ -18,8 +18,8 @@ from sextant.bags.recorded_poses import read_frame, read_poses
 from sextant.bags.stamped_values import stamped_values
 from sextant.bags.stamps import Losses
 from sextant.bags.transforms import frame_name, read_transforms
-from sextant.places.view_picks import due_views, sharpness, view_yaw
-from sextant.poses import LONGEST_GAP, interpolated_poses
+from sextant.geometry.poses import LONGEST_GAP, interpolated_poses
+from sextant.place_maps.view_picks import due_views, sharpness, view_yaw
 
 JPEG_QUALITY = 95
 

@@ -16,8 +16,8 @@ from sextant.bags.odometry import read_odometry
 from sextant.bags.read_options import ReadOptions
 from sextant.bags.stamps import Losses, StampOrder
 from sextant.bags.transforms import read_transforms
-from sextant.drives.drive_sightings import DriveCamera, DriveSightings, SeenImage
-from sextant.drives.recorded_instants import place_name
+from sextant.localization.drive_sightings import DriveCamera, DriveSightings, SeenImage
+from sextant.localization.recorded_instants import place_name
 
 Progress = Callable[[float], None]  # is told which part of the bag is read, 0 to 1
 

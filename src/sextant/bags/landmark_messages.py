@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Messages of landmark SLAM as the core has them: to the bit as src/ros/landmark_conversions.cpp."""
+"""Messages of landmark SLAM as the core has them: to the bit as src/ros/landmarks/landmark_conversions.cpp."""
 
 import math
 from typing import Any, List
@@ -9,8 +9,8 @@ import numpy as np
 
 import sextant
 from sextant.bags.bag_file import DamagedMessage
-from sextant.plane_poses import planar
-from sextant.poses import pose_of_fields
+from sextant.geometry.plane_poses import planar
+from sextant.geometry.poses import pose_of_fields
 
 UP = 0.999  # cosine of the tilt of a frame whose z is up
 

@@ -10,7 +10,7 @@ from sextant.bags.bag_file import BagError, BagFile, DamagedMessage
 from sextant.bags.read_options import NO_ODOMETRY, ReadOptions
 from sextant.bags.stamped_values import stamped_values
 from sextant.bags.transforms import TransformTree, frame_name
-from sextant.poses import pose_of_fields
+from sextant.geometry.poses import pose_of_fields
 
 ODOMETRY = "nav_msgs/Odometry"
 

@@ -10,7 +10,7 @@ import numpy as np
 from sextant.bags.bag_file import BagFile, DamagedMessage
 from sextant.bags.stamped_values import stamped_values
 from sextant.bags.transforms import frame_name, read_transforms
-from sextant.poses import LONGEST_GAP, pose_of_fields
+from sextant.geometry.poses import LONGEST_GAP, pose_of_fields
 
 WITH_COVARIANCE = ("geometry_msgs/PoseWithCovarianceStamped", "nav_msgs/Odometry")
 TYPES = (*WITH_COVARIANCE, "geometry_msgs/PoseStamped")

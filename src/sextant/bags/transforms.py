@@ -7,7 +7,7 @@ from typing import Dict, List, NamedTuple, Optional, Set, Tuple
 import numpy as np
 
 from sextant.bags.bag_file import BagFile, DamagedMessage
-from sextant.poses import interpolated_poses, pose_of_fields
+from sextant.geometry.poses import interpolated_poses, pose_of_fields
 
 TF_GAP = 10.0  # seconds between two transforms that are interpolated: what tf2's buffer holds
 

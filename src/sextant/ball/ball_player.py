@@ -17,14 +17,14 @@ from sextant.ball.ball_task_params import BallTaskParams
 from sextant.ball.depth_points import DepthPoints
 from sextant.ball.floor_grid import FloorGrid, FloorGridParams
 from sextant.ball.task_view import Action, SeenBall, SeenPillar, TaskView
+from sextant.geometry.pinhole_camera import PinholeCamera
+from sextant.geometry.plane_poses import composed, rotation
 from sextant.objects.ball_look import BallLook
 from sextant.objects.ball_tracker import BallTracker, BallTrackerSettings
 from sextant.objects.ball_view import BallView
 from sextant.objects.detection import Detector
 from sextant.objects.object_kinds import BALL, KINDS
 from sextant.objects.object_locator import LocatedObject, LocatorSettings, ObjectLocator
-from sextant.objects.pinhole_camera import PinholeCamera
-from sextant.plane_poses import composed, rotation
 
 KEPT = 100  # readings of odometry
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 from sextant.ball.kick_plan import KickParams
 from sextant.ball.path_follower import FollowerParams
-from sextant.ranges import check_ranges
+from sextant.base.ranges import check_ranges
 
 
 @dataclass(frozen=True)

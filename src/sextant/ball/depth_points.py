@@ -4,7 +4,7 @@
 
 import numpy as np
 
-from sextant.objects.pinhole_camera import PinholeCamera
+from sextant.geometry.pinhole_camera import PinholeCamera
 
 
 class DepthPoints:

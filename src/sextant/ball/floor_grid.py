@@ -7,8 +7,8 @@ from typing import Tuple
 
 import numpy as np
 
-from sextant.plane_poses import rotation
-from sextant.ranges import check_ranges
+from sextant.base.ranges import check_ranges
+from sextant.geometry.plane_poses import rotation
 
 NO_OFFSET = np.zeros(2)
 

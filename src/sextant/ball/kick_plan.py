@@ -10,7 +10,7 @@ import numpy as np
 
 from sextant.ball.goal import Goal
 from sextant.ball.path_planner import Disc, FreeFloor
-from sextant.ranges import check_ranges
+from sextant.base.ranges import check_ranges
 
 AIMS = 13  # places on the goal's line that are tried
 DIRECTIONS, LENGTHS = 24, (0.4, 0.7, 1.0)  # of kicks that only bring the ball to where it can be kicked from

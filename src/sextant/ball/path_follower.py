@@ -9,7 +9,7 @@ from typing import Tuple
 
 import numpy as np
 
-from sextant.ranges import check_ranges
+from sextant.base.ranges import check_ranges
 
 
 @dataclass(frozen=True)

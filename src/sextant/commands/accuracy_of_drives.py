@@ -11,18 +11,18 @@ from typing import Dict, List, Optional, Sequence, Tuple
 
 import numpy as np
 
-from sextant.atomic_file import atomic_files
 from sextant.bags.drive_reader import read_drive
 from sextant.bags.read_options import ReadOptions
 from sextant.bags.recorded_poses import RecordedPoses, read_frame, read_poses
+from sextant.base.atomic_file import atomic_files
 from sextant.commands.bag_options import read_bags
 from sextant.commands.command_line import Answer, check_output
 from sextant.commands.located_bags import MapFile, localization_params, located_poses, reading
-from sextant.statistics.drive_accuracy import DriveAccuracy, compare, drive_table, write_errors
-from sextant.statistics.drive_plot import plot_drive
-from sextant.statistics.trajectory import Trajectory
-from sextant.statistics.trajectory_files import read_trajectory
-from sextant.statistics.trajectory_metrics import RPE_UNITS
+from sextant.evaluation.drive_accuracy import DriveAccuracy, compare, drive_table, write_errors
+from sextant.evaluation.drive_plot import plot_drive
+from sextant.evaluation.trajectory import Trajectory
+from sextant.evaluation.trajectory_files import read_trajectory
+from sextant.evaluation.trajectory_metrics import RPE_UNITS
 
 
 @dataclass(frozen=True)

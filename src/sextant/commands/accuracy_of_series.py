@@ -23,11 +23,11 @@ from sextant.commands.located_bags import (
     noted,
     reading,
 )
-from sextant.statistics.accuracy_report import AccuracyFiles, accuracy_table, write_accuracy
-from sextant.statistics.accuracy_yaml import CornerNoise
-from sextant.statistics.corner_scatter import corner_noise
-from sextant.statistics.distance_folders import DistanceBag, distance_bags
-from sextant.statistics.pose_series import (
+from sextant.evaluation.accuracy_report import AccuracyFiles, accuracy_table, write_accuracy
+from sextant.evaluation.accuracy_yaml import CornerNoise
+from sextant.evaluation.corner_scatter import corner_noise
+from sextant.evaluation.distance_folders import DistanceBag, distance_bags
+from sextant.evaluation.pose_series import (
     AXES,
     PoseSeries,
     Truths,

@@ -20,8 +20,8 @@ from sextant.commands.accuracy_of_drives import accuracy_of_drives
 from sextant.commands.accuracy_of_series import accuracy_of_series
 from sextant.commands.bag_options import add_bag_options, add_job_options, add_robot_options, pair
 from sextant.commands.command_line import Answer, CommandParser, run
-from sextant.statistics.pose_series import AXES
-from sextant.statistics.trajectory_metrics import RPE, RPE_UNITS
+from sextant.evaluation.pose_series import AXES
+from sextant.evaluation.trajectory_metrics import RPE, RPE_UNITS
 
 
 def main(arguments: Optional[Sequence[str]] = None) -> int:

@@ -9,7 +9,7 @@ import numpy as np
 
 import sextant
 from sextant.bags.read_options import ReadOptions
-from sextant.jobs import JobError, run_jobs
+from sextant.base.jobs import JobError, run_jobs
 
 
 def add_bag_options(group) -> None:

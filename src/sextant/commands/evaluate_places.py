@@ -18,8 +18,9 @@ from typing import Any, Dict, List, Optional, Sequence
 import numpy as np
 
 import sextant
-from sextant.atomic_file import atomic_file
+from sextant.base.atomic_file import atomic_file
 from sextant.commands.command_line import Answer, CommandParser, check_output, run
+from sextant.place_maps.place_map_file import read_place_map
 from sextant.places.global_descriptor import BACKEND_NAMES, CHANNELS, GlobalDescriptorSettings
 from sextant.places.place_estimate import scale_of
 from sextant.places.place_evaluation import (
@@ -33,7 +34,6 @@ from sextant.places.place_evaluation import (
 from sextant.places.place_index import PROFILES, IndexSettings
 from sextant.places.place_library import Library
 from sextant.places.place_localization import VOTES, LocalizationParams
-from sextant.places.place_map_file import read_place_map
 from sextant.places.place_modes import MODES
 from sextant.places.place_plots import plot_precision_recall, plot_reliability
 from sextant.places.place_queries import default_tolerance, queries_of_map, queries_of_table

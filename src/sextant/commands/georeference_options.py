@@ -5,7 +5,7 @@
 import argparse
 from typing import Optional, Tuple
 
-from sextant.places.place_map import GeoCorners, check_georeference
+from sextant.place_maps.place_map import GeoCorners, check_georeference
 
 NAMES = ("north_west", "south_east")
 

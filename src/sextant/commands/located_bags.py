@@ -12,8 +12,8 @@ import sextant
 from sextant.bags.read_options import ReadOptions
 from sextant.bags.recorded_poses import RecordedPoses
 from sextant.commands.bag_options import read_options
-from sextant.drives.drive_sightings import DriveSightings
-from sextant.drives.located_drive import locate_drive
+from sextant.localization.drive_sightings import DriveSightings
+from sextant.localization.located_drive import locate_drive
 
 RARE = 0.05  # of the most frequent marker's sightings: below it a marker is none that was measured
 

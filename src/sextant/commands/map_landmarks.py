@@ -18,11 +18,11 @@ import sextant
 from sextant.bags.landmark_reader import LandmarkTopics, run_on_bags
 from sextant.commands.bag_options import pair, read_mounts
 from sextant.commands.command_line import Answer, CommandParser, check_output, run
+from sextant.evaluation.trajectory_files import WRITTEN, write_trajectory
 from sextant.landmarks.landmark_plan import ENDINGS, write_plan
 from sextant.landmarks.slam_params import LandmarkSlamSettings, read_settings
 from sextant.landmarks.slam_run import SlamRun
 from sextant.landmarks.slam_summary import summary, warnings
-from sextant.statistics.trajectory_files import WRITTEN, write_trajectory
 
 
 def main(arguments: Optional[Sequence[str]] = None) -> int:

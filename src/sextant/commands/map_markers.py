@@ -27,7 +27,7 @@ from sextant.commands.bag_options import (
     read_options,
 )
 from sextant.commands.command_line import Answer, CommandParser, check_output, run
-from sextant.drives.recorded_instants import RecordedInstants, recorded_instants
+from sextant.localization.recorded_instants import RecordedInstants, recorded_instants
 from sextant.mapping.map_findings import findings, verdict
 from sextant.mapping.map_quality import MapQuality, map_quality
 from sextant.mapping.map_report import MapOrigin, write_map_report

@@ -16,8 +16,8 @@ from aiohttp import web
 
 from sextant.commands.command_line import Answer, CommandParser, run
 from sextant.commands.georeference_options import add_corner_options, corners_of
-from sextant.places.map_draft import MapDraft
-from sextant.places.map_page import ADDRESS, map_page
+from sextant.place_maps.map_draft import MapDraft
+from sextant.place_maps.map_page import ADDRESS, map_page
 
 
 def main(arguments: Optional[Sequence[str]] = None) -> int:

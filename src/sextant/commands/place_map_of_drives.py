@@ -24,10 +24,10 @@ from sextant.bags.drive_photos import DrivePhoto, DrivePhotos, PhotoOptions, rea
 from sextant.commands.bag_options import add_job_options, add_mount_options, read_bags, read_mounts
 from sextant.commands.command_line import Answer, CommandParser
 from sextant.commands.place_map_output import add_output_options, existing_map, write_map
-from sextant.places.map_addition import NewPhoto, add_photos
-from sextant.places.overview import draw_paths
-from sextant.places.overview_picture import OverviewPicture, drawn_picture, map_server_picture
-from sextant.places.place_map import MetricFrame, PlaceMap
+from sextant.place_maps.map_addition import NewPhoto, add_photos
+from sextant.place_maps.overview import draw_paths
+from sextant.place_maps.overview_picture import OverviewPicture, drawn_picture, map_server_picture
+from sextant.place_maps.place_map import MetricFrame, PlaceMap
 
 MARGIN = 3.0  # metres
 # Of the distance: another pass is at most half of it off along the path, so that there is some for the side;

@@ -18,11 +18,11 @@ import numpy as np
 from sextant.commands.command_line import Answer, CommandParser
 from sextant.commands.georeference_options import add_corner_options, corners_of
 from sextant.commands.place_map_output import add_output_options, existing_map, write_map
-from sextant.places.exif_map import corners_around, exif_map, extent, find_photos, positions_of
-from sextant.places.overview import draw_overview
-from sextant.places.overview_picture import OverviewPicture, drawn_picture, taken_picture
-from sextant.places.place_map import image_in
-from sextant.places.world_file import corners_beside
+from sextant.place_maps.exif_map import corners_around, exif_map, extent, find_photos, positions_of
+from sextant.place_maps.overview import draw_overview
+from sextant.place_maps.overview_picture import OverviewPicture, drawn_picture, taken_picture
+from sextant.place_maps.place_map import image_in
+from sextant.place_maps.world_file import corners_beside
 
 MARGIN = 20.0  # metres
 

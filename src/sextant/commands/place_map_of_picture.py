@@ -16,9 +16,9 @@ from typing import Union
 from sextant.commands.command_line import Answer, CommandParser, check_output
 from sextant.commands.georeference_options import add_corner_options, corners_of
 from sextant.commands.place_map_output import add_output_options, write_map
-from sextant.places.overview_picture import map_server_picture, taken_picture
-from sextant.places.place_map import GeoCorners, MetricFrame, check_georeference
-from sextant.places.world_file import corners_beside
+from sextant.place_maps.overview_picture import map_server_picture, taken_picture
+from sextant.place_maps.place_map import GeoCorners, MetricFrame, check_georeference
+from sextant.place_maps.world_file import corners_beside
 
 FRAME = "map"
 

@@ -6,10 +6,10 @@ import argparse
 from pathlib import Path
 from typing import Dict, Optional, Sequence
 
-from sextant.atomic_file import atomic_files
+from sextant.base.atomic_file import atomic_files
 from sextant.commands.command_line import Answer, check_output
-from sextant.places.place_map import PlaceMap
-from sextant.places.place_map_file import read_place_map, write_place_map
+from sextant.place_maps.place_map import PlaceMap
+from sextant.place_maps.place_map_file import read_place_map, write_place_map
 
 
 def add_output_options(parser: argparse.ArgumentParser, default: str = "") -> None:

@@ -10,11 +10,10 @@ import argparse
 from pathlib import Path
 from typing import List, Optional, Sequence
 
+from sextant.base.jobs import run_jobs
 from sextant.commands.command_line import Answer, CommandParser, check_output, run
-from sextant.jobs import run_jobs
-from sextant.objects.shipped_model import shipped_model
-from sextant.simulation.ball_match import MatchResult
-from sextant.simulation.ball_score import (
+from sextant.evaluation.ball_match import MatchResult
+from sextant.evaluation.ball_score import (
     Match,
     append_result,
     detector_of,
@@ -23,6 +22,7 @@ from sextant.simulation.ball_score import (
     read_results,
     score_of,
 )
+from sextant.objects.shipped_model import shipped_model
 from sextant.simulation.ball_world import TASKS
 
 
@@ -63,7 +63,7 @@ def _wanted(options: argparse.Namespace) -> List[Match]:
 
 
 def _filmed(wanted: List[Match], options: argparse.Namespace) -> MatchResult:
-    from sextant.simulation.ball_film import BallFilm  # only now: matplotlib takes a second to load
+    from sextant.evaluation.ball_film import BallFilm  # only now: matplotlib takes a second to load
 
     if len(wanted) != 1 or options.results:
         raise ValueError("--film is of one world, without --results: give --tasks, --seed and --worlds 1")

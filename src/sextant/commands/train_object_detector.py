@@ -14,10 +14,10 @@ from pathlib import Path
 from typing import List, Optional, Sequence
 
 from sextant.commands.command_line import Answer, CommandParser, run
-from sextant.objects.detector_scores import plot_confusion, scored
-from sextant.objects.mean_precision import DetectorScore, recall_and_precision
-from sextant.objects.object_pictures import CLASSES, picture_set
 from sextant.objects.yolo_detector import MULTIPLE, YoloSettings
+from sextant.training.detector_scores import plot_confusion, scored
+from sextant.training.mean_precision import DetectorScore, recall_and_precision
+from sextant.training.object_pictures import CLASSES, picture_set
 
 VALIDATION = 1_000_000  # seeds of its pictures begin here: none of them is learnt from
 QUICK = {"pictures": 64, "validation": 16, "epochs": 2}
@@ -61,8 +61,8 @@ def _train(options: argparse.Namespace) -> Answer:
         import torch  # optional, and slow to load
     except ImportError:
         raise ValueError(NO_TORCH) from None
-    from sextant.objects.yolo_network import export
-    from sextant.objects.yolo_training import TrainingSettings, train
+    from sextant.training.yolo_network import export
+    from sextant.training.yolo_training import TrainingSettings, train
 
     _check(options)
     torch.set_num_threads(options.jobs)

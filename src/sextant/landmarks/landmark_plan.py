@@ -13,7 +13,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Ellipse
 
 import sextant
-from sextant.atomic_file import atomic_file
+from sextant.base.atomic_file import atomic_file
 from sextant.landmarks.landmark_colours import colour_of_class
 from sextant.landmarks.slam_run import Leg, SlamRun
 

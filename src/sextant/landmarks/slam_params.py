@@ -14,7 +14,7 @@ import numpy as np
 import yaml
 
 import sextant
-from sextant.strict_params import Check, not_empty, one_of, param, parse_params, within
+from sextant.base.strict_params import Check, not_empty, one_of, param, parse_params, within
 
 _FILTER = ("form", "sigma_points", "init", "alpha", "beta", "scale_sigma", "scale_drift", "clock_sigma")
 _ODOMETRY = ("turn_by_turn", "turn_by_way", "way_by_way", "way_by_turn", "aside_by_way")

@@ -9,11 +9,11 @@ from matplotlib.axes import Axes
 from matplotlib.collections import EllipseCollection, LineCollection
 from matplotlib.lines import Line2D
 
+from sextant.base.plot_colours import COLOURS
 from sextant.mapping.map_findings import list_findings
 from sextant.mapping.map_labels import place_labels
 from sextant.mapping.map_links import Key
 from sextant.mapping.map_quality import MapQuality
-from sextant.statistics.drive_plot import COLOURS
 
 LINK, WEAK, HELD, ELSEWHERE, ELLIPSE = COLOURS[5], COLOURS[1], COLOURS[2], COLOURS[3], COLOURS[0]
 MARGIN = 0.06  # of the larger extent, and at least 0.5 m

@@ -12,9 +12,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
+from sextant.base.plot_colours import COLOURS
 from sextant.mapping.map_plan import MapPlan
 from sextant.mapping.map_quality import MapQuality, MarkerQuality
-from sextant.statistics.drive_plot import COLOURS
 
 BLUE, RED = COLOURS[0], COLOURS[1]
 DOTS_PER_INCH = 110

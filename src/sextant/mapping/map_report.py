@@ -10,7 +10,7 @@ from typing import Dict, List, Mapping, Sequence, Tuple, Union
 import numpy as np
 from jinja2 import Environment, StrictUndefined
 
-from sextant.atomic_file import atomic_file
+from sextant.base.atomic_file import atomic_file
 from sextant.mapping.map_findings import count, findings, list_findings, verdict
 from sextant.mapping.map_links import Key
 from sextant.mapping.map_plots import plan_view, residual_boxes

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Callable, Dict, List, Tuple
 
 import sextant
-from sextant.atomic_file import atomic_file
+from sextant.base.atomic_file import atomic_file
 from sextant.markers.formats.apriltag_ros import format_apriltag_ros, read_apriltag_ros
 from sextant.markers.formats.fiducial_slam import FIELDS as FIDUCIAL_SLAM_FIELDS
 from sextant.markers.formats.fiducial_slam import format_fiducial_slam, read_fiducial_slam

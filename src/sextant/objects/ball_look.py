@@ -6,11 +6,11 @@ from typing import List, NamedTuple, Sequence, Tuple
 
 import numpy as np
 
+from sextant.geometry.plane_poses import rotation
 from sextant.objects.ball_tracker import BallTracker
 from sextant.objects.ball_view import BallView
 from sextant.objects.object_kinds import ObjectKind
 from sextant.objects.object_locator import LocatedObject
-from sextant.plane_poses import rotation
 
 
 class BallLook(NamedTuple):

@@ -12,7 +12,7 @@ from typing import NamedTuple, Tuple
 
 import numpy as np
 
-from sextant.ranges import check_ranges
+from sextant.base.ranges import check_ranges
 
 LIES, ROLLS, HIT = range(3)
 START = np.array([0.6, 0.3, 0.1])  # probabilities of a ball that was seen but once

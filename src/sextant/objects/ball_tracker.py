@@ -7,6 +7,7 @@ from typing import Callable, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
+from sextant.base.ranges import check_ranges
 from sextant.objects.ball_motion import (
     BallModes,
     BallMotionSettings,
@@ -17,7 +18,6 @@ from sextant.objects.ball_motion import (
     seen_again,
     seen_first,
 )
-from sextant.ranges import check_ranges
 
 GATE = 13.8  # squared deviations, which 0.1 % of the sightings of a ball are beyond
 LATEST = 1.0  # seconds that a look may come later than others

@@ -7,7 +7,7 @@ from typing import Sequence
 
 import numpy as np
 
-from sextant.objects.pinhole_camera import PinholeCamera
+from sextant.geometry.pinhole_camera import PinholeCamera
 
 
 @dataclass(frozen=True)

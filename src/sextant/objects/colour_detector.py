@@ -9,9 +9,9 @@ from typing import Any, Dict, List, Mapping, NamedTuple, Tuple
 import cv2
 import numpy as np
 
+from sextant.base.ranges import check_ranges
 from sextant.objects.detection import Detections, check_picture
 from sextant.objects.object_kinds import BALL, GOAL
-from sextant.ranges import check_ranges
 
 CLOSED = np.ones((3, 3), np.uint8)  # of gaps that noise leaves
 HUES = 180  # of OpenCV, two degrees each

@@ -9,7 +9,7 @@ from typing import List, NamedTuple, Sequence, Tuple
 
 import numpy as np
 
-from sextant.ranges import check_ranges
+from sextant.base.ranges import check_ranges
 
 MOST = 100.0  # metres
 SIGNIFICANT = 3.0  # deviations

@@ -7,11 +7,11 @@ from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
+from sextant.base.ranges import check_ranges
+from sextant.geometry.pinhole_camera import PinholeCamera
 from sextant.objects.box_tangents import BOTTOM, LEFT, RIGHT, TANGENTS, TOP, BoxTangents
 from sextant.objects.object_kinds import ObjectKind
-from sextant.objects.pinhole_camera import PinholeCamera
 from sextant.objects.round_fit import Planes, fit_round, goes_on, likely_ranges
-from sextant.ranges import check_ranges
 
 GROWN = 0.7  # of its width, by which a box is looked at beyond its sides
 MOST_POINTS = 800  # of a box: of large ones not every pixel is looked at

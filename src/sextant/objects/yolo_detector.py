@@ -10,11 +10,11 @@ from typing import Dict, List, Tuple
 import cv2
 import numpy as np
 
+from sextant.base.onnx_model import BACKENDS, ModelFacts, open_network, read_model
+from sextant.base.ranges import check_ranges
 from sextant.objects.detection import Detections, check_picture, suppressed
 from sextant.objects.letter_box import GREY, blob_of, letter_box
 from sextant.objects.yolo_output import decoded
-from sextant.onnx_model import BACKENDS, ModelFacts, open_network, read_model
-from sextant.ranges import check_ranges
 
 MULTIPLE = 32  # pixels: an input that is asked for as 240 is exported as 256
 

@@ -8,8 +8,8 @@ from typing import Tuple
 import cv2
 import numpy as np
 
-from sextant.onnx_model import BACKENDS, ImageInput, only, open_network, read_model
-from sextant.ranges import check_ranges
+from sextant.base.onnx_model import BACKENDS, ImageInput, only, open_network, read_model
+from sextant.base.ranges import check_ranges
 
 LARGEST = 4096  # pixels
 BACKEND_NAMES = ("auto", *BACKENDS)

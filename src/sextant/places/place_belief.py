@@ -14,7 +14,7 @@ import numpy as np
 from scipy.sparse import csr_matrix
 from scipy.spatial import cKDTree
 
-from sextant.ranges import check_ranges
+from sextant.base.ranges import check_ranges
 
 ROUND = 0.1  # of a spacing: distances that differ by less are moved by as one
 REMEMBERED = 64  # ways to move, by distance

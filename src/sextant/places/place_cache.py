@@ -18,7 +18,7 @@ from typing import IO, Any, Dict, Tuple
 import numpy as np
 
 import sextant
-from sextant.atomic_file import atomic_file
+from sextant.base.atomic_file import atomic_file
 from sextant.places.place_index import IndexedPhoto, IndexSettings, PlaceIndex
 
 MAGIC = b"SEXTANT PLACES\n\0"

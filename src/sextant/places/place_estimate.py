@@ -8,8 +8,8 @@ from typing import NamedTuple, Optional, Sequence, Tuple
 import numpy as np
 
 import sextant
-from sextant.places.exif_map import extent
-from sextant.places.place_map import GeoCorners, MetricFrame, Overview, PlaceMap
+from sextant.place_maps.exif_map import extent
+from sextant.place_maps.place_map import GeoCorners, MetricFrame, Overview, PlaceMap
 
 YAW_SIGMA = 0.35  # radians that a camera looks aside of the photo that it recognizes
 UNKNOWN = 1e6  # variance of a height that the map does not tell, m^2

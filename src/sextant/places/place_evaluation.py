@@ -13,10 +13,10 @@ import numpy as np
 from scipy.stats import chi2
 from tqdm import tqdm
 
+from sextant.place_maps.place_map import Photo, PlaceMap
 from sextant.places.place_index import PlaceIndex, decode_photo, photo_features
 from sextant.places.place_library import Library
 from sextant.places.place_localization import Localization, LocalizationParams, PlaceLocalizer, Status
-from sextant.places.place_map import Photo, PlaceMap
 from sextant.places.place_metrics import (
     PrecisionRecall,
     calibration_error,

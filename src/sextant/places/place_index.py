@@ -16,9 +16,9 @@ import cv2
 import numpy as np
 
 import sextant
-from sextant.jobs import JobError, run_jobs
+from sextant.base.jobs import JobError, run_jobs
+from sextant.place_maps.photo_file import decode_colour, decode_grey
 from sextant.places.global_descriptor import GlobalDescriptor, GlobalDescriptorSettings
-from sextant.places.photo_file import decode_colour, decode_grey
 
 UNIT = 65535  # of a keypoint's coordinates: the longer side of its photo
 SAMPLES = 400_000  # descriptors that an index learns from, at most
@@ -189,7 +189,7 @@ def extract_all(
 ) -> List[PhotoFeatures]:
     """Of all photos, with a progress bar.
 
-    :param jobs: scheduler: as in sextant.jobs.run_jobs()
+    :param jobs: scheduler: as in sextant.base.jobs.run_jobs()
     :raises ValueError: photos that cannot be used, by name
     """
     results = run_jobs(

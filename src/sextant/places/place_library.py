@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Callable, Dict, Iterable, List, Optional, Set
 
+from sextant.place_maps.place_map import PlaceMap
 from sextant.places.place_cache import CacheError, cache_path, read_cache, write_cache
 from sextant.places.place_index import (
     NAMED_AT_MOST,
@@ -17,7 +18,6 @@ from sextant.places.place_index import (
     extract_all,
     file_state,
 )
-from sextant.places.place_map import PlaceMap
 
 GROWTH = 4  # an index of more than this many times the photos that it learned from is made anew
 
@@ -31,7 +31,7 @@ class Library:
     map_path: Path
     place_map: PlaceMap
     settings: IndexSettings
-    jobs: int = 1  # and scheduler: as in sextant.jobs.run_jobs()
+    jobs: int = 1  # and scheduler: as in sextant.base.jobs.run_jobs()
     scheduler: str = ""
     report: Report = lambda line: None  # gets lines: what is built, and why
 

@@ -8,16 +8,16 @@ from typing import List, NamedTuple, Optional
 
 import numpy as np
 
+from sextant.base.ranges import check_ranges
+from sextant.place_maps.place_map import Photo, PlaceMap
 from sextant.places.place_belief import BeliefParams, Hypothesis
 from sextant.places.place_estimate import PlaceEstimate, estimate, scale_of
 from sextant.places.place_index import PlaceIndex
-from sextant.places.place_map import Photo, PlaceMap
 from sextant.places.place_matches import MatchedPhoto
 from sextant.places.place_modes import MODES, Seen
 from sextant.places.place_recognition import PlaceRecognizer, Recognition, RecognitionParams
 from sextant.places.place_voter import PlaceVoter
 from sextant.places.place_votes import MatchStatistics
-from sextant.ranges import check_ranges
 
 VOTES = "votes"  # the mode that counts matches, with no belief
 

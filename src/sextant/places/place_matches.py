@@ -6,8 +6,8 @@ from typing import Dict, List, NamedTuple
 
 import numpy as np
 
+from sextant.place_maps.place_map import Photo, PlaceMap
 from sextant.places.place_index import UNIT, IndexedPhoto, PlaceIndex
-from sextant.places.place_map import Photo, PlaceMap
 
 
 class Matches(NamedTuple):

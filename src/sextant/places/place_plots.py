@@ -12,9 +12,9 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from sextant.atomic_file import atomic_file
+from sextant.base.atomic_file import atomic_file
+from sextant.base.plot_colours import COLOURS
 from sextant.places.place_metrics import PrecisionRecall, perfect_frequencies, reliability
-from sextant.statistics.drive_plot import COLOURS
 
 BLUE, GREY = COLOURS[0], "#777777"
 SHARES = np.linspace(0.0, 1.0, 21)  # bars of how often a probability is said

@@ -9,14 +9,14 @@ import cv2
 import numpy as np
 
 import sextant
+from sextant.base.ranges import check_ranges
+from sextant.place_maps.place_map import Photo, PlaceMap
 from sextant.places.global_descriptor import GlobalDescriptor
 from sextant.places.place_evidence import EvidenceParams, absolute_log_ratios, relative_log_ratios
 from sextant.places.place_index import PlaceIndex
-from sextant.places.place_map import Photo, PlaceMap
 from sextant.places.place_matches import MapPhotos, MatchedPhoto, Matches
 from sextant.places.place_verification import displacement_support
 from sextant.places.place_votes import MatchStatistics, lnbnn_scores, lnbnn_weights, match_statistics
-from sextant.ranges import check_ranges
 
 CELLS = 8  # a side, of contrast()
 LEAST = 500.0  # below the largest log ratio: that its exponential is not 0

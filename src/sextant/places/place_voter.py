@@ -7,8 +7,8 @@ from typing import List, NamedTuple
 import numpy as np
 
 import sextant
+from sextant.place_maps.place_map import Photo, PlaceMap
 from sextant.places.place_index import PlaceIndex
-from sextant.places.place_map import Photo, PlaceMap
 from sextant.places.place_matches import MapPhotos, MatchedPhoto, Matches
 from sextant.places.place_votes import MatchStatistics, count_votes, kept_matches, match_statistics
 

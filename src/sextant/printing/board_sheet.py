@@ -10,6 +10,7 @@ from typing import List, Optional, Sequence, Tuple, Union
 import numpy as np
 
 import sextant
+from sextant.base.ranges import check_ranges
 from sextant.printing.marker_print import black_boxes, check_size, marker_shape
 from sextant.printing.print_label import UP, Label, draw_label, label_height
 from sextant.printing.print_layout import (
@@ -22,7 +23,6 @@ from sextant.printing.print_layout import (
 )
 from sextant.printing.print_page import PrintPages
 from sextant.printing.sheets import SheetParams, check_ids, id_ranges
-from sextant.ranges import check_ranges
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Optional, Union
 
+from sextant.base.ranges import check_ranges
 from sextant.printing.print_label import Label, draw_label, label_height
 from sextant.printing.print_layout import (
     SMALLEST,
@@ -18,7 +19,6 @@ from sextant.printing.print_layout import (
     largest_sizes,
 )
 from sextant.printing.print_page import Box, PrintPages
-from sextant.ranges import check_ranges
 
 QUIET = 0.5  # squares of white around the board, which the search for it wants
 

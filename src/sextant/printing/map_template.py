@@ -5,7 +5,7 @@
 from pathlib import Path
 from typing import Sequence, Union
 
-from sextant.atomic_file import atomic_file
+from sextant.base.atomic_file import atomic_file
 
 _HEAD = """\
 # Where do the markers hang? Write numbers for the words: metres, radians (doc/marker_map.md).

@@ -7,8 +7,8 @@ import math
 from dataclasses import dataclass
 from typing import Callable, List, Optional, Tuple
 
+from sextant.base.ranges import check_ranges
 from sextant.printing.print_page import FOOTER, PrintPages
-from sextant.ranges import check_ranges
 
 PAGES = {"A4": (0.210, 0.297), "A3": (0.297, 0.420), "Letter": (0.2159, 0.2794)}  # upright: width, height
 CUT_GREY = 0.5

@@ -12,7 +12,7 @@ from reportlab.pdfbase.pdfmetrics import registerFont, stringWidth
 from reportlab.pdfbase.ttfonts import TTFont
 from reportlab.pdfgen.canvas import Canvas
 
-from sextant.atomic_file import atomic_file
+from sextant.base.atomic_file import atomic_file
 
 CONTROL_LINE = 0.1  # metres
 FOOTER = 0.016  # metres above the margin that the control line and its text take

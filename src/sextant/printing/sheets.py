@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Optional, Sequence, Union
 
 import sextant
+from sextant.base.ranges import check_ranges
 from sextant.printing.marker_print import black_boxes, check_size, marker_shape
 from sextant.printing.print_label import UP, Label, draw_label, label_height
 from sextant.printing.print_layout import (
@@ -18,7 +19,6 @@ from sextant.printing.print_layout import (
     largest_sizes,
 )
 from sextant.printing.print_page import PrintPages
-from sextant.ranges import check_ranges
 
 
 @dataclass(frozen=True)

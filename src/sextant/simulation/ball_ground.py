@@ -8,7 +8,7 @@ from typing import Iterator, List, NamedTuple, Optional, Sequence, Set, Tuple
 
 import numpy as np
 
-from sextant.ranges import check_ranges
+from sextant.base.ranges import check_ranges
 from sextant.simulation.motion import Motion
 from sextant.simulation.odometry import OdometryNoise
 

@@ -8,8 +8,8 @@ from typing import Dict, List, Tuple
 import numpy as np
 
 import sextant
+from sextant.base.ranges import check_ranges
 from sextant.objects.object_kinds import BALL
-from sextant.ranges import check_ranges
 from sextant.simulation.ball_ground import BallGround, BallParams, DriveParams
 from sextant.simulation.ball_world import BallWorld
 from sextant.simulation.rgbd_camera import RgbdCamera, RgbdParams, RgbdPicture

@@ -14,8 +14,8 @@ from typing import List, NamedTuple, Optional, Tuple
 import numpy as np
 from scipy.ndimage import label
 
+from sextant.geometry.plane_poses import rotation
 from sextant.objects.object_kinds import GOAL, KINDS
-from sextant.plane_poses import rotation
 from sextant.simulation.ball_ground import Pillar
 
 OTHERS = tuple(name for name, kind in KINDS.items() if kind.shape == "pillar" and name != GOAL)

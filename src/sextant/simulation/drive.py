@@ -8,7 +8,7 @@ from typing import Iterator, List, Optional
 import numpy as np
 
 import sextant
-from sextant.ranges import check_ranges
+from sextant.base.ranges import check_ranges
 from sextant.simulation.camera import HORIZONTAL_FOV, camera_calibration, camera_mount
 from sextant.simulation.motion import FigureEight, Motion, free_floor
 from sextant.simulation.odometry import OdometryNoise, OdometryReading, WheelOdometry

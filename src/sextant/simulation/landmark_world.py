@@ -11,8 +11,8 @@ from typing import Deque, Iterator, List, NamedTuple, Optional, Tuple
 
 import numpy as np
 
-from sextant.plane_poses import composed, in_frame, rotation
-from sextant.ranges import check_ranges
+from sextant.base.ranges import check_ranges
+from sextant.geometry.plane_poses import composed, in_frame, rotation
 
 COLOURS = ("blue", "red", "yellow", "green", "orange", "purple", "white", "black")
 TINY = 1e-9  # seconds: stamps that are one may differ by it

@@ -7,7 +7,7 @@ from typing import Tuple
 
 import numpy as np
 
-from sextant.plane_poses import composed, rotation
+from sextant.geometry.plane_poses import composed, rotation
 from sextant.simulation.motion import Motion
 
 

@@ -8,7 +8,7 @@ from typing import List, NamedTuple
 import numpy as np
 
 import sextant
-from sextant.ranges import check_ranges
+from sextant.base.ranges import check_ranges
 from sextant.simulation.camera import camera_calibration, camera_mount
 
 

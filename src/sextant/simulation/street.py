@@ -11,7 +11,7 @@ from typing import List, NamedTuple, Optional, Tuple
 import cv2
 import numpy as np
 
-from sextant.ranges import check_ranges
+from sextant.base.ranges import check_ranges
 from sextant.simulation.street_ground import ground
 from sextant.simulation.street_plants import bush, tree
 from sextant.simulation.street_sky import panorama

@@ -10,12 +10,12 @@ from typing import List, NamedTuple, Sequence, Tuple
 import cv2
 import numpy as np
 
-from sextant.atomic_file import atomic_file
-from sextant.jobs import run_jobs
-from sextant.places.map_addition import NewPhoto, add_photos
-from sextant.places.place_clusters import clustered
-from sextant.places.place_map import MetricFrame, Overview, PlaceMap
-from sextant.places.place_map_file import write_place_map
+from sextant.base.atomic_file import atomic_file
+from sextant.base.jobs import run_jobs
+from sextant.place_maps.map_addition import NewPhoto, add_photos
+from sextant.place_maps.place_clusters import clustered
+from sextant.place_maps.place_map import MetricFrame, Overview, PlaceMap
+from sextant.place_maps.place_map_file import write_place_map
 from sextant.simulation.street import CONDITIONS, Street
 from sextant.simulation.street_overview import AerialPicture, aerial_picture
 from sextant.simulation.street_view import street_view

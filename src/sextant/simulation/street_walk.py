@@ -7,7 +7,7 @@ from typing import List, NamedTuple, Optional
 
 import numpy as np
 
-from sextant.ranges import check_ranges
+from sextant.base.ranges import check_ranges
 from sextant.simulation.motion import Motion
 from sextant.simulation.odometry import OdometryNoise, OdometryReading, WheelOdometry
 from sextant.simulation.street import CONDITIONS, Street

@@ -23,6 +23,7 @@ from typing import Dict, List, Optional, Set
 import numpy as np
 
 import sextant
+from sextant.geometry.poses import pose_of, quaternion_of
 from sextant.markers.formats.located_yaml import Table, read_yaml
 from sextant.markers.formats.losses import (
     lost_covariances,
@@ -39,7 +40,6 @@ from sextant.markers.formats.map_file import (
     decimal,
     told_as,
 )
-from sextant.poses import pose_of, quaternion_of
 
 # tag_family of settings.yaml, the first is its default
 FAMILIES = (

@@ -1,0 +1,54 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""The ball task played in simulated worlds, with pictures, network and filter in the loop.
+
+The long run, with 200 worlds of each task, is score_ball_task.
+"""
+
+import os
+from typing import List
+
+import numpy as np
+from tables import Row, Table, Value
+
+from sextant.base.jobs import run_jobs
+from sextant.evaluation.ball_match import MatchResult
+from sextant.evaluation.ball_score import Match, Score, play_match, score_of
+from sextant.objects.shipped_model import shipped_model
+
+WORLDS = 40
+SUCCESS = {2: 95.0, 3: 90.0}  # % of the worlds, at least
+UNTOUCHED = {2: 97.5, 3: None}  # % in which no pillar was touched, at least: of 40 one may be
+COLUMNS = [
+    "success, %", "ball through, %", "no pillar touched, %", "median time to goal, s", "stop error, cm (RMS)",
+    "kicks", "simulated s per s",
+]  # fmt: skip
+
+
+def match_tables(quick: bool) -> List[Table]:
+    """One table; a quick run is of one world of each task, without bars."""
+    worlds = 1 if quick else WORLDS
+    model = str(shipped_model())
+    matches = [Match(task, seed, model) for task in SUCCESS for seed in range(worlds)]
+    results = list(run_jobs(play_match, matches, os.cpu_count() or 1, progress="worlds"))
+    by_task = {task: [each for each in results if each.task == task] for task in SUCCESS}
+    rows = [_row(task, score_of(played), quick) for task, played in by_task.items()]
+    samples = {f"task {task}": _ends(played) for task, played in by_task.items()}
+    return [Table(f"the ball task in {worlds} worlds each", COLUMNS, rows, samples)]
+
+
+def _ends(results: List[MatchResult]) -> np.ndarray:
+    """(n, 2) seconds until the ball was through, metres from the line to the robot at the end."""
+    return np.array([[each.goal_seconds, each.stop] for each in results])
+
+
+def _row(task: int, score: Score, quick: bool) -> Row:
+    return f"task {task}", [
+        Value(100 * score.success, 1, at_least=None if quick else SUCCESS[task]),
+        Value(100 * score.through, 1),
+        Value(100 * score.untouched, 1, at_least=None if quick else UNTOUCHED[task]),
+        Value(score.goal_seconds, 1),
+        Value(100 * score.stop_error, 1),
+        Value(score.kicks, 2),
+        Value(score.speed, 1),
+    ]

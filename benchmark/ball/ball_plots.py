@@ -1,0 +1,40 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Pictures of the ball task: what the network takes for what, and where and when the robot is done."""
+
+from functools import partial
+from pathlib import Path
+from typing import Dict, List
+
+from matplotlib.axes import Axes
+from pictures import Panel, save_picture
+from tables import Table
+
+from sextant.evaluation.ball_score import STOP, STOP_ERROR
+from sextant.objects.yolo_detector import YoloSettings
+from sextant.training.detector_scores import plot_confusion
+from sextant.training.mean_precision import DetectorScore
+from sextant.training.object_pictures import CLASSES
+
+
+def plot_ball_task(folder: str, results: Dict[str, List[Table]]) -> None:
+    """Writes folder/detector.png and folder/task.png; makes the folder."""
+    Path(folder).mkdir(parents=True, exist_ok=True)
+    if "detector" in results:
+        samples = results["detector"][0].samples
+        score = DetectorScore(samples["precision"], samples["table"], YoloSettings.confidence)
+        plot_confusion(Path(folder) / "detector.png", score, CLASSES)
+    if "task" in results:
+        (table,) = results["task"]
+        save_picture(
+            str(Path(folder) / "task.png"), [Panel(table.title, partial(_draw_ends, table))], columns=1
+        )
+
+
+def _draw_ends(table: Table, axes: Axes) -> None:
+    """Of samples (n, 2): seconds until the ball was through, metres from the line to the robot at the end."""
+    for name, ends in table.samples.items():
+        axes.plot(ends[:, 0], 100.0 * ends[:, 1], "o", markersize=4, label=name)
+    axes.axhspan(100.0 * (STOP - STOP_ERROR), 100.0 * (STOP + STOP_ERROR), color="0.9", zorder=0)
+    axes.set(xlabel="s until the ball is through", ylabel="cm from the line to the robot at the end")
+    axes.legend()

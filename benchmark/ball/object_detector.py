@@ -1,0 +1,129 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""The network that Sextant brings, on simulated pictures that it has not learnt from.
+
+Half of the pictures are of the ball task's worlds, half of anything on a floor, at the network's own size.
+Objects that are too small in it do not count (see sextant.training.object_pictures). The detector by colour
+has the same pictures, at the same size.
+"""
+
+import importlib.util
+import os
+from typing import List, NamedTuple
+
+import numpy as np
+import onnx
+from onnx import shape_inference
+from tables import Row, Table, Value
+
+from sextant.base.onnx_model import BACKENDS
+from sextant.objects.colour_detector import ColourDetector, ColourSettings
+from sextant.objects.detection import Detections
+from sextant.objects.shipped_model import shipped_model
+from sextant.objects.yolo_detector import YoloDetector, YoloSettings
+from sextant.training.detector_scores import LEAST
+from sextant.training.mean_precision import DetectorScore, detector_score, recall_and_precision
+from sextant.training.object_pictures import CLASSES, PictureSet, picture_set
+
+FIRST, PICTURES, QUICK_PICTURES = 5_000_000, 500, 12  # seeds: neither learnt from nor judged by in training
+MEAN, GFLOP, MEGABYTES, EQUAL = 0.95, 0.5, 4.0, 1e-3
+REPEATS, TIMED = 5, 20  # of timing, and pictures of it
+
+
+class Judged(NamedTuple):
+    """A detector on all pictures."""
+
+    score: DetectorScore
+    found: List[Detections]
+
+
+def detector_tables(quick: bool) -> List[Table]:
+    """Accuracy by class, then what the network is and takes."""
+    model = str(shipped_model())
+    size = YoloDetector(YoloSettings(model=model)).size[0]
+    count = QUICK_PICTURES if quick else PICTURES
+    pictures = picture_set(range(FIRST, FIRST + count), size, os.cpu_count() or 1, "pictures")
+    network = _judged(YoloDetector(YoloSettings(model=model, backend="opencv", confidence=LEAST)), pictures)
+    colour = _judged(ColourDetector(ColourSettings(least_area=4)), pictures)
+    title = f"{count} simulated pictures at {size} px, network: score >= {YoloSettings.confidence:g}"
+    rows = [_class_row(i, network.score, colour.score) for i in range(len(CLASSES))]
+    bar = None if quick else MEAN
+    rows.append(
+        ("mean (mAP50)", [Value(network.score.mean, 3, at_least=bar), "", "", Value(colour.score.mean, 3)])
+    )
+    samples = {"precision": network.score.precision, "table": network.score.table}
+    accuracy = Table(title, ["AP50", "recall", "precision", "AP50 by colour"], rows, samples)
+    return [accuracy, _facts(model, size), _runtimes(model, pictures)]
+
+
+def _judged(detector, pictures: PictureSet) -> Judged:
+    found = [detector.detect(image) for image in pictures.images]
+    return Judged(detector_score(found, pictures.known(), len(CLASSES), YoloSettings.confidence), found)
+
+
+def _class_row(which: int, network: DetectorScore, colour: DetectorScore) -> Row:
+    recall, precision = recall_and_precision(network.table)
+    values = (network.precision, recall, precision, colour.precision)
+    return CLASSES[which], [Value(each[which], 3) for each in values]
+
+
+def _facts(model: str, size: int) -> Table:
+    values = [
+        Value(gflop(model), 3, at_most=GFLOP),
+        Value(os.path.getsize(model) / 1e6, 2, at_most=MEGABYTES),
+    ]
+    return Table("the network", ["GFLOP a frame", "MB"], [(f"{size} px", values)])
+
+
+def gflop(model: str) -> float:
+    """Of one picture: two for each multiplication of a convolution; the rest of the graph does little."""
+    graph = shape_inference.infer_shapes(onnx.load(model)).graph
+    weights = {each.name: list(each.dims) for each in graph.initializer}
+    shapes = {
+        each.name: [side.dim_value for side in each.type.tensor_type.shape.dim]
+        for each in (*graph.value_info, *graph.output)
+    }
+    convolutions = [node for node in graph.node if node.op_type == "Conv"]
+    made = [np.prod(shapes[node.output[0]]) * np.prod(weights[node.input[1]][1:]) for node in convolutions]
+    return 2e-9 * float(sum(made))
+
+
+def _runtimes(model: str, pictures: PictureSet) -> Table:
+    """Time on one thread, the least of several runs, and how far the others' boxes are from OpenCV's."""
+    rows: List[Row] = []
+    expected: List[Detections] = []
+    for backend in sorted(BACKENDS, reverse=True):  # opencv first
+        if importlib.util.find_spec("onnxruntime") is None and backend == "onnxruntime":
+            rows.append((backend, ["not installed"] * 5))
+            continue
+        detector = YoloDetector(YoloSettings(model=model, backend=backend), threads=1)
+        found = [detector.detect(image) for image in pictures.images[:TIMED]]
+        expected = expected or found
+        times = {stage: 1e3 * _least(detector, pictures, stage) for stage in detector.seconds}
+        cells = [Value(sum(times.values()), 1), *(Value(each, 2) for each in times.values())]
+        rows.append((backend, [*cells, Value(_difference(found, expected), 6, at_most=EQUAL)]))
+    columns = ["ms a frame", "letter box", "network", "decoding", "boxes differ by, px"]
+    return Table("both runtimes, one thread", columns, rows)
+
+
+def _least(detector: YoloDetector, pictures: PictureSet, stage: str) -> float:
+    """Seconds of a stage: the median over pictures of the least of some runs."""
+    seconds = []
+    for image in pictures.images[:TIMED]:
+        runs = []
+        for _ in range(REPEATS):
+            detector.detect(image)
+            runs.append(detector.seconds[stage])
+        seconds.append(min(runs))
+    return float(np.median(seconds))
+
+
+def _difference(found: List[Detections], expected: List[Detections]) -> float:
+    """Of boxes in pixels and scores, the largest; infinite where not the same are found."""
+    worst = 0.0
+    for one, other in zip(found, expected):
+        if list(one.classes) != list(other.classes):
+            return float("inf")
+        pairs = ((one.boxes, other.boxes), (one.scores, other.scores))
+        worst = max([worst, *(float(abs(a - b).max(initial=0.0)) for a, b in pairs)])
+    return worst

@@ -1,0 +1,187 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Odometry and printed markers in one filter: a minute in a corridor without markers, on wheels that slip."""
+
+from typing import Iterator, List, NamedTuple, Optional, Tuple
+
+import numpy as np
+from scipy.linalg import block_diag
+from scipy.stats import chi2
+from simulated_sightings import T_BASE_CAMERA, SimulatedCamera
+from tables import Table, Value
+
+import sextant
+from landmarks.landmark_drives import nees, pose_error
+from sextant.geometry.plane_poses import composed, relative
+from sextant.simulation.motion import FigureEight
+from sextant.simulation.room import default_map
+
+RATE, EVERY = 20.0, 2  # Hz of odometry; a picture at every second reading
+ROOM, CORRIDOR, AGAIN = 40.0, 60.0, 15.0  # seconds
+CORRIDOR_LEGS = (
+    (0.5, 0.0, 26.0),
+    (0.3, np.pi / 8, 8.0),
+    (0.5, 0.0, 26.0),
+)  # m/s, rad/s, s: out, round and back
+CIRCLE = (0.3, 0.4)  # m/s and rad/s: in the room again
+SLIP_WAY, SLIP, SLIP_TURN = 5.0, 0.15, 0.05  # metres between two slips; deviations of one, metres and radians
+WORN = 1.02  # what worn wheels measure of a metre
+START = np.array([0.05, 0.05, 0.03])  # deviations of the start that is told, metres and radians
+THREE_SIGMA = chi2.ppf(0.9973, 3)
+PLANE = sextant.MarkerLandmarkParams()
+PLANE.tilt_sigma = 0.0  # the floor is level
+JUMP = 0.1  # metres: less is no correction that anybody sees
+RUNS = 40
+WITHIN, ONCE = 95.0, 95.0  # bars, % of the runs
+
+
+class Drive(NamedTuple):
+    """A run: times from 0 on, seconds."""
+
+    truth: np.ndarray  # (n, 3) x, y, heading in the map
+    odometry: np.ndarray  # (n, 3) in odom
+
+
+class Outcome(NamedTuple):
+    """What the first marker after the corridor did."""
+
+    drift: float  # metres that the pose was off before
+    error: float  # metres that it is off after
+    squared: float  # Mahalanobis distance of the error in x, y, heading
+    jumps: int  # corrections of map -> odom that move the robot by more than JUMP
+    scale: float  # of odometry, as the filter has it
+
+
+def noise_params():
+    """Four alphas and slips together: variances add."""
+    params = sextant.OdometryNoiseParams()
+    params.way_by_way = np.hypot(0.02, SLIP / np.sqrt(SLIP_WAY))
+    params.turn_by_way = np.hypot(0.02, SLIP_TURN / np.sqrt(SLIP_WAY))
+    params.turn_by_turn, params.way_by_turn, params.aside_by_way = 0.05, 0.01, 0.01
+    return params
+
+
+def drive(seed: int) -> Drive:
+    """Where the robot is, and what its wheels say."""
+    rng, params = np.random.default_rng([seed, 7]), noise_params()
+    truth = list(_way())
+    odometry = [np.zeros(3)]
+    for number, (last, pose) in enumerate(zip(truth, truth[1:])):
+        step = relative(last, pose)
+        way, turn = np.hypot(*step[:2]), abs(step[2])
+        sigmas = [0.02 * np.sqrt(way), params.aside_by_way * np.sqrt(way), 0.0]
+        sigmas[2] = np.hypot(0.02 * np.sqrt(way), params.turn_by_turn * np.sqrt(turn))
+        measured = step * (WORN, 1.0, 1.0) + sigmas * rng.standard_normal(3)
+        if rng.random() < way / SLIP_WAY and number < (ROOM + CORRIDOR) * RATE:  # each one needs a correction
+            measured += rng.standard_normal(3) * (SLIP, 0.0, SLIP_TURN)
+        odometry.append(composed(odometry[-1], measured))
+    return Drive(np.array(truth), np.array(odometry))
+
+
+def _way() -> Iterator[np.ndarray]:
+    """Poses (3,): eights in the room, the corridor, the room again."""
+    eight = FigureEight()
+    for k in range(round(ROOM * RATE)):
+        motion = eight.at(k / RATE)
+        pose = np.array([motion.x, motion.y, motion.yaw])
+        yield pose
+    for speed, turn_rate, seconds in (*CORRIDOR_LEGS, (*CIRCLE, AGAIN)):
+        for _ in range(round(seconds * RATE)):
+            pose = composed(pose, np.array([speed, 0.0, turn_rate]) / RATE)
+            yield pose
+
+
+def sightings(camera: SimulatedCamera, pose: np.ndarray, marker_map) -> list:
+    """sextant.LabelledSighting of all markers in view."""
+    T_map_base = sextant.pose_from_xyz_rpy([*pose[:2], 0.0], [0.0, 0.0, pose[2]])
+    view = camera.view(T_map_base, camera.visible(T_map_base, marker_map))
+    sizes, found = {marker.id: marker.size for marker in marker_map.markers}, []
+    for detection in view.detections:
+        size = sizes[detection.id]
+        poses = sextant.solve_marker_pose(camera.model, detection.corners, size)
+        if poses is None:
+            continue
+        other = 0.0
+        if poses.alternative is not None:
+            errors = poses.best.reprojection_error, poses.alternative.reprojection_error
+            other = sextant.probability_of_other(*errors, camera.sigma)
+        covariance = sextant.marker_pose_covariance(
+            camera.model, poses.best.T_camera_marker, size, camera.sigma
+        )
+        found.append(
+            sextant.marker_sighting(
+                detection.family,
+                detection.id,
+                T_BASE_CAMERA,
+                poses.best.T_camera_marker,
+                covariance,
+                other,
+                PLANE,
+            )
+        )
+    return found
+
+
+def timeline(start: np.ndarray, marker_map, known: bool):
+    """A filter at a start that is off by START; with the map of the markers, or none."""
+    params, times = sextant.LandmarkSlamParams(), sextant.LandmarkTimelineParams()
+    params.filter.scale_sigma = 0.05
+    params.sensor.max_range, params.sensor.field_of_view = 8.0, 1.4
+    times.odometry = noise_params()
+    covariance = np.diag(START) ** 2
+    slam = sextant.LandmarkSlam(params, start, covariance)
+    if known:
+        landmarks, labels, blocks = sextant.marker_landmarks(marker_map)
+        slam.set_map(start, landmarks, labels, block_diag(covariance, *blocks))
+    return sextant.LandmarkTimeline(times, slam)
+
+
+def outcome(seed: int, known: bool) -> Outcome:
+    """One run; the doors of the corridor are closed."""
+    run, camera, marker_map = drive(seed), SimulatedCamera("plumb_bob 0", seed=seed), default_map()
+    off = START * np.random.default_rng([seed, 8]).standard_normal(3)
+    line = timeline(run.truth[0] + off, marker_map, known)
+    drift, first, jumps = 0.0, None, 0
+    for k, (truth, odometry) in enumerate(zip(run.truth, run.odometry)):
+        line.odometry(k / RATE, odometry)
+        if k % EVERY or ROOM <= k / RATE < ROOM + CORRIDOR:
+            continue
+        seen, before = sightings(camera, truth, marker_map), line.now
+        line.see(k / RATE, seen)
+        moved = np.hypot(*(line.now.pose - before.pose)[:2])
+        if k / RATE < ROOM or not seen:
+            continue
+        jumps += moved > JUMP
+        if first is None:
+            drift, first = np.hypot(*(before.pose - truth)[:2]), error_of(line.now, truth)
+    return Outcome(drift, *first, jumps, line.slam.filter.scale)
+
+
+def error_of(now, truth: np.ndarray) -> Tuple[float, float]:
+    """Metres, and the squared Mahalanobis distance of x, y, heading."""
+    error = pose_error(truth, now.pose)
+    return float(np.hypot(*error[:2])), nees(error, now.covariance)
+
+
+def fusion_tables(quick: bool) -> List[Table]:
+    """With the map of the markers, and with a map that the robot makes of them on its way."""
+    seeds, rows = range(2 if quick else RUNS), []
+    for known, name in ((True, "markers of a map"), (False, "markers that are mapped on the way")):
+        found = [outcome(seed, known) for seed in seeds]
+        rows.append((name, _cells(found, None if quick else WITHIN, ONCE if known and not quick else None)))
+    columns = ["off before, m", "off after the first marker, m", "NEES / 3", "within 3 sigma, %"]
+    columns += ["corrected once, %", f"scale (1 / {WORN:g} = {1 / WORN:.3f})"]
+    title = f"{CORRIDOR:g} s in a corridor without markers, wheels that slip, {len(seeds)} runs"
+    return [Table(title, columns, rows)]
+
+
+def _cells(found: List[Outcome], within: Optional[float], once: Optional[float]) -> List[Value]:
+    drift, error, squared, jumps, scale = np.array(found).T
+    return [
+        Value(float(drift.mean())),
+        Value(float(error.mean()), digits=3),
+        Value(float(squared.mean() / 3.0)),
+        Value(100.0 * np.mean(squared <= THREE_SIGMA), 1, at_least=within),
+        Value(100.0 * np.mean(jumps <= 1), 1, at_least=once),
+        Value(float(scale.mean()), digits=3),
+    ]

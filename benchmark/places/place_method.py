@@ -1,0 +1,100 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""One way to recognize places in a process of its own, so that its memory can be told from others'."""
+
+import time
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any, Callable, Dict, NamedTuple, Tuple
+
+import cv2
+import numpy as np
+
+import sextant
+from sextant.base.jobs import as_children_need_it
+from sextant.place_maps.place_map import PlaceMap
+from sextant.place_maps.place_map_file import read_place_map
+from sextant.places.place_evaluation import resident_bytes
+from sextant.places.place_index import IndexSettings, plain_features
+from sextant.places.place_library import Library
+from sextant.places.place_recognition import PlaceRecognizer
+from sextant.places.place_votes import count_votes
+
+METHODS: Dict[str, IndexSettings] = {
+    "votes, SIFT": IndexSettings(plain_features("SIFT", "SIFT"), "FlannBased"),
+    "default profile": IndexSettings(),
+}
+MIN_MATCHES = 5
+Recognize = Callable[[np.ndarray], float]  # x of the place of a picture; nan: none
+
+_recognize: Recognize  # of this process
+
+
+class Built(NamedTuple):
+    """What a map costs."""
+
+    seconds: float
+    index_bytes: int  # descriptors and keypoints
+    resident_bytes: int  # by how much the process grew
+    photo_keypoints: float
+
+
+class Method:
+    """A method of METHODS in a child process with one thread; a context manager."""
+
+    def __init__(self, name: str):
+        self._name = name
+
+    def __enter__(self) -> "Method":
+        self._executor = ProcessPoolExecutor(1, get_context("spawn"))
+        with as_children_need_it():
+            self._executor.submit(cv2.setNumThreads, 1).result()
+        return self
+
+    def __exit__(self, *error: Any) -> None:
+        self._executor.shutdown()
+
+    def build(self, map_path: Path) -> Built:
+        """From the photos, or from the cache where there is one."""
+        return self._executor.submit(_build, self._name, map_path).result()
+
+    def query(self, photo: Path) -> Tuple[float, float]:
+        """Seconds from the decoded picture to the place, and x of that."""
+        return self._executor.submit(_query, photo).result()
+
+
+def _build(name: str, map_path: Path) -> Built:
+    global _recognize
+    settings, place_map, before = METHODS[name], read_place_map(map_path), resident_bytes()
+    begin = time.perf_counter()
+    index = Library(map_path, place_map, settings).index()
+    _recognize = (_by_score if settings.matcher == "faiss" else _by_votes)(place_map, index)
+    _recognize(np.zeros((240, 320), np.uint8))
+    index.descriptors.search(np.zeros((1, 128), np.float32), 1)  # FLANN learns when it is asked first
+    seconds = time.perf_counter() - begin
+    return Built(seconds, index.bytes, resident_bytes() - before, len(index.keypoints) / len(index.photos))
+
+
+def _query(photo: Path) -> Tuple[float, float]:
+    image = cv2.imread(str(photo), cv2.IMREAD_GRAYSCALE)
+    begin = time.perf_counter()
+    x = _recognize(image)
+    return time.perf_counter() - begin, x
+
+
+def _by_score(place_map: PlaceMap, index: Any) -> Recognize:
+    recognizer = PlaceRecognizer(place_map, index)
+    return lambda image: recognizer.recognize(image).match.photo.x
+
+
+def _by_votes(place_map: PlaceMap, index: Any) -> Recognize:
+    extractor = sextant.FeatureExtractor(index.settings.feature_params())
+    photos = {photo.image: photo for photo in place_map.photos}
+
+    def recognize(image: np.ndarray) -> float:
+        distances, owners, _ = index.descriptors.search(extractor.extract(image).descriptors, 1)
+        found = count_votes(distances, owners, MIN_MATCHES, 1).photos
+        return photos[index.photos[found[0]].image].x if len(found) else np.nan
+
+    return recognize

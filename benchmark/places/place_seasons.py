@@ -1,0 +1,90 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""How many pictures of a walk are recognized with the map of another season, in the simulated street."""
+
+import tempfile
+from functools import lru_cache
+from pathlib import Path
+from typing import Dict, List, Optional, Tuple
+
+import numpy as np
+from tables import Row, Table, Value
+
+from places.place_recall import COLUMNS, MODES, measured, row_of
+from places.place_walk import Shot, Size, take_all
+from sextant.place_maps.place_map import MetricFrame, Overview, Photo, PlaceMap
+from sextant.places.place_queries import default_tolerance, queries_of_map
+from sextant.simulation.street import CONDITIONS, LENGTH, WIDTH, Street
+
+SEED = 1
+MAP_STEP, QUERY_STEP = 3.0, 4.0  # metres
+ASIDE, TURN = 0.5, 0.08  # deviations of the queries, metres and radians
+SIZE: Size = (640, 480)
+FEW, SMALL = 12, (320, 240)  # photos of a quick run, and how large
+MARGIN, RESOLUTION = 10.0, 0.1  # of the overview, metres, and metres a pixel
+PAIRS = (("summer", "autumn"), ("summer", "winter"), ("autumn", "winter"))
+BARS = {("autumn", "winter", "single"): 0.60, ("autumn", "winter", "filter"): 0.85}  # of recall@1, at least
+POSITION = ["median error, m", "in 95 % ellipse, %"]
+
+
+def season_tables(quick: bool) -> List[Table]:
+    """A table of all pairs of a map and a walk; of a quick run one of a few metres, without bars."""
+    pairs, count, size = (PAIRS[:1], FEW, SMALL) if quick else (PAIRS, None, SIZE)
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        maps = {season: walk(folder / "map", season, MAP_STEP, size, count) for season, _ in pairs}
+        walks = {season: walk(folder / "walk", season, QUERY_STEP, size, count) for _, season in pairs}
+        rows = [row for pair in pairs for row in _rows(folder, pair, maps, walks, quick)]
+    title = f"Simulated street, a map with a place every {MAP_STEP:g} m, a query every {QUERY_STEP:g} m"
+    return [Table(title, COLUMNS + POSITION, rows)]
+
+
+def walk(
+    folder: Path, season: str, step: float, size: Size, count: Optional[int] = None, seed: int = SEED
+) -> PlaceMap:
+    """Photos of a walk around the block, or of its first steps; those of a map go straight.
+
+    :param seed: of what stands there, and of where the walker goes
+    """
+    folder.mkdir(exist_ok=True)
+    street, is_map = _street(), step == MAP_STEP
+    arcs = np.arange(0.0, street.length, step)[:count]
+    rng = np.random.default_rng(seed)
+    aside, turn = (np.zeros((2, len(arcs))) if is_map else rng.normal(0, 1, (2, len(arcs)))) * [
+        [ASIDE],
+        [TURN],
+    ]
+    shots = [
+        Shot(folder / f"{season}_{i:03}.jpg", size, seed, CONDITIONS[season], *each, i)
+        for i, each in enumerate(zip(arcs, aside, turn))
+    ]
+    take_all(shots)
+    overview = Overview("none.png", *(int((side + 2 * MARGIN) / RESOLUTION) for side in (LENGTH, WIDTH)))
+    frame = MetricFrame("map", RESOLUTION, (-MARGIN, -MARGIN, 0.0))
+    poses = [street.pose(shot.arc, shot.aside, shot.turn) for shot in shots]
+    photos = tuple(
+        Photo(i, shot.path.name, *frame.pixel(overview, *pose[:2]), frame.photo_yaw(pose[2]))
+        for i, (shot, pose) in enumerate(zip(shots, poses))
+    )
+    return PlaceMap(folder, overview, photos, frame)
+
+
+@lru_cache(maxsize=1)
+def _street() -> Street:
+    return Street(SEED)
+
+
+def _rows(
+    folder: Path, pair: Tuple[str, str], maps: Dict[str, PlaceMap], walks: Dict[str, PlaceMap], quick: bool
+) -> List[Row]:
+    place_map = maps[pair[0]]
+    queries = queries_of_map(place_map, walks[pair[1]], default_tolerance(place_map))
+    rows = []
+    for mode in MODES:
+        found = measured(folder, pair[0], place_map, queries, mode)
+        bar = None if quick else BARS.get((*pair, mode))
+        errors = np.linalg.norm(found.position_errors, axis=1)
+        name, cells = row_of(f"{pair[0]} -> {pair[1]}, {mode}", found, {"at_least": bar})
+        error = Value(np.median(errors) if len(errors) else np.nan, 1)
+        rows.append((name, [*cells, error, Value(100 * found.in_ellipse, 0)]))
+    return rows

@@ -1,0 +1,93 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Photos of walks along the simulated street, as files with a map."""
+
+import os
+from functools import lru_cache
+from pathlib import Path
+from typing import List, NamedTuple, Tuple
+
+import cv2
+import numpy as np
+
+from sextant.base.jobs import run_jobs
+from sextant.place_maps.place_map import Overview, Photo, PlaceMap
+from sextant.place_maps.place_map_file import write_place_map
+from sextant.simulation.street import CONDITIONS, Street, StreetConditions
+from sextant.simulation.street_view import street_view
+
+QUALITY = 90  # of the JPEG files
+WORTH = 50  # photos
+NEXT_DAY = StreetConditions("summer", 1, 1.1, 0.3)  # other blinds, leaves and cars, in another light
+Size = Tuple[int, int]
+
+
+class Shot(NamedTuple):
+    """A photo to be taken."""
+
+    path: Path
+    size: Size
+    seed: int  # of the street
+    conditions: StreetConditions
+    arc: float  # metres
+    aside: float
+    turn: float
+    number: int
+
+
+def take_all(shots: List[Shot]) -> None:
+    """Writes the photos; with all cores if it is worth the street in each."""
+    names = [str(shot.path) for shot in shots]
+    jobs = min(os.cpu_count() or 1, 1 + len(shots) // WORTH)
+    for _ in run_jobs(_take, shots, jobs, names=names, progress="walk"):
+        pass
+
+
+def walk_map(folder: Path, count: int, size: Size, seed: int = 1) -> Path:
+    """A map file of a summer's walk with its photos; a photo's x is its arc length in centimetres."""
+    folder.mkdir(parents=True)
+    length = _street(seed, CONDITIONS["summer"]).length
+    arcs = np.arange(count) * length / count
+    shots = [
+        Shot(folder / f"{i:04}.jpg", size, seed, CONDITIONS["summer"], arc, 0.0, 0.0, i)
+        for i, arc in enumerate(arcs)
+    ]
+    take_all(shots)
+    photos = tuple(Photo(i, shot.path.name, 100 * shot.arc, 1.0) for i, shot in enumerate(shots))
+    overview = Overview("none.png", int(100 * length) + 1, 2)
+    write_place_map(folder / "walk.txt", PlaceMap(folder, overview, photos))
+    return folder / "walk.txt"
+
+
+def queries(folder: Path, count: int, size: Size, conditions: StreetConditions, seed: int = 1) -> List[Shot]:
+    """Photos of another walk, anywhere along the way."""
+    folder.mkdir(parents=True)
+    rng = np.random.default_rng(seed)
+    length = _street(seed, CONDITIONS["summer"]).length
+    shots = [
+        Shot(
+            folder / f"{i:04}.jpg",
+            size,
+            seed,
+            conditions,
+            rng.uniform(0, length),
+            rng.normal(0, 0.5),
+            rng.normal(0, 0.08),
+            10000 + i,
+        )
+        for i in range(count)
+    ]
+    take_all(shots)
+    return shots
+
+
+@lru_cache(maxsize=2)
+def _street(seed: int, conditions: StreetConditions) -> Street:
+    return Street(seed, conditions)
+
+
+def _take(shot: Shot) -> None:
+    street = _street(shot.seed, shot.conditions)
+    view = street_view(street, street.pose(shot.arc, shot.aside, shot.turn), shot.size, shot.number)
+    if not cv2.imwrite(str(shot.path), view, [cv2.IMWRITE_JPEG_QUALITY, QUALITY]):
+        raise OSError(f"{shot.path}: cannot be written")

@@ -1,0 +1,55 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "sextant/landmarks/landmark_filter.hpp"
+
+namespace sextant {
+
+/// When something that is seen is taken for a landmark.
+struct CandidateParams {
+  double gate = 0.999;   ///< probability within which two sightings are of one candidate, [0.5, 1)
+  int sightings = 3;     ///< beyond which it is a landmark, [0, 1000]; 0: there are no false ones
+  double memory = 10.0;  ///< how long after its last sighting it is forgotten, seconds, (0, 3600]
+
+  /// @throws std::invalid_argument that names the first field out of range.
+  void validate() const;
+};
+
+/// Sightings of what may be landmarks: each is the mean of what was seen of it.
+class LandmarkCandidates {
+ public:
+  struct Sighting {
+    Eigen::Vector2d position;    ///< in the map frame
+    Eigen::Matrix2d covariance;  ///< of the sensor, map's axes
+    LandmarkLabel label;
+  };
+
+  explicit LandmarkCandidates(const CandidateParams& params) : params_(params) {}
+
+  /// Whether each of the sightings of one moment is of something that is a landmark now; no candidate any
+  /// more then. Sightings and candidates are matched where each is the other's nearest.
+  /// @param stamp seconds
+  std::vector<bool> see(double stamp, const std::vector<Sighting>& sightings);
+
+  size_t size() const { return candidates_.size(); }
+  void clear() { candidates_.clear(); }
+
+ private:
+  struct Candidate {
+    Sighting mean;  // and the covariance of one sighting
+    int count;
+    double last;  // seconds
+  };
+  std::optional<size_t> nearest(const Sighting& sighting) const;
+  double distance(const Candidate& candidate, const Sighting& sighting) const;
+
+  CandidateParams params_;
+  std::vector<Candidate> candidates_;
+};
+
+}  // namespace sextant

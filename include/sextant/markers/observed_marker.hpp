@@ -1,0 +1,40 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sextant/geometry/camera.hpp"
+#include "sextant/markers/marker.hpp"
+#include "sextant/markers/marker_pose.hpp"
+#include "sextant/geometry/pose.hpp"
+
+namespace sextant {
+
+/// How large the markers are that a detector sees.
+struct MarkerSizes {
+  double size = 0.2;                    ///< edge length, metres, (0, 100]
+  std::map<std::string, double> sizes;  ///< of single markers, by "id" or "family/id", metres
+
+  /// @throws std::invalid_argument that names the first entry out of range or of a form that names no marker
+  void validate() const;
+  double of(const MarkerKey& key) const;
+};
+
+/// A detection with its pose in the camera frame, where the corners give one.
+struct ObservedMarker {
+  Detection detection;
+  double size;  ///< metres
+  std::optional<PlanarPoses> poses;
+  std::optional<Matrix6d> covariance;  ///< of poses->best, in the optical frame's axes
+};
+
+/// Poses of all detections. @param sigma noise of a corner coordinate, pixels
+std::vector<ObservedMarker> observeMarkers(const CameraModel& camera,
+                                           const std::vector<Detection>& detections, const MarkerSizes& sizes,
+                                           double sigma);
+
+}  // namespace sextant

@@ -1,0 +1,38 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <diagnostic_updater/DiagnosticStatusWrapper.h>
+
+#include <vector>
+
+#include "sextant/markers/observed_marker.hpp"
+#include "sextant/ros/base/latency_clock.hpp"
+
+namespace sextant {
+
+/// What a detector tells of its work in diagnostics, besides what went wrong (TroubleLog).
+class DetectorReport {
+ public:
+  void image() { ++images_; }
+  /// The markers of an image that could be used, when they are published.
+  void published(const std::vector<ObservedMarker>& markers, const ros::Time& stamp, const ros::Time& now);
+
+  unsigned long images() const { return images_; }
+  /// Rows of counts since the start, and of rates, shares and means since the last report.
+  void fill(diagnostic_updater::DiagnosticStatusWrapper& status);
+
+ private:
+  struct Period {
+    unsigned long images_before = 0, used = 0, empty = 0, markers = 0, posed = 0;
+    double squared_errors = 0.0;  // of the markers with a pose, square pixels
+  };
+  void fillMarkers(diagnostic_updater::DiagnosticStatusWrapper& status) const;
+
+  unsigned long images_ = 0;
+  size_t seen_ = 0;
+  Period period_;
+  LatencyClock latency_;
+};
+
+}  // namespace sextant

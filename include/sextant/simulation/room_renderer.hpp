@@ -1,0 +1,74 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <opencv2/core/mat.hpp>
+#include <vector>
+
+#include "sextant/geometry/camera.hpp"
+#include "sextant/geometry/pose.hpp"
+#include "sextant/simulation/room_scene.hpp"
+
+namespace sextant {
+
+struct RoomRendererParams {
+  int supersampling = 4;       ///< [1, 16]; n * n rays for a pixel that an edge crosses
+  double blur_sigma = 0.5;     ///< of the lens, pixels, [0, 20]
+  double noise_sigma = 4.0;    ///< of the sensor, grey levels, [0, 100]
+  double vignette = 0.25;      ///< share of the light that is lost in the image's corners, [0, 1]
+  double white_level = 200.0;  ///< grey level of white paper in the room's mean light, (0, 1000]
+  int seed = 1;                ///< of the noise, >= 0
+
+  /// @throws std::invalid_argument that names the first field out of range.
+  void validate() const;
+};
+
+/// Takes pictures in a room. Rays go out through the full camera model, so that lens distortion is exact:
+/// what is printed at a point appears at CameraModel::project() of it. Light is averaged before it becomes
+/// grey levels (a linear sensor). Not thread-safe: one renderer a thread.
+class RoomRenderer {
+ public:
+  /// @throws std::invalid_argument as RoomRendererParams::validate(), or for no scene.
+  RoomRenderer(const RoomRendererParams& params, std::shared_ptr<const RoomScene> scene,
+               const CameraModel& camera);
+
+  /// @param exposure T_map_camera at equal steps of the exposure time; one pose for a sharp image
+  /// @param frame chooses the noise; the same poses and frame give the same bytes
+  /// @return 8-bit grey; black where the lens model has no ray
+  /// @throws std::invalid_argument for no pose, or a camera that is outside of the room
+  cv::Mat render(const std::vector<Pose>& exposure, std::uint64_t frame) const;
+
+ private:
+  struct Tile;
+  struct Shot;
+  const Eigen::Vector3f& rayAt(int x, int y) const {
+    return rays_[static_cast<std::size_t>(y + 1) * (camera_.width() + 2) + (x + 1)];
+  }
+  void makeRays();
+  void makeVignette();
+  cv::Mat_<float> radiance(const Pose& T_map_camera) const;
+  std::vector<Tile> tiles(const Pose& T_map_camera) const;
+  cv::Rect boundingBox(int object, const Pose& T_camera_map) const;
+  void traceTile(const Tile& tile, Shot* shot) const;
+  int traceFace(const Tile& tile, Shot* shot) const;
+  void tracePixels(const Tile& tile, int background, Shot* shot) const;
+  void refineTile(const Tile& tile, const cv::Mat_<std::uint8_t>& edges, Shot* shot) const;
+  float supersample(int x, int y, const Shot& shot, const std::vector<int>& objects) const;
+  cv::Mat expose(const cv::Mat_<float>& radiance, std::uint64_t frame) const;
+
+  RoomRendererParams params_;
+  std::shared_ptr<const RoomScene> scene_;
+  CameraModel camera_;
+  float pixel_angle_;  // rad
+  std::vector<Eigen::Vector3f>
+      rays_;  // optical frame, one pixel more than the image on every side; zero: none
+  std::vector<Eigen::Vector2f> samples_;  // places within a pixel, [-0.5, 0.5]
+  cv::Mat_<float> gain_;                  // grey levels per unit of light
+  std::vector<float> noise_;              // standard normal
+};
+
+}  // namespace sextant

@@ -1,0 +1,120 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <opencv2/core/mat.hpp>
+#include <vector>
+
+#include "sextant/markers/marker_map.hpp"
+#include "sextant/simulation/room_texture.hpp"
+
+namespace sextant {
+
+/// A box with its sides along the map's axes: a cupboard, a crate, a post.
+struct RoomObstacle {
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< metres, map
+  Eigen::Vector3d size = Eigen::Vector3d::Ones();    ///< metres, each > 0
+  double reflectance = 0.5;                          ///< [0, 1]
+};
+
+struct RoomSceneParams {
+  Eigen::Vector3d size{6.0, 6.0, 2.5};                     ///< inside, metres, each [0.5, 1000]
+  Eigen::Vector3d floor_center = Eigen::Vector3d::Zero();  ///< middle of the floor, metres, map
+  double quiet_zone = 1.0;                                 ///< white margin of a print, modules, [1, 10]
+  double light_unevenness = 1.0;                           ///< [0, 1]; 0: the same light everywhere
+  int seed = 1;                                            ///< of the walls, >= 0
+  std::vector<RoomObstacle> obstacles = {
+      {{1.6, 0.2, 1.25}, {0.06, 0.06, 2.5}, 0.7},  // post
+      {{-0.6, -2.2, 1.25}, {0.1, 0.1, 2.5}, 0.3},  // post
+      {{-2.5, 2.5, 0.55}, {0.7, 0.7, 1.1}, 0.5},   // crate
+      {{2.55, -2.6, 0.9}, {0.5, 0.5, 1.8}, 0.25},  // cupboard
+  };
+
+  /// @throws std::invalid_argument that names the first field out of range.
+  void validate() const;
+};
+
+struct RoomRay {
+  Eigen::Vector3f origin;     ///< metres, map
+  Eigen::Vector3f direction;  ///< unit vector
+};
+
+/// What a ray meets first.
+struct RoomHit {
+  float distance;  ///< metres
+  int surface;     ///< pieces of one plane and colour share a number
+  float u;         ///< metres on the surface
+  float v;
+  float detail;  ///< angle under which the smallest detail of the surface is seen, rad
+};
+
+/// A furnished box-shaped room with printed markers: what rays meet in it and how bright that is.
+class RoomScene {
+ public:
+  /// @throws std::invalid_argument as RoomSceneParams::validate(), or for a marker outside of the room.
+  RoomScene(const RoomSceneParams& params, const MarkerMap& map);
+
+  const RoomSceneParams& params() const { return params_; }
+  bool contains(const Eigen::Vector3d& p_map) const;
+
+  /// Obstacles and boards, numbered from 0.
+  int objectCount() const { return static_cast<int>(obstacles_.size() + boards_.size()); }
+  /// Points all over an object's outline, map.
+  std::vector<Eigen::Vector3d> outline(int object) const;
+
+  /// @param ray starts in the room
+  /// @param objects the only objects that the ray may meet before the room's walls
+  RoomHit trace(const RoomRay& ray, const std::vector<int>& objects) const;
+
+  /// Light from a hit: 1 is white paper in the room's mean light.
+  /// @param footprint width of the ray there, metres
+  float radiance(const RoomRay& ray, const RoomHit& hit, float footprint) const;
+  /// The part of it that comes from the light.
+  float illumination(const Eigen::Array3f& p_map) const;
+
+  /// The part of it that comes from the surface, for neighbouring rays that all meet one side of the room: a
+  /// quick way for most of an image.
+  /// @param face a surface below kFaces
+  /// @param rays `count` directions in the camera frame; they start at the camera
+  /// @param footprint width of the rays at the face, metres
+  void faceReflectance(int face, const Eigen::Isometry3f& T_map_camera, const Eigen::Vector3f* rays,
+                       int count, float footprint, float* reflectance) const;
+  static constexpr int kFaces = 6;  ///< surfaces 0 to 5 are the room's sides: -x +x -y +y -z +z
+
+ private:
+  // A print: modules of a marker and its quiet zone, seen from the front; grey from behind.
+  struct Board {
+    Eigen::Vector3f center;
+    Eigen::Matrix3f R_marker_map;
+    cv::Mat_<std::uint8_t> modules;
+    float module;         // metres
+    float marker_middle;  // modules, from the picture's edge
+    float begin;          // modules, where the quiet zone begins and ends
+    float end;
+  };
+  struct Obstacle {
+    Eigen::Array3f low;
+    Eigen::Array3f high;
+    float reflectance;
+  };
+
+  static Board makeBoard(const MappedMarker& marker, double quiet_zone);
+  RoomHit hitRoom(const RoomRay& ray, const Eigen::Array3f& inverse_direction) const;
+  void hitObstacle(int index, const RoomRay& ray, const Eigen::Array3f& inverse_direction,
+                   RoomHit* hit) const;
+  void hitBoard(int index, const RoomRay& ray, RoomHit* hit) const;
+  float reflectance(const RoomHit& hit, float footprint) const;
+
+  RoomSceneParams params_;
+  Eigen::Array3f low_;
+  Eigen::Array3f high_;
+  Eigen::Array3f inverse_size_;
+  std::vector<RoomTexture> faces_;  // -x +x -y +y -z +z
+  std::vector<Obstacle> obstacles_;
+  std::vector<Board> boards_;
+};
+
+}  // namespace sextant

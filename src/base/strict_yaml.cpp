@@ -1,0 +1,72 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sextant/base/strict_yaml.hpp"
+
+#include <cmath>
+
+#include "sextant/base/atomic_file.hpp"
+
+namespace sextant {
+
+void requireKeys(const YAML::Node& node, const std::string& what, const std::set<std::string>& needed,
+                 const std::set<std::string>& optional) {
+  if (!node.IsMap()) throw YamlMistake(node.Mark(), what + " must be a table of names and values");
+  std::set<std::string> found;
+  for (const auto& item : node) {
+    const std::string key = item.first.Scalar();
+    if (needed.count(key) + optional.count(key) == 0)
+      throw YamlMistake(item.first.Mark(), "unknown name '" + key + "' in " + what);
+    if (!found.insert(key).second) throw YamlMistake(item.first.Mark(), "'" + key + "' is there twice");
+  }
+  for (const std::string& key : needed)
+    if (found.count(key) == 0) throw YamlMistake(node.Mark(), what + " lacks '" + key + "'");
+}
+
+double number(const YAML::Node& node) {
+  double value = NAN;
+  if (!node.IsScalar() || !YAML::convert<double>::decode(node, value) || !std::isfinite(value))
+    throw YamlMistake(node.Mark(),
+                      "needs a finite number" + (node.IsScalar() ? ", not '" + node.Scalar() + "'" : ""));
+  return value;
+}
+
+int wholeNumber(const YAML::Node& node) {
+  int value = 0;
+  if (!node.IsScalar() || !YAML::convert<int>::decode(node, value))
+    throw YamlMistake(node.Mark(), "needs a whole number");
+  return value;
+}
+
+bool truth(const YAML::Node& node) {
+  bool value = false;
+  if (!node.IsScalar() || !YAML::convert<bool>::decode(node, value))
+    throw YamlMistake(node.Mark(), "needs true or false");
+  return value;
+}
+
+std::string word(const YAML::Node& node) {
+  if (!node.IsScalar() || node.Scalar().empty()) throw YamlMistake(node.Mark(), "needs a name");
+  return node.Scalar();
+}
+
+Eigen::VectorXd numbers(const YAML::Node& node, size_t count) {
+  if (!node.IsSequence() || node.size() != count)
+    throw YamlMistake(node.Mark(), "needs a list of " + std::to_string(count) + " numbers");
+  Eigen::VectorXd values(count);
+  for (size_t i = 0; i < count; ++i) values[i] = number(node[i]);
+  return values;
+}
+
+std::string listText(const double* values, size_t count) {
+  std::string text = "[";
+  for (size_t i = 0; i < count; ++i) text += (i ? ", " : "") + shortestDecimal(values[i]);
+  return text + "]";
+}
+
+std::string quotedText(const std::string& text) {
+  YAML::Emitter out;
+  out << YAML::DoubleQuoted << text;
+  return out.c_str();
+}
+
+}  // namespace sextant

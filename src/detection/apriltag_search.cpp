@@ -1,0 +1,120 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "apriltag_search.hpp"
+
+#include <algorithm>
+#include <functional>
+#include <stdexcept>
+
+#include "sextant/markers/apriltag_family.hpp"
+
+namespace sextant {
+namespace {
+
+constexpr double kRawSigma = 0.3;  // pixels, of a coordinate of libapriltag's corner where nothing is hidden
+constexpr double kMaxTableBytes = 1e9;
+constexpr double kBytesPerCode = 3 * 16;  // libapriltag's hash table has three 16-byte slots a code
+
+constexpr double kMinModule = 2;  // pixels of the decimated image; no module can be read in fewer
+constexpr double kLarge = 64;     // pixels; quads with a larger side are searched in half the resolution
+
+// libapriltag keeps every code with up to `corrected` flipped bits.
+void checkTable(const std::string& name, const apriltag_family_t& family, int corrected) {
+  double codes = 0, combinations = 1;
+  for (int k = 0; k <= corrected; ++k) {
+    codes += combinations * family.ncodes;
+    combinations *= static_cast<double>(family.nbits - k) / (k + 1);
+  }
+  if (codes * kBytesPerCode > kMaxTableBytes)
+    throw std::invalid_argument("max_hamming " + std::to_string(corrected) + " needs " +
+                                std::to_string(static_cast<int>(codes * kBytesPerCode / 1e6)) + " MB for " +
+                                name + "; set it to " + std::to_string(corrected - 1));
+}
+
+using Detector = std::unique_ptr<apriltag_detector_t, void (*)(apriltag_detector_t*)>;
+
+Detector makeDetector(int threads) {
+  Detector detector(apriltag_detector_create(), apriltag_detector_destroy);
+  detector->nthreads = threads;
+  return detector;
+}
+
+class AprilTagSearch : public MarkerSearch {
+ public:
+  AprilTagSearch(const DetectorParams& params, const std::vector<std::string>& names)
+      : params_(params), whole_(makeDetector(params.threads)), part_(makeDetector(1)) {
+    for (const std::string& name : names) {
+      families_.push_back(makeAprilTagFamily(name));
+      checkTable(name, *families_.back(), params.max_hamming);
+      for (const Detector& detector : {std::cref(whole_), std::cref(part_)})
+        apriltag_detector_add_family_bits(detector.get(), families_.back().get(), params.max_hamming);
+    }
+  }
+
+  void everywhere(const cv::Mat& image, FoundMarkers& found) override {
+    detect(*whole_, image, params_.decimate, {0, 0}, found);
+  }
+
+  void within(const cv::Mat& image, const cv::Rect& window, double side, Effort effort,
+              FoundMarkers& found) override {
+    // Beside the border the white may be too narrow for libapriltag's tiles of four decimated pixels.
+    const bool coarse = side > kLarge && effort == Effort::quick && !touchesBorder(window, image.size());
+    const double decimate = std::max(params_.decimate, coarse ? 2.0 : 1.0);
+    detect(*part_, image(window), decimate, window.tl(), found);
+  }
+
+  double minSide(const cv::Size&) const override {
+    double modules = 0;
+    for (const auto& family : families_) modules = std::max(modules, 1.0 * family->width_at_border);
+    return kMinModule * modules * params_.decimate;
+  }
+
+  BorderSquare border(const MarkerKey& key) const override {
+    for (const auto& family : families_)
+      if (key.family == family->name) return {family->width_at_border, family->reversed_border};
+    throw std::logic_error("AprilTagSearch::border: " + key.family + " is not searched for");
+  }
+
+ private:
+  void detect(apriltag_detector_t& detector, const cv::Mat& image, double decimate, const cv::Point& origin,
+              FoundMarkers& found) const {
+    const double min_side = 16 * decimate;  // libapriltag divides by the number of its 4-pixel tiles
+    if (image.cols < min_side || image.rows < min_side) return;
+    detector.quad_decimate = static_cast<float>(decimate);
+    image_u8_t view{image.cols, image.rows, static_cast<int>(image.step), image.data};
+    const std::unique_ptr<zarray_t, void (*)(zarray_t*)> tags(apriltag_detector_detect(&detector, &view),
+                                                              apriltag_detections_destroy);
+    for (int i = 0; i < zarray_size(tags.get()); ++i) {
+      apriltag_detection_t* tag;
+      zarray_get(tags.get(), i, &tag);
+      if (tag->hamming <= params_.max_hamming && tag->decision_margin >= params_.min_decision_margin)
+        found.add(detection(*tag, origin));
+    }
+  }
+
+  // libapriltag's corners begin at the bottom left and run counterclockwise; its pixel (0, 0) begins at that
+  // pixel's edge.
+  static Detection detection(const apriltag_detection_t& tag, const cv::Point& origin) {
+    Detection found;
+    found.key = {tag.family->name, tag.id};
+    for (int i = 0; i < 4; ++i)
+      found.corners[i] = {origin.x + tag.p[3 - i][0] - 0.5, origin.y + tag.p[3 - i][1] - 0.5};
+    found.corner_sigmas.fill(kRawSigma);
+    found.hamming = tag.hamming;
+    found.decision_margin = tag.decision_margin;
+    return found;
+  }
+
+  DetectorParams params_;
+  std::vector<AprilTagFamily> families_;  // outlive the detectors, which point to them
+  Detector whole_, part_;
+};
+
+}  // namespace
+
+std::unique_ptr<MarkerSearch> makeAprilTagSearch(const DetectorParams& params,
+                                                 const std::vector<std::string>& families) {
+  return std::make_unique<AprilTagSearch>(params, families);
+}
+
+}  // namespace sextant

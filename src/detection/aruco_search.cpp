@@ -1,0 +1,136 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "aruco_search.hpp"
+
+#include <algorithm>
+#include <opencv2/aruco.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "sextant/markers/aruco_dictionary.hpp"
+#include "code_reader.hpp"
+#include "sextant/markers/marker_family.hpp"
+
+namespace sextant {
+namespace {
+
+constexpr double kRawSigma = 0.75;    // pixels, of a coordinate of a contour's corner
+constexpr int kMinWindow = 16;        // pixels; no marker can be read in a smaller image
+constexpr double kMinModule = 1.4;    // pixels; no module can be read in fewer
+constexpr double kEnough = 10;        // pixels a module; with them, half the image tells as much as the whole
+constexpr double kEnoughQuickly = 6;  // and with them, nearly
+constexpr double kSmoothing = 0.6;    // pixels; less noise makes fewer contours
+constexpr int kBlock = 9, kSmallBlock = 3, kLargeBlock = 13;  // pixels whose mean is the threshold
+constexpr double kDarkBorder = 0.7;  // share of the border of what is worth a closer look
+constexpr double kSmallerThanExpected = 0.5;
+
+cv::Ptr<cv::aruco::DetectorParameters> arucoParameters(const DetectorParams& params) {
+  auto aruco = cv::aruco::DetectorParameters::create();
+  aruco->errorCorrectionRate = params.error_correction;
+  aruco->adaptiveThreshWinSizeStep = kLargeBlock - kSmallBlock;
+  aruco->minMarkerDistanceRate = 0.02;  // a white border one module wide: with 0.05 the outer contour wins
+  aruco->minDistanceToBorder = 1;
+  aruco->cornerRefinementMethod = cv::aruco::CORNER_REFINE_NONE;
+  return aruco;
+}
+
+class ArucoSearch : public MarkerSearch {
+ public:
+  ArucoSearch(const DetectorParams& params, const std::string& name)
+      : min_perimeter_(params.min_perimeter),
+        family_(canonicalFamily(name)),
+        turn_(family_ == name ? 0 : 2),
+        dictionary_(makeArucoDictionary(name)),
+        parameters_(arucoParameters(params)),
+        reader_(dictionary_, parameters_) {}
+
+  void everywhere(const cv::Mat& image, FoundMarkers& found) override {
+    quads_.find(image, {{0, 0}, image.size()}, minSide(image.size()), Effort::thorough);
+    inside(image, quads_, Effort::thorough, found);
+  }
+
+  void inside(const cv::Mat& image, QuadSearch& quads, Effort effort, FoundMarkers& found) override {
+    for (const QuadCandidate& quad : quads.all()) {
+      if (found.cover(quad)) continue;
+      const Code code = reader_.read(image, quad.corners);
+      if (code.id >= 0)
+        found.add(detection(code, quad));
+      else if (code.dark_border >= kDarkBorder && quad.side < enough(effort) * (dictionary_->markerSize + 2))
+        closeUp(image, windowOf(quad, image.size()), quad.side, effort, found);
+    }
+  }
+
+  void within(const cv::Mat& image, const cv::Rect& window, double side, Effort effort,
+              FoundMarkers& found) override {
+    quads_.find(image, window, std::max(kSmallerThanExpected * side, minSide(image.size())), effort);
+    inside(image, quads_, effort, found);
+  }
+
+  bool isAt(const cv::Mat& image, const MarkerKey& key, const Corners& corners) override {
+    std::array<cv::Point2f, 4> quad;
+    for (int i = 0; i < 4; ++i)
+      quad[(i + turn_) % 4] = {static_cast<float>(corners[i].x()), static_cast<float>(corners[i].y())};
+    const Code code = reader_.read(image, quad);
+    return code.id == key.id && code.rotation == 0;
+  }
+
+  bool readsInPlace() const override { return true; }
+
+  double minSide(const cv::Size& image) const override {
+    return std::max(0.25 * min_perimeter_ * std::max(image.width, image.height),
+                    kMinModule * (dictionary_->markerSize + 2));
+  }
+
+  BorderSquare border(const MarkerKey&) const override { return {dictionary_->markerSize + 2, false}; }
+
+ private:
+  static double enough(Effort effort) { return effort == Effort::quick ? kEnoughQuickly : kEnough; }
+
+  /// With contours of its own from the whole image.
+  void closeUp(const cv::Mat& image, const cv::Rect& window, double side, Effort effort,
+               FoundMarkers& found) {
+    if (window.width < kMinWindow || window.height < kMinWindow) return;
+    cv::GaussianBlur(image(window), smooth_, {3, 3}, kSmoothing, 0, cv::BORDER_DEFAULT | cv::BORDER_ISOLATED);
+    parameters_->adaptiveThreshWinSizeMin = effort == Effort::quick ? kBlock : kSmallBlock;
+    parameters_->adaptiveThreshWinSizeMax = effort == Effort::quick ? kBlock : kLargeBlock;
+    const double min_side = std::max(kSmallerThanExpected * side, minSide(image.size()));
+    parameters_->minMarkerPerimeterRate = 4 * min_side / std::max(window.width, window.height);
+    cv::aruco::detectMarkers(smooth_, dictionary_, read_, ids_, parameters_);
+    for (size_t i = 0; i < ids_.size(); ++i) found.add(detection(ids_[i], read_[i], window.tl()));
+  }
+
+  Detection detection(const Code& code, const QuadCandidate& quad) const {
+    std::vector<cv::Point2f> corners(quad.corners.begin(), quad.corners.end());
+    std::rotate(corners.begin(), corners.begin() + (4 - code.rotation) % 4, corners.end());
+    return detection(code.id, corners, {0, 0});
+  }
+
+  Detection detection(int id, const std::vector<cv::Point2f>& quad, const cv::Point& origin) const {
+    Detection found;
+    found.key = {family_, id};
+    found.corner_sigmas.fill(kRawSigma);
+    for (int i = 0; i < 4; ++i) {
+      const cv::Point2f& corner = quad[(i + turn_) % 4];
+      found.corners[i] = {origin.x + corner.x, origin.y + corner.y};
+    }
+    return found;
+  }
+
+  double min_perimeter_;
+  std::string family_;
+  int turn_;  // corners by which the dictionary's upright is turned against the canonical print's
+  cv::Ptr<cv::aruco::Dictionary> dictionary_;
+  cv::Ptr<cv::aruco::DetectorParameters> parameters_;
+  CodeReader reader_;
+  QuadSearch quads_;
+  cv::Mat smooth_;
+  std::vector<std::vector<cv::Point2f>> read_;
+  std::vector<int> ids_;
+};
+
+}  // namespace
+
+std::unique_ptr<MarkerSearch> makeArucoSearch(const DetectorParams& params, const std::string& dictionary) {
+  return std::make_unique<ArucoSearch>(params, dictionary);
+}
+
+}  // namespace sextant

@@ -1,0 +1,159 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hidden_edge.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "sextant/markers/marker_pose.hpp"
+
+namespace sextant {
+namespace {
+
+constexpr int kMostSteps = 40;
+constexpr double kTilt = 0.5;      // radians
+constexpr double kSettled = 1e-3;  // deviations by which a step still changes what the equations miss
+constexpr double kSolved = 4;  // deviations that they may miss: head-on, noise leaves them without a solution
+
+// What the equations miss, over their deviations, and its derivative by the pose.
+struct Equations {
+  Vector6d residual;
+  Matrix6d jacobian;
+};
+
+struct Point {
+  Eigen::Vector2d pixel;
+  Eigen::Matrix<double, 2, 6> jacobian;
+};
+
+std::optional<Point> look(const CameraModel& camera, const Pose& pose, int corner) {
+  const Eigen::Vector3d arm = pose.linear() * markerCorners(1.0)[corner];
+  const auto projection = camera.projectWithJacobian(arm + pose.translation());
+  if (!projection) return std::nullopt;
+  Point point{projection->pixel, {}};
+  point.jacobian << projection->jacobian, -projection->jacobian * skew(arm);
+  return point;
+}
+
+// How far beside the curve a pixel lies.
+double distance(const EdgeCurve& curve, const Eigen::Vector2d& pixel, Eigen::RowVector2d* gradient) {
+  const Eigen::Vector2d p = pixel - curve.middle, along = curve.half / curve.half.squaredNorm();
+  const double s = p.dot(along);
+  *gradient = (curve.normal - curve.slope(s) * along).transpose();
+  return p.dot(curve.normal) - curve.offset(s);
+}
+
+struct Solution {
+  Pose pose;
+  double missed;  // deviations
+};
+
+class Solver {
+ public:
+  Solver(const CameraModel& camera, const Corners& corners, const HiddenEdge& edge)
+      : camera_(camera), corners_(corners), edge_(edge) {}
+
+  std::optional<Equations> equations(const Pose& pose) const {
+    Equations all;
+    for (int k = 0; k < 4; ++k) {
+      const int i = (edge_.hidden + k) % 4;
+      const auto point = look(camera_, pose, i);
+      if (!point) return std::nullopt;
+      if (k < 2) {
+        Eigen::RowVector2d gradient;
+        const double off = distance(k == 0 ? edge_.before : edge_.after, point->pixel, &gradient);
+        const double sigma = k == 0 ? edge_.before_sigma : edge_.after_sigma;
+        all.residual[k] = off / sigma;
+        all.jacobian.row(k) = gradient * point->jacobian / sigma;
+      } else {
+        all.residual.segment<2>(2 * k - 2) = (point->pixel - corners_[i]) / edge_.corner_sigmas[i];
+        all.jacobian.middleRows<2>(2 * k - 2) = point->jacobian / edge_.corner_sigmas[i];
+      }
+    }
+    return all;
+  }
+
+  // Levenberg and Marquardt's steps, since two of the six directions are weak.
+  std::optional<Solution> solve(Pose pose) const {
+    auto now = equations(pose);
+    if (!now) return std::nullopt;
+    double damping = 1e-6;
+    for (int i = 0; i < kMostSteps; ++i) {
+      Matrix6d H = now->jacobian.transpose() * now->jacobian;
+      H.diagonal() *= 1 + damping;
+      const Pose next = perturbed(pose, -H.ldlt().solve(now->jacobian.transpose() * now->residual));
+      const auto then = equations(next);
+      const double gain = then ? now->residual.norm() - then->residual.norm() : -1;
+      damping *= gain > 0 ? 0.1 : 100;
+      if (gain > 0) pose = next, now = then;
+      if (gain >= 0 && gain < kSettled) break;
+    }
+    return Solution{pose, now->residual.norm()};
+  }
+
+  std::optional<FoundEdge> found(const Pose& pose) const {
+    const auto at = equations(pose);
+    const Eigen::LLT<Matrix6d> information(at->jacobian.transpose() * at->jacobian);
+    if (information.info() != Eigen::Success) return std::nullopt;
+    // Columns of the root of the inverse.
+    const Matrix6d root = information.matrixU().solve(Matrix6d::Identity());
+    FoundEdge edge;
+    for (int k = 0; k < 2; ++k) {
+      const int i = (edge_.hidden + k) % 4;
+      edge.corners[k] = look(camera_, pose, i)->pixel;
+      double squares = 0;
+      for (int j = 0; j < 12; ++j) {
+        const Vector6d step = std::sqrt(6.0) * (j < 6 ? 1 : -1) * root.col(j % 6);
+        const auto point = look(camera_, perturbed(pose, step), i);
+        if (!point) return std::nullopt;
+        squares += (point->pixel - edge.corners[k]).squaredNorm() / 12;
+      }
+      edge.sigmas[k] = std::sqrt(squares / 2);
+    }
+    return edge;
+  }
+
+ private:
+  const CameraModel& camera_;
+  const Corners& corners_;
+  const HiddenEdge& edge_;
+};
+
+// More than one pose may solve the equations.
+void cover(const CameraModel& camera, const std::vector<Solution>& solutions, int hidden, FoundEdge& edge) {
+  for (int k = 0; k < 2; ++k) {
+    double farthest = 0;
+    for (const Solution& other : solutions)
+      farthest = std::max(
+          farthest, (look(camera, other.pose, (hidden + k) % 4)->pixel - edge.corners[k]).squaredNorm() / 2);
+    edge.sigmas[k] = std::sqrt(edge.sigmas[k] * edge.sigmas[k] + farthest);
+  }
+}
+
+}  // namespace
+
+std::optional<FoundEdge> findHidden(const CameraModel& camera, const Corners& corners,
+                                    const HiddenEdge& edge) {
+  const auto start = solveMarkerPose(camera, corners, 1.0);
+  if (!start) return std::nullopt;
+  std::vector<Pose> starts = {start->best.T_camera_marker};
+  if (start->alternative) starts.push_back(start->alternative->T_camera_marker);
+  // The start's own tilt is of hidden corners.
+  const Eigen::Vector3d along = markerCorners(1.0)[(edge.hidden + 1) % 4] - markerCorners(1.0)[edge.hidden];
+  for (const double tilt : {kTilt, -kTilt}) starts.emplace_back(starts[0] * Eigen::AngleAxisd(tilt, along));
+  const Solver solver(camera, corners, edge);
+  std::vector<Solution> solutions;
+  for (const Pose& pose : starts)
+    if (const auto solution = solver.solve(pose); solution && solution->missed < kSolved)
+      solutions.push_back(*solution);
+  if (solutions.empty()) return std::nullopt;
+  const auto best = std::min_element(solutions.begin(), solutions.end(),
+                                     [](auto& a, auto& b) { return a.missed < b.missed; });
+  auto found = solver.found(best->pose);
+  if (found) cover(camera, solutions, edge.hidden, *found);
+  return found;
+}
+
+}  // namespace sextant

@@ -1,0 +1,82 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sextant/landmarks/landmark_sensor.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "sextant/base/range.hpp"
+
+namespace sextant {
+
+using Eigen::Index;
+using Eigen::Vector2d;
+
+namespace {
+
+constexpr double kDeviations = 3.0;  // that robot and landmarks may be off
+
+Vector2d positionOf(const SightingPrediction& expected, Index which) {
+  return expected.positions.segment<2>(2 * which);
+}
+
+double offOf(const SightingPrediction& expected, Index which) {
+  return kDeviations * largestDeviation(expected.covariance.block<2, 2>(2 * which, 2 * which));
+}
+
+}  // namespace
+
+double largestDeviation(const Eigen::Matrix2d& covariance) {
+  return std::sqrt(std::max(0.0, covariance.selfadjointView<Eigen::Lower>().eigenvalues().maxCoeff()));
+}
+
+void LandmarkSensorParams::validate() const {
+  Range::openLow(0, 1000).require("max_range", max_range, "m");
+  Range::closed(0, max_range).require("min_range", min_range, "m");
+  Range::openLow(0, 2 * M_PI).require("field_of_view", field_of_view, "rad");
+  Range::closed(0.01, 0.99).require("detection", detection);
+  Range::closed(0.001, 0.5).require("phantom", phantom);
+  Range::closed(0, 100).require("width", width, "m");
+  Range::closed(0, 100).require("separation", separation, "m");
+}
+
+LandmarkSensor::LandmarkSensor(const LandmarkSensorParams& params) : params_(params) { params.validate(); }
+
+std::vector<size_t> LandmarkSensor::surelyInView(const SightingPrediction& in_base,
+                                                 const Pose2& T_base_sensor) const {
+  SightingPrediction expected = in_base;  // deviations are the largest in any direction: they need no turning
+  const Pose2 T_sensor_base = T_base_sensor.inverse();
+  for (Index which = 0; which < expected.positions.size() / 2; ++which)
+    expected.positions.segment<2>(2 * which) = T_sensor_base * positionOf(in_base, which);
+  std::vector<size_t> found;
+  for (Index which = 0; which < expected.positions.size() / 2; ++which)
+    if (isInView(positionOf(expected, which), offOf(expected, which)) && !isHidden(expected, which))
+      found.push_back(static_cast<size_t>(which));
+  return found;
+}
+
+bool LandmarkSensor::isInView(const Vector2d& position, double off) const {
+  const double range = position.norm(), direction = std::abs(std::atan2(position.y(), position.x()));
+  if (range + off > params_.max_range || range - off < params_.min_range || off > range) return false;
+  if (params_.field_of_view >= 2 * M_PI) return true;
+  return direction + std::asin(off / range) < params_.field_of_view / 2;
+}
+
+bool LandmarkSensor::isHidden(const SightingPrediction& expected, Index which) const {
+  const Vector2d position = positionOf(expected, which), ahead = position.normalized();
+  for (Index k = 0; k < expected.positions.size() / 2; ++k) {
+    const Vector2d other = positionOf(expected, k);
+    const double along = other.dot(ahead), aside = std::abs(other.x() * ahead.y() - other.y() * ahead.x());
+    if (k != which && along > 0 && along < position.norm() && aside < params_.width + offOf(expected, k))
+      return true;
+  }
+  return false;
+}
+
+double LandmarkSensor::evidence(bool is_seen) const {
+  return is_seen ? std::log(params_.detection / params_.phantom)
+                 : std::log((1 - params_.detection) / (1 - params_.phantom));
+}
+
+}  // namespace sextant

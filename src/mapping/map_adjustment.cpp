@@ -1,0 +1,209 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sextant/mapping/map_adjustment.hpp"
+
+#include <ceres/covariance.h>
+#include <ceres/loss_function.h>
+#include <ceres/manifold.h>
+#include <ceres/problem.h>
+#include <ceres/product_manifold.h>
+#include <ceres/solver.h>
+
+#include <cmath>
+#include <cstddef>
+#include <map>
+#include <memory>
+#include <set>
+
+#include "adjustment_costs.hpp"
+
+namespace sextant {
+namespace {
+
+constexpr int kMaxIterations = 100;
+constexpr double kRobustOdometry = 4.0;  // sigma beyond which wheels are taken to have slipped
+// Wheels that stand still know that no better than so.
+constexpr double kStandingPosition = 5e-4;  // metres
+constexpr double kStandingAngle = 5e-4;     // radians
+constexpr double kSmallestSigma = 1e-6;     // metres or radians, of a known marker along an exact axis
+
+using PoseManifold = ceres::ProductManifold<ceres::EuclideanManifold<3>, ceres::EigenQuaternionManifold>;
+
+// What odometry says of the way from one instant to another; nothing where it has a gap.
+std::optional<PosePrior> odometryBetween(const MarkerRecording& recording, size_t from, size_t to,
+                                         const OdometryParams& params) {
+  Matrix6d standing = Matrix6d::Zero();
+  standing.diagonal() << Eigen::Vector3d::Constant(kStandingPosition * kStandingPosition),
+      Eigen::Vector3d::Constant(kStandingAngle * kStandingAngle);
+  PosePrior step{Pose::Identity(), standing};
+  if (recording[from].drive != recording[to].drive) return std::nullopt;
+  for (size_t i = from; i < to; ++i) {
+    const auto &a = recording[i].T_odom_base, &b = recording[i + 1].T_odom_base;
+    if (!a || !b) return std::nullopt;
+    step = movedByOdometry(step, a->inverse() * *b, params);
+  }
+  return step;
+}
+
+class AdjustmentProblem {
+ public:
+  AdjustmentProblem(const MarkerRecording& recording, const std::vector<RecordedSighting>& used,
+                    const MarkerMap& known, const MapEstimate& estimate, const AdjustmentParams& params)
+      : recording_(recording), params_(params), problem_(options()) {
+    for (const RecordedSighting& sighting : used) addSighting(sighting, estimate);
+    for (const auto& entry : known.markers()) addKnown(entry.second);
+    addOdometry();
+    if (params_.floor) addFloor();
+  }
+
+  bool solve() {
+    ceres::Solver::Options options;
+    options.linear_solver_type = ceres::SPARSE_SCHUR;
+    options.max_num_iterations = kMaxIterations;
+    options.num_threads = params_.threads;
+    options.function_tolerance = 1e-10;
+    options.logging_type = ceres::SILENT;
+    ceres::Solver::Summary summary;
+    ceres::Solve(options, &problem_, &summary);
+    return summary.IsSolutionUsable();
+  }
+
+  void write(MapEstimate& estimate) const {
+    for (const auto& [key, block] : markers_) {
+      MappedMarker marker = *estimate.map.find(key);
+      marker.T_map_marker = poseFromBlock(block);
+      estimate.map.set(marker);
+    }
+    for (const auto& [instant, block] : bases_) estimate.T_map_base[instant] = poseFromBlock(block);
+  }
+
+  std::optional<Eigen::MatrixXd> covariance(const MarkerMap& map) const {
+    ceres::Covariance::Options options;
+    options.num_threads = params_.threads;
+    ceres::Covariance covariance(options);
+    std::vector<const double*> blocks;
+    for (const auto& entry : markers_) blocks.push_back(entry.second.data());
+    if (!covariance.Compute(blocks, const_cast<ceres::Problem*>(&problem_))) return std::nullopt;
+    using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+    const auto size = static_cast<Eigen::Index>(6 * blocks.size());
+    RowMajor adjusted(size, size);
+    if (!covariance.GetCovarianceMatrixInTangentSpace(blocks, adjusted.data())) return std::nullopt;
+    // The manifold's rotations are halves of ours.
+    for (Eigen::Index i = 0; i < size; ++i) {
+      if (i % 6 < 3) continue;
+      adjusted.row(i) *= 2;
+      adjusted.col(i) *= 2;
+    }
+    return amongAll(adjusted, map);
+  }
+
+ private:
+  static ceres::Problem::Options options() {
+    ceres::Problem::Options options;
+    options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+    options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+    return options;
+  }
+
+  double* add(PoseBlock& block) {
+    problem_.AddParameterBlock(block.data(), 7, &manifold_);
+    return block.data();
+  }
+
+  template <typename Blocks, typename Key>
+  double* blockOf(Blocks& blocks, const Key& key, const Pose& pose) {
+    const auto found = blocks.find(key);
+    if (found != blocks.end()) return found->second.data();
+    return add(blocks.emplace(key, blockFromPose(pose)).first->second);
+  }
+
+  void addSighting(const RecordedSighting& sighting, const MapEstimate& estimate) {
+    const MarkerView& view = recording_[sighting.instant].views[sighting.view];
+    const Detection& detection = view.detections[sighting.detection];
+    const MappedMarker& marker = *estimate.map.find(detection.key);
+    double* base = blockOf(bases_, sighting.instant, *estimate.T_map_base[sighting.instant]);
+    double* place = blockOf(markers_, detection.key, marker.T_map_marker);
+    CornerSigmas sigmas = cornerSigmas(view, detection, params_.corner_sigma);
+    for (double& sigma : sigmas) sigma *= std::sqrt(params_.correlated_images);
+    auto cost =
+        cornersCost(&view.camera, view.T_base_camera.inverse(), marker.size, detection.corners, sigmas);
+    problem_.AddResidualBlock(cost.release(), params_.robust_width > 0 ? &corners_loss_ : nullptr, base,
+                              place);
+  }
+
+  void addKnown(const MappedMarker& known) {
+    const auto found = markers_.find(known.key);
+    if (found == markers_.end()) return;
+    if (known.covariance.isZero(0.0)) {
+      problem_.SetParameterBlockConstant(found->second.data());
+      return;
+    }
+    PosePrior prior{known.T_map_marker, known.covariance};
+    prior.covariance.diagonal().array() += kSmallestSigma * kSmallestSigma;
+    problem_.AddResidualBlock(priorCost(prior).release(), params_.robust_width > 0 ? &corners_loss_ : nullptr,
+                              found->second.data());
+  }
+
+  void addOdometry() {
+    for (auto a = bases_.begin(), b = a; a != bases_.end() && ++b != bases_.end(); a = b) {
+      const auto step = odometryBetween(recording_, a->first, b->first, params_.odometry);
+      if (step)
+        problem_.AddResidualBlock(stepCost(*step).release(), &odometry_loss_, a->second.data(),
+                                  b->second.data());
+    }
+  }
+
+  void addFloor() {
+    for (auto& entry : bases_)
+      problem_.AddResidualBlock(floorCost(*params_.floor).release(), nullptr, entry.second.data());
+  }
+
+  // Zero rows and columns for markers that are not in the problem.
+  Eigen::MatrixXd amongAll(const Eigen::MatrixXd& adjusted, const MarkerMap& map) const {
+    const auto size = static_cast<Eigen::Index>(6 * map.markers().size());
+    Eigen::MatrixXd all = Eigen::MatrixXd::Zero(size, size);
+    std::vector<Eigen::Index> places;
+    Eigen::Index place = 0;
+    for (const auto& entry : map.markers()) {
+      if (markers_.count(entry.first) != 0) places.push_back(place);
+      place += 6;
+    }
+    for (size_t i = 0; i < places.size(); ++i)
+      for (size_t j = 0; j < places.size(); ++j)
+        all.block<6, 6>(places[i], places[j]) =
+            adjusted.block<6, 6>(static_cast<Eigen::Index>(6 * i), static_cast<Eigen::Index>(6 * j));
+    return all;
+  }
+
+  const MarkerRecording& recording_;
+  const AdjustmentParams& params_;
+  PoseManifold manifold_;
+  ceres::HuberLoss corners_loss_{params_.robust_width};
+  ceres::HuberLoss odometry_loss_{kRobustOdometry};
+  std::map<MarkerKey, PoseBlock> markers_;
+  std::map<size_t, PoseBlock> bases_;
+  ceres::Problem problem_;
+};
+
+}  // namespace
+
+std::optional<MapEstimate> adjustMap(const MarkerRecording& recording,
+                                     const std::vector<RecordedSighting>& used, const MarkerMap& known,
+                                     const MapEstimate& start, const AdjustmentParams& params) {
+  if (used.empty()) return std::nullopt;
+  AdjustmentProblem problem(recording, used, known, start, params);
+  if (!problem.solve()) return std::nullopt;
+  MapEstimate result = start;
+  problem.write(result);
+  return result;
+}
+
+std::optional<Eigen::MatrixXd> mapCovariance(const MarkerRecording& recording,
+                                             const std::vector<RecordedSighting>& used,
+                                             const MarkerMap& known, const MapEstimate& estimate,
+                                             const AdjustmentParams& params) {
+  if (used.empty()) return std::nullopt;
+  return AdjustmentProblem(recording, used, known, estimate, params).covariance(estimate.map);
+}
+
+}  // namespace sextant

@@ -1,0 +1,169 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "map_fit.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "sextant/localization/mapped_sighting.hpp"
+#include "sextant/mapping/map_growth.hpp"
+
+namespace sextant {
+namespace {
+
+constexpr double kCertain = 1e-8;        // variance of poses that are taken as they are, m^2 and rad^2
+constexpr size_t kImagesForNoise = 200;  // that tell a camera's noise, spread over the recording
+
+}  // namespace
+
+MapFit::MapFit(MarkerRecording recording, double corner_sigma, double gate)
+    : recording_(std::move(recording)),
+      corner_sigma_(corner_sigma),
+      gate_(gate),
+      sightings_(sightingsByMarker(recording_)) {}
+
+void MapFit::begin(const std::set<MarkerKey>& left_out) {
+  sightings_ = sightingsByMarker(recording_);
+  for (const MarkerKey& key : left_out) sightings_.erase(key);
+  noise_.reset();
+  for (RecordedInstant& instant : recording_)
+    for (MarkerView& view : instant.views) view.noise_scale = 1.0;
+}
+
+size_t MapFit::unexplained() const {
+  size_t all = 0;
+  for (const auto& entry : sightings_) all += entry.second.size();
+  return all - fitting().size();
+}
+
+bool MapFit::isPlaced(const RecordedSighting& each) const {
+  return estimate.T_map_base[each.instant] && estimate.map.find(detectionOf(recording_, each).key) &&
+         std::isfinite(squaredDistance(each));
+}
+
+std::vector<RecordedSighting> MapFit::placed() const {
+  std::vector<RecordedSighting> all;
+  for (const auto& entry : sightings_)
+    for (const RecordedSighting& each : entry.second)
+      if (isPlaced(each)) all.push_back(each);
+  return all;
+}
+
+std::vector<RecordedSighting> MapFit::fitting() const {
+  std::vector<RecordedSighting> all = placed();
+  all.erase(std::remove_if(all.begin(), all.end(), [&](const auto& each) { return !fits(each); }), all.end());
+  return all;
+}
+
+double MapFit::squaredDistance(const RecordedSighting& each) const {
+  const MarkerView& view = viewOf({each.instant, each.view});
+  const Detection& detection = view.detections[each.detection];
+  MarkerSighting sighting = mappedSighting(view, detection, *estimate.map.find(detection.key), corner_sigma_);
+  sighting.map_covariance.setZero();  // the map is what is asked about
+  return squaredMahalanobis(sighting, *estimate.T_map_base[each.instant]);
+}
+
+// Against the noise that is usual: a blurred image's own would hide what is wrong in it.
+bool MapFit::fits(const RecordedSighting& each) const {
+  const MarkerView& view = viewOf({each.instant, each.view});
+  const double factor = view.noise_scale / noise_.scale(view.camera_index);
+  return squaredDistance(each) * factor * factor <= gate_;
+}
+
+InstantHypotheses MapFit::poseAt(size_t instant) const {
+  return {{*estimate.T_map_base[instant], kCertain * Matrix6d::Identity(), 0, 0, {0, 1}, 0, 1}};
+}
+
+std::vector<InstantHypotheses> MapFit::explained() const {
+  std::vector<int> fitting(recording_.size()), others(recording_.size());
+  for (const RecordedSighting& each : placed()) ++(fits(each) ? fitting : others)[each.instant];
+  std::vector<InstantHypotheses> path(recording_.size());
+  for (size_t i = 0; i < path.size(); ++i)
+    if (fitting[i] > 1 && others[i] == 0) path[i] = poseAt(i);
+  return path;
+}
+
+std::vector<InstantHypotheses> MapFit::posesOf(const std::vector<RecordedSighting>& sightings) const {
+  std::vector<InstantHypotheses> path(recording_.size());
+  for (const RecordedSighting& each : sightings)
+    if (path[each.instant].empty()) path[each.instant] = poseAt(each.instant);
+  return path;
+}
+
+// A sighting has eight coordinates less its share of the poses that were fitted to it.
+std::map<MapFit::ImageIndex, ImageNoise> MapFit::imageNoises(
+    const std::vector<RecordedSighting>& used) const {
+  std::map<size_t, double> of_instant;
+  std::map<MarkerKey, double> of_marker;
+  for (const RecordedSighting& each : used) {
+    ++of_instant[each.instant];
+    ++of_marker[detectionOf(recording_, each).key];
+  }
+  std::map<ImageIndex, ImageNoise> images;
+  for (const RecordedSighting& each : used) {
+    const double scale = viewOf({each.instant, each.view}).noise_scale;
+    ImageNoise& image = images[{each.instant, each.view}];
+    image.squares += squaredDistance(each) * scale * scale;
+    image.freedoms +=
+        std::max(0.0, 8 - 6 / of_instant[each.instant] - 6 / of_marker[detectionOf(recording_, each).key]);
+  }
+  return images;
+}
+
+void MapFit::measureNoise(const std::vector<RecordedSighting>& used) {
+  const auto images = imageNoises(used);
+  noise_.reset();
+  size_t count = 0;
+  for (const auto& [image, said] : images)
+    if (count++ % (1 + images.size() / kImagesForNoise) == 0) noise_.add(viewOf(image).camera_index, said);
+  for (size_t i = 0; i < recording_.size(); ++i) {
+    for (size_t v = 0; v < recording_[i].views.size(); ++v) {
+      MarkerView& view = recording_[i].views[v];
+      const auto said = images.find({i, v});
+      view.noise_scale = said == images.end() ? noise_.scale(view.camera_index)
+                                              : noise_.scale(view.camera_index, said->second);
+    }
+  }
+}
+
+std::vector<double> MapFit::noiseScales() const {
+  size_t cameras = 0;
+  for (const RecordedInstant& instant : recording_)
+    for (const MarkerView& view : instant.views) cameras = std::max(cameras, view.camera_index + 1);
+  std::vector<double> scales;
+  for (size_t i = 0; i < cameras; ++i) scales.push_back(noise_.typical(i));
+  return scales;
+}
+
+double MapFit::correlation(const std::vector<RecordedSighting>& used) const {
+  std::map<std::pair<MarkerKey, size_t>, ResidualSeries> series;
+  for (const RecordedSighting& each : used) {
+    const MarkerView& view = viewOf({each.instant, each.view});
+    series[{detectionOf(recording_, each).key, view.camera_index}][each.instant] =
+        pixels(each) / view.noise_scale;
+  }
+  std::vector<ResidualSeries> all;
+  for (const auto& entry : series) all.push_back(entry.second);
+  return correlatedImages(all);
+}
+
+// Corners beyond the lens's reach are told as if they lay there.
+Eigen::Matrix<double, 8, 1> MapFit::pixels(const RecordedSighting& each) const {
+  const MarkerView& view = viewOf({each.instant, each.view});
+  const Detection& detection = view.detections[each.detection];
+  const MappedMarker& marker = *estimate.map.find(detection.key);
+  const Pose T_map_camera = *estimate.T_map_base[each.instant] * view.T_base_camera;
+  const auto points = markerCorners(marker.size);
+  Eigen::Matrix<double, 8, 1> offsets = Eigen::Matrix<double, 8, 1>::Zero();
+  for (int k = 0; k < 4; ++k)
+    if (const auto seen = view.camera.project(T_map_camera.inverse() * marker.T_map_marker * points[k]))
+      offsets.segment<2>(2 * k) = *seen - detection.corners[k];
+  return offsets;
+}
+
+SightingResidual MapFit::residual(const RecordedSighting& each) const {
+  return {each, fits(each), squaredDistance(each), std::sqrt(pixels(each).squaredNorm() / 8)};
+}
+
+}  // namespace sextant

@@ -1,0 +1,104 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "map_frame.hpp"
+
+#include <cmath>
+#include <map>
+#include <stdexcept>
+
+#include "sextant/mapping/map_growth.hpp"
+
+namespace sextant {
+namespace {
+
+constexpr double kQuarterTurn = 1.5707963267948966;
+constexpr double kHeld = 1e-6;  // metres or radians
+constexpr double kFree = 10.0;
+
+// Markers that images, or the odometry of a drive, connect (union-find).
+class Islands {
+ public:
+  Islands(const MarkerRecording& recording, const std::set<MarkerKey>& without) {
+    for (const RecordedInstant& instant : recording) {
+      const MarkerKey* last = nullptr;
+      for (const MarkerView& view : instant.views)
+        for (const Detection& detection : view.detections)
+          if (without.count(detection.key) == 0) last = joined(last, detection.key);
+      if (last && instant.T_odom_base) {
+        const auto drive = drives_.emplace(instant.drive, *last).first;
+        joined(&drive->second, *last);
+      }
+    }
+  }
+
+  MarkerKey firstOfLargest() {
+    std::map<MarkerKey, int> sizes;
+    for (const auto& entry : parents_) ++sizes[root(entry.first)];
+    const MarkerKey* best = nullptr;
+    for (const auto& entry : parents_)
+      if (!best || sizes[root(entry.first)] > sizes[root(*best)]) best = &entry.first;
+    if (!best) throw std::runtime_error("no marker was seen");
+    return *best;
+  }
+
+ private:
+  MarkerKey root(MarkerKey key) {
+    while (!(parents_.at(key) == key)) key = parents_.at(key);
+    return key;
+  }
+
+  const MarkerKey* joined(const MarkerKey* a, const MarkerKey& b) {
+    const auto place = parents_.emplace(b, b).first;
+    if (a) parents_[root(*a)] = root(b);
+    return &place->first;
+  }
+
+  std::map<MarkerKey, MarkerKey> parents_;
+  std::map<int, MarkerKey> drives_;
+};
+
+}  // namespace
+
+MarkerMap firstMarker(const MarkerRecording& recording, const MarkerSizes& sizes,
+                      const std::set<MarkerKey>& without) {
+  const MarkerKey key = Islands(recording, without).firstOfLargest();
+  MarkerMap map;
+  map.add({key, sizes.of(key), "", poseFromXyzRpy({0, 0, 0}, {kQuarterTurn, 0, 0}), Matrix6d::Zero()});
+  return map;
+}
+
+MarkerMap putOnFloor(const MarkerKey& first, MapEstimate& estimate) {
+  Eigen::Vector3d up = Eigen::Vector3d::Zero();
+  double height = 0;
+  int count = 0;
+  for (const auto& pose : estimate.T_map_base) {
+    if (!pose) continue;
+    up += pose->linear().col(2);
+    ++count;
+  }
+  const Eigen::Quaterniond level = Eigen::Quaterniond::FromTwoVectors(up, Eigen::Vector3d::UnitZ());
+  for (const auto& pose : estimate.T_map_base)
+    if (pose) height += (level * pose->translation()).z() / count;
+  const Eigen::Vector3d looks = level * estimate.map.find(first)->T_map_marker.linear().col(2);
+  const double yaw = -kQuarterTurn - std::atan2(looks.y(), looks.x());
+  Pose T_new_old = Pose::Identity();
+  T_new_old.linear() = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) * level.toRotationMatrix();
+  T_new_old.translation() = Eigen::Vector3d(0, 0, -height);
+  MarkerMap map(estimate.map.frame()), held(estimate.map.frame());
+  for (const auto& entry : estimate.map.markers()) {
+    MappedMarker marker = entry.second;
+    marker.T_map_marker = T_new_old * marker.T_map_marker;
+    map.add(marker);
+  }
+  for (auto& pose : estimate.T_map_base)
+    if (pose) pose = T_new_old * *pose;
+  estimate.map = map;
+  MappedMarker marker = *map.find(first);
+  Vector6d sigmas;
+  sigmas << kHeld, kHeld, kFree, kFree, kFree, kHeld;
+  marker.covariance = sigmas.cwiseAbs2().asDiagonal();
+  held.add(marker);
+  return held;
+}
+
+}  // namespace sextant

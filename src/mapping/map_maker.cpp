@@ -1,0 +1,165 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sextant/mapping/map_maker.hpp"
+
+#include <algorithm>
+#include <set>
+#include <stdexcept>
+#include <utility>
+
+#include "known_markers.hpp"
+#include "map_draft.hpp"
+#include "sextant/mapping/map_adjustment.hpp"
+#include "sextant/base/range.hpp"
+
+namespace sextant {
+namespace {
+
+constexpr int kPlainRounds = 6;
+constexpr int kScaleRounds = 4;
+constexpr double kSameCovariance = 0.04;  // relative
+
+// Whether both hold the same markers, about as exactly.
+bool holdAlike(const MarkerMap& a, const MarkerMap& b) {
+  if (a.markers().size() != b.markers().size()) return false;
+  return std::all_of(a.markers().begin(), a.markers().end(), [&](const auto& entry) {
+    const MappedMarker* other = b.find(entry.first);
+    return other && entry.second.covariance.isApprox(other->covariance, kSameCovariance);
+  });
+}
+
+class Making {
+ public:
+  Making(MarkerRecording recording, const MarkerSizes& sizes, const MarkerMap& known,
+         const MappingParams& params)
+      : params_(params), draft_(std::move(recording), sizes, known, params) {}
+
+  MadeMap make() {
+    draft_.make();
+    settle();
+    judgeKnown();
+    return result();
+  }
+
+ private:
+  // Plain adjustments with what lies inside the gate, until that stays the same.
+  void settle() {
+    used_ = draft_.useful(draft_.fit.fitting());
+    for (int round = 0; round < kPlainRounds; ++round) {
+      draft_.adjust(used_, 0.0);
+      draft_.locateOthers(used_);
+      if (params_.estimate_noise) {
+        draft_.fit.measureNoise(used_);
+        draft_.correlated_images = draft_.fit.correlation(used_);
+      }
+      const size_t before = used_.size();
+      used_ = draft_.useful(draft_.fit.fitting());
+      if (used_.size() == before && round > 0) break;
+    }
+    dropUnused();
+    const auto covariance = mapCovariance(draft_.fit.recording(), used_, draft_.held, draft_.fit.estimate,
+                                          draft_.adjustment(0.0));
+    if (!covariance) throw std::runtime_error("the recording leaves a marker's pose undetermined");
+    covariance_ = *covariance;
+  }
+
+  // Markers of which no sighting fits are not where they were taken to be.
+  void dropUnused() {
+    std::set<MarkerKey> seen;
+    for (const RecordedSighting& each : used_) seen.insert(detectionOf(draft_.fit.recording(), each).key);
+    MarkerMap map(draft_.fit.estimate.map.frame());
+    for (const auto& [key, marker] : draft_.fit.estimate.map.markers()) {
+      if (seen.count(key) != 0 || draft_.known.find(key))
+        map.add(marker);
+      else
+        draft_.ambiguous.insert(key);
+    }
+    draft_.fit.estimate.map = map;
+  }
+
+  // One wrong one at a time: until it is left out, it speaks against those that are right.
+  void judgeKnown() {
+    for (MarkerMap believed = draft_.known;;) {
+      scaleKnown(believed);
+      const auto checks = checkKnown(draft_.held, draft_.fit.estimate.map, covariance_);
+      const auto worst = std::max_element(checks.begin(), checks.end(), [](const auto& a, const auto& b) {
+        return a.squared_distance < b.squared_distance;
+      });
+      if (worst == checks.end() || !worst->wrong) {
+        checks_.insert(checks_.end(), checks.begin(), checks.end());
+        return;
+      }
+      checks_.push_back(*worst);
+      believed = withoutMarker(believed, worst->key);
+    }
+  }
+
+  // Believes them as far as their scatter allows.
+  void scaleKnown(const MarkerMap& believed) {
+    for (int round = 0; round < kScaleRounds; ++round) {
+      scales_ = knownScales(believed, draft_.held, draft_.fit.estimate.map, covariance_);
+      const MarkerMap scaled = scaledKnown(believed, scales_);
+      if (holdAlike(scaled, draft_.held)) return;
+      draft_.held = scaled;
+      settle();
+    }
+  }
+
+  MadeMap result() const {
+    MadeMap made;
+    made.map = draft_.fit.estimate.map;
+    Eigen::Index row = 0;
+    for (auto [key, marker] : draft_.fit.estimate.map.markers()) {
+      const Matrix6d P = covariance_.block<6, 6>(row, row);
+      row += 6;
+      if (draft_.known.find(key) && P.isZero(0.0)) continue;  // held, or never seen
+      marker.covariance = 0.5 * (P + P.transpose());
+      made.map.set(marker);
+    }
+    made.covariance = covariance_;
+    made.T_map_base = draft_.fit.estimate.T_map_base;
+    made.noise_scales = draft_.fit.noiseScales();
+    made.correlated_images = draft_.correlated_images;
+    made.known_position_scale = scales_.position;
+    made.known_rotation_scale = scales_.rotation;
+    for (const RecordedSighting& each : draft_.fit.placed())
+      made.residuals.push_back(draft_.fit.residual(each));
+    made.known = checks_;
+    made.ambiguous.assign(draft_.ambiguous.begin(), draft_.ambiguous.end());
+    for (const auto& entry : draft_.fit.sightings())
+      if (!draft_.fit.estimate.map.find(entry.first) && draft_.ambiguous.count(entry.first) == 0)
+        made.unconnected.push_back(entry.first);
+    made.second_places = draft_.second_places;
+    made.twice.assign(draft_.twice.begin(), draft_.twice.end());
+    return made;
+  }
+
+  const MappingParams& params_;
+  MapDraft draft_;
+  std::vector<RecordedSighting> used_;
+  Eigen::MatrixXd covariance_;
+  KnownScales scales_;
+  std::vector<KnownMarkerCheck> checks_;
+};
+
+}  // namespace
+
+void MappingParams::validate() const {
+  Range::openLow(0, 10).require("corner_sigma", corner_sigma, "px");
+  Range::closed(0.5, 1000).require("robust_width", robust_width);
+  Range::closed(8, 1e6).require("gate", gate);
+  Range::closed(0.5, 0.9999999).require("decided", decided);
+  Range::closed(0, 10).require("floor_height_sigma", floor_height_sigma, "m");
+  Range::openLow(0, 1).require("floor_tilt_sigma", floor_tilt_sigma, "rad");
+  Range::closed(1, 64).require("threads", threads);
+  odometry.validate();
+}
+
+MadeMap makeMarkerMap(MarkerRecording recording, const MarkerSizes& sizes, const MarkerMap& known,
+                      const MappingParams& params) {
+  params.validate();
+  sizes.validate();
+  return Making(std::move(recording), sizes, known, params).make();
+}
+
+}  // namespace sextant

@@ -1,0 +1,225 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sextant/mapping/marker_placement.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "sextant/markers/marker_pose.hpp"
+#include "sextant/markers/reprojection.hpp"
+
+namespace sextant {
+namespace {
+
+constexpr size_t kMaxSightings = 60;   // that take part, spread over all
+constexpr size_t kMaxSuggesting = 16;  // of which the poses are tried
+constexpr size_t kMaxRefined = 4;      // places that are searched from
+constexpr double kSamePlace = 0.3;     // radians between places that are searched from but once, or sizes
+constexpr double kSameTurn = 0.15;     // radians between two minima that are one
+
+// A sighting from one of the places that the base may have had. The unknown is T_marker_map: as if a base in
+// the map's origin were located by one marker in many cameras.
+struct FromBase {
+  Pose T_map_base;
+  Matrix6d base_covariance;
+  double cost;  // of taking this one of the base's places: -2 log(probability)
+};
+
+struct Seen {
+  size_t index;
+  const MarkerView* view;
+  const Detection* detection;
+  CornerSigmas sigmas;
+  PlanarPoses poses;
+  std::vector<FromBase> bases;
+};
+
+// What the base's uncertainty looks like as one of the marker, in the marker's axes: with the base off by
+// (dp, dr) the marker seems to be off by -dp - dr x v and -dr.
+Matrix6d seemingCovariance(const FromBase& from, const Pose& T_map_marker) {
+  const Eigen::Vector3d v = T_map_marker.translation() - from.T_map_base.translation();
+  const Eigen::Matrix3d R = T_map_marker.linear().transpose();
+  Matrix6d A = Matrix6d::Zero();
+  A << -R, R * skew(v), Eigen::Matrix3d::Zero(), -R;
+  const Matrix6d covariance = A * from.base_covariance * A.transpose();
+  return 0.5 * (covariance + covariance.transpose());
+}
+
+// Of T_map_marker from that of its inverse X: both position, rotation in their parent's axes.
+Matrix6d inverseCovariance(const Matrix6d& X_covariance, const Pose& T_map_marker) {
+  const Eigen::Matrix3d& R = T_map_marker.linear();
+  Matrix6d B = Matrix6d::Zero();
+  B << -R, skew(T_map_marker.translation()) * R, Eigen::Matrix3d::Zero(), -R;
+  const Matrix6d covariance = B * X_covariance * B.transpose();
+  return 0.5 * (covariance + covariance.transpose());
+}
+
+MarkerSighting turnedRound(const Seen& seen, const FromBase& from, double size, const Pose& T_map_marker) {
+  return {&seen.view->camera,
+          seen.view->T_base_camera.inverse() * from.T_map_base.inverse(),
+          Pose::Identity(),
+          size,
+          seen.detection->corners,
+          seen.sigmas,
+          seemingCovariance(from, T_map_marker)};
+}
+
+std::optional<Seen> seenFrom(const MarkerRecording& recording, const RecordedSighting& sighting, size_t index,
+                             const InstantHypotheses& bases, double size, double corner_sigma) {
+  if (bases.empty()) return std::nullopt;
+  const MarkerView& view = recording[sighting.instant].views[sighting.view];
+  const Detection& detection = view.detections[sighting.detection];
+  const auto poses = solveMarkerPose(view.camera, detection.corners, size);
+  if (!poses) return std::nullopt;
+  Seen seen{index, &view, &detection, cornerSigmas(view, detection, corner_sigma), *poses, {}};
+  for (const PoseHypothesis& base : bases)
+    seen.bases.push_back({base.T_map_base, base.covariance, -2 * std::log(base.weight)});
+  return seen;
+}
+
+// So many of them, spread evenly.
+template <typename T>
+std::vector<T> spread(const std::vector<T>& all, size_t most) {
+  if (all.size() <= most) return all;
+  std::vector<T> some;
+  for (size_t i = 0; i < most; ++i) some.push_back(all[i * all.size() / most]);
+  return some;
+}
+
+std::vector<Pose> suggestions(const std::vector<Seen>& all) {
+  std::vector<Pose> poses;
+  for (const Seen& seen : spread(all, kMaxSuggesting)) {
+    for (const FromBase& from : seen.bases) {
+      const Pose T_map_camera = from.T_map_base * seen.view->T_base_camera;
+      poses.push_back(T_map_camera * seen.poses.best.T_camera_marker);
+      if (seen.poses.alternative) poses.push_back(T_map_camera * seen.poses.alternative->T_camera_marker);
+    }
+  }
+  return poses;
+}
+
+struct Choice {
+  const FromBase* from;
+  double cost;  // squared Mahalanobis distance, bounded by the gate, and the cost of the base's place
+};
+
+// The place of the base from which the sighting fits best.
+Choice choose(const Seen& seen, double size, const Pose& T_map_marker, double gate) {
+  Choice best{nullptr, std::numeric_limits<double>::infinity()};
+  const Pose X = T_map_marker.inverse();
+  for (const FromBase& from : seen.bases) {
+    const double distance = squaredMahalanobis(turnedRound(seen, from, size, T_map_marker), X);
+    const double cost = std::min(distance, gate) + from.cost;
+    if (cost < best.cost) best = {&from, cost};
+  }
+  return best;
+}
+
+bool areClose(const Pose& a, const Pose& b, double size) {
+  return logSO3(a.linear().transpose() * b.linear()).norm() < kSamePlace &&
+         (a.translation() - b.translation()).norm() < kSamePlace * size;
+}
+
+// Those that most images agree with, no two alike.
+std::vector<Pose> bestSuggestions(const std::vector<Seen>& all, double size, double gate) {
+  std::vector<std::pair<double, Pose>> scored;
+  for (const Pose& pose : suggestions(all)) {
+    double cost = 0;
+    for (const Seen& seen : all) cost += choose(seen, size, pose, gate).cost;
+    scored.emplace_back(cost, pose);
+  }
+  std::stable_sort(scored.begin(), scored.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<Pose> best;
+  for (const auto& [cost, pose] : scored) {
+    const auto alike = [&, &pose = pose](const Pose& other) { return areClose(pose, other, size); };
+    if (best.size() < kMaxRefined && std::none_of(best.begin(), best.end(), alike)) best.push_back(pose);
+  }
+  return best;
+}
+
+struct Candidate {
+  MarkerPlace place;
+  double log_evidence;  // Laplace's, as of poseHypotheses()
+};
+
+std::optional<Candidate> refined(const std::vector<Seen>& all, double size, const Pose& T_map_marker,
+                                 const PathParams& params) {
+  std::vector<MarkerSighting> sightings;
+  double cost = 0;
+  for (const Seen& seen : all) {
+    const FromBase* from = choose(seen, size, T_map_marker, params.hypotheses.gate).from;
+    sightings.push_back(turnedRound(seen, *from, size, T_map_marker));
+    cost += from->cost;
+  }
+  const HypothesesParams search{params.hypotheses.robust_width, params.hypotheses.gate, std::nullopt};
+  const auto found = poseHypotheses(sightings, {{T_map_marker.inverse(), 0}}, search, std::nullopt);
+  if (found.empty()) return std::nullopt;
+  const PoseHypothesis& best = found[0];
+  const Pose T = best.T_map_base.inverse();
+  const double agreement = static_cast<double>(best.used.size()) / static_cast<double>(all.size());
+  Candidate candidate{{T, inverseCovariance(best.covariance, T), 0.0, {}, agreement},
+                      -0.5 * (best.cost + cost) + 0.5 * std::log(best.covariance.determinant())};
+  for (const size_t i : best.used) candidate.place.explained.push_back(all[i].index);
+  return candidate;
+}
+
+// A marker's two poses are turned against each other. Where they are not, the images chosen make the
+// difference.
+bool areOne(const MarkerPlace& a, const MarkerPlace& b, double size) {
+  return logSO3(a.T_map_marker.linear().transpose() * b.T_map_marker.linear()).norm() < kSameTurn &&
+         (a.T_map_marker.translation() - b.T_map_marker.translation()).norm() < size;
+}
+
+void addIfNew(const Candidate& found, double size, std::vector<Candidate>& all) {
+  for (Candidate& other : all) {
+    if (!areOne(found.place, other.place, size)) continue;
+    if (found.log_evidence > other.log_evidence) other = found;
+    return;
+  }
+  all.push_back(found);
+}
+
+std::vector<MarkerPlace> weighed(std::vector<Candidate> all) {
+  std::sort(all.begin(), all.end(),
+            [](const auto& a, const auto& b) { return a.log_evidence > b.log_evidence; });
+  std::vector<MarkerPlace> places;
+  double sum = 0;
+  for (const Candidate& each : all) sum += std::exp(each.log_evidence - all[0].log_evidence);
+  for (Candidate& each : all) {
+    each.place.weight = std::exp(each.log_evidence - all[0].log_evidence) / sum;
+    places.push_back(each.place);
+  }
+  return places;
+}
+
+}  // namespace
+
+std::vector<MarkerPlace> placeMarker(const MarkerRecording& recording,
+                                     const std::vector<RecordedSighting>& sightings,
+                                     const std::vector<InstantHypotheses>& path, double size,
+                                     const PathParams& params) {
+  std::vector<Seen> seen;
+  for (size_t i = 0; i < sightings.size(); ++i)
+    if (const auto found =
+            seenFrom(recording, sightings[i], i, path[sightings[i].instant], size, params.corner_sigma))
+      seen.push_back(*found);
+  const auto all = spread(seen, kMaxSightings);
+  std::vector<Candidate> candidates;
+  for (const Pose& pose : bestSuggestions(all, size, params.hypotheses.gate))
+    if (const auto found = refined(all, size, pose, params)) addIfNew(*found, size, candidates);
+  return weighed(std::move(candidates));
+}
+
+std::optional<double> distanceFromPlace(const MarkerRecording& recording, const RecordedSighting& sighting,
+                                        const InstantHypotheses& bases, double size, const Pose& T_map_marker,
+                                        const PathParams& params) {
+  const auto seen = seenFrom(recording, sighting, 0, bases, size, params.corner_sigma);
+  if (!seen) return std::nullopt;
+  return choose(*seen, size, T_map_marker, std::numeric_limits<double>::infinity()).cost;
+}
+
+}  // namespace sextant

@@ -1,0 +1,122 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sextant/mapping/recorded_path.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "sextant/localization/mapped_sighting.hpp"
+
+namespace sextant {
+namespace {
+
+constexpr double kImprobable = 1e-3;  // hypotheses below are forgotten
+constexpr double kLost = 1.0;         // metres of deviation beyond which odometry tells nothing any more
+
+// What the mapped markers of an instant say.
+struct InSight {
+  std::vector<MarkerKey> keys;
+  std::vector<MarkerSighting> sightings;
+  std::vector<PoseStart> starts;
+};
+
+void addSighting(const MarkerView& view, const Detection& detection, const MappedMarker& marker,
+                 double corner_sigma, InSight& instant) {
+  const auto poses = solveMarkerPose(view.camera, detection.corners, marker.size);
+  if (!poses) return;
+  instant.keys.push_back(marker.key);
+  addStarts(view, marker, *poses, instant.sightings.size(), instant.starts);
+  instant.sightings.push_back(mappedSighting(view, detection, marker, corner_sigma));
+}
+
+InSight seen(const RecordedInstant& recorded, const MarkerMap& map, double corner_sigma,
+             const std::set<MarkerKey>& without) {
+  InSight instant;
+  for (const MarkerView& view : recorded.views)
+    for (const Detection& detection : view.detections)
+      if (const MappedMarker* marker = map.find(detection.key);
+          marker && !isRepeated(view, detection.key) && without.count(detection.key) == 0)
+        addSighting(view, detection, *marker, corner_sigma, instant);
+  return instant;
+}
+
+// The pose at an instant from that at its neighbour, where odometry leads from one to the other.
+std::optional<PosePrior> carried(const std::optional<PosePrior>& pose, const RecordedInstant& from,
+                                 const RecordedInstant& to, const OdometryParams& params) {
+  if (!pose || from.drive != to.drive || !from.T_odom_base || !to.T_odom_base) return std::nullopt;
+  const PosePrior moved = movedByOdometry(*pose, from.T_odom_base->inverse() * *to.T_odom_base, params);
+  if (moved.covariance.topLeftCorner<3, 3>().trace() > kLost * kLost) return std::nullopt;
+  return moved;
+}
+
+// What odometry says of every instant, from the last one before it (or after it) that is decided.
+std::vector<std::optional<PosePrior>> priors(const MarkerRecording& recording,
+                                             const std::vector<InstantHypotheses>& found,
+                                             const PathParams& params, bool backwards) {
+  const size_t n = recording.size();
+  std::vector<std::optional<PosePrior>> all(n);
+  std::optional<PosePrior> last;
+  for (size_t step = 0; step < n; ++step) {
+    const size_t i = backwards ? n - 1 - step : step, before = backwards ? i + 1 : i - 1;
+    if (step > 0) all[i] = last = carried(last, recording[before], recording[i], params.odometry);
+    if (isDecided(found[i], params.decided)) last = PosePrior{found[i][0].T_map_base, found[i][0].covariance};
+  }
+  return all;
+}
+
+const std::optional<PosePrior>& closer(const std::optional<PosePrior>& a, const std::optional<PosePrior>& b) {
+  if (!a || !b) return a ? a : b;
+  return a->covariance.trace() <= b->covariance.trace() ? a : b;
+}
+
+InstantHypotheses probable(InstantHypotheses all) {
+  all.erase(std::find_if(all.begin(), all.end(), [](const auto& each) { return each.weight < kImprobable; }),
+            all.end());
+  return all;
+}
+
+PoseHypothesis fromOdometry(const PosePrior& prior) {
+  return {prior.T_map_base, prior.covariance, 0.0, 0.0, {}, 0.0, 1.0};
+}
+
+}  // namespace
+
+bool isDecided(const InstantHypotheses& hypotheses, double decided) {
+  return !hypotheses.empty() && hypotheses[0].weight >= decided;
+}
+
+bool isUsable(const InstantHypotheses& hypotheses, double decided) {
+  return (!hypotheses.empty() && hypotheses[0].used.size() > 1) || isDecided(hypotheses, decided);
+}
+
+InstantHypotheses locateInstant(const RecordedInstant& instant, const MarkerMap& map,
+                                const PathParams& params, const std::optional<PosePrior>& prior,
+                                const std::set<MarkerKey>& without) {
+  const InSight markers = seen(instant, map, params.corner_sigma, without);
+  return probable(poseHypotheses(markers.sightings, markers.starts, params.hypotheses, prior));
+}
+
+std::vector<MarkerKey> markersInSight(const RecordedInstant& instant, const MarkerMap& map,
+                                      const PathParams& params, const std::set<MarkerKey>& without) {
+  return seen(instant, map, params.corner_sigma, without).keys;
+}
+
+std::vector<InstantHypotheses> locateRecording(const MarkerRecording& recording, const MarkerMap& map,
+                                               const PathParams& params,
+                                               std::vector<InstantHypotheses> kept) {
+  std::vector<InstantHypotheses> found = std::move(kept);
+  found.resize(recording.size());
+  for (size_t i = 0; i < recording.size(); ++i)
+    if (found[i].empty()) found[i] = locateInstant(recording[i], map, params, {});
+  const auto before = priors(recording, found, params, false), after = priors(recording, found, params, true);
+  for (size_t i = 0; i < recording.size(); ++i) {
+    const auto& prior = closer(before[i], after[i]);
+    if (!prior || isDecided(found[i], params.decided)) continue;
+    found[i] = found[i].empty() ? InstantHypotheses{fromOdometry(*prior)}
+                                : locateInstant(recording[i], map, params, prior);
+  }
+  return found;
+}
+
+}  // namespace sextant

@@ -1,0 +1,82 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sextant/markers/marker_family.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <map>
+#include <stdexcept>
+
+#include "sextant/markers/apriltag_family.hpp"
+#include "sextant/markers/aruco_dictionary.hpp"
+
+namespace sextant {
+namespace {
+
+// The prints that both libraries know; OpenCV's is turned by 180 degrees.
+const std::map<std::string, std::string>& sharedPrints() {
+  static const std::map<std::string, std::string> names = {{"DICT_APRILTAG_16h5", "tag16h5"},
+                                                           {"DICT_APRILTAG_25h9", "tag25h9"},
+                                                           {"DICT_APRILTAG_36h10", "tag36h10"},
+                                                           {"DICT_APRILTAG_36h11", "tag36h11"}};
+  return names;
+}
+
+bool isAprilTag(const std::string& canonical) { return canonical.rfind("tag", 0) == 0; }
+
+MarkerImage aprilTagImage(const std::string& family, int id) {
+  const AprilTagFamily tags = makeAprilTagFamily(family);
+  image_u8_t* image = apriltag_to_image(tags.get(), id);
+  MarkerImage marker;
+  cv::Mat(image->height, image->width, CV_8UC1, image->buf, image->stride).copyTo(marker.modules);
+  std::free(image->buf);  // image_u8_destroy is not exported by Debian's library
+  std::free(image);
+  marker.border_begin = (tags->total_width - tags->width_at_border) / 2;
+  marker.border_end = marker.border_begin + tags->width_at_border;
+  return marker;
+}
+
+MarkerImage arucoImage(const std::string& family, int id) {
+  const auto dictionary = makeArucoDictionary(family);
+  MarkerImage marker;
+  marker.border_end = dictionary->markerSize + 2;
+  dictionary->drawMarker(id, marker.border_end, marker.modules, 1);
+  return marker;
+}
+
+}  // namespace
+
+std::vector<std::string> markerFamilies() {
+  std::vector<std::string> names = arucoDictionaries();
+  const auto tags = aprilTagFamilies();
+  names.insert(names.end(), tags.begin(), tags.end());
+  return names;
+}
+
+std::string canonicalFamily(const std::string& name) {
+  const auto names = markerFamilies();
+  if (std::find(names.begin(), names.end(), name) == names.end()) {
+    std::string known;
+    for (const auto& family : names) known += " " + family;
+    throw std::invalid_argument("unknown marker family '" + name + "'; known are" + known);
+  }
+  const auto shared = sharedPrints().find(name);
+  return shared == sharedPrints().end() ? name : shared->second;
+}
+
+int familySize(const std::string& name) {
+  const std::string family = canonicalFamily(name);
+  if (isAprilTag(family)) return static_cast<int>(makeAprilTagFamily(family)->ncodes);
+  return makeArucoDictionary(family)->bytesList.rows;
+}
+
+MarkerImage markerImage(const std::string& name, int id) {
+  const std::string family = canonicalFamily(name);
+  const int size = familySize(family);
+  if (id < 0 || id >= size)
+    throw std::invalid_argument("marker " + std::to_string(id) + " is not in " + family +
+                                ", whose ids are 0 to " + std::to_string(size - 1));
+  return isAprilTag(family) ? aprilTagImage(family, id) : arucoImage(family, id);
+}
+
+}  // namespace sextant

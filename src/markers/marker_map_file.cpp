@@ -1,0 +1,42 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sextant/markers/marker_map_file.hpp"
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+#include <stdexcept>
+
+#include "sextant/base/atomic_file.hpp"
+#include "text_marker_map.hpp"
+#include "yaml_marker_map.hpp"
+
+namespace sextant {
+namespace {
+
+bool isYaml(const std::string& path) {
+  const auto ends = [&](const std::string& ending) {
+    return path.size() >= ending.size() &&
+           path.compare(path.size() - ending.size(), ending.size(), ending) == 0;
+  };
+  return ends(".yaml") || ends(".yml");
+}
+
+}  // namespace
+
+MarkerMap readMarkerMap(const std::string& path, const TextMapParams& params) {
+  std::ifstream file(path);
+  std::stringstream content;
+  if (file) content << std::string(std::istreambuf_iterator<char>(file), {});
+  if (!file.is_open() || file.bad())
+    throw std::runtime_error(path + ": cannot be read: " + std::strerror(errno));
+  return isYaml(path) ? parseYamlMap(content.str(), path) : parseTextMap(content, path, params);
+}
+
+void writeMarkerMap(const MarkerMap& map, const std::string& path, const TextMapParams& text) {
+  writeFileAtomically(path, isYaml(path) ? formatYamlMap(map) : formatTextMap(map, text));
+}
+
+}  // namespace sextant

@@ -1,0 +1,60 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sextant/markers/observed_marker.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "sextant/markers/marker_family.hpp"
+#include "sextant/base/range.hpp"
+
+namespace sextant {
+namespace {
+
+const Range kSizes = Range::openLow(0, 100);
+
+bool namesMarker(const std::string& name) {
+  const size_t slash = name.rfind('/');
+  if (slash != std::string::npos) canonicalFamily(name.substr(0, slash));
+  const std::string id = name.substr(slash == std::string::npos ? 0 : slash + 1);
+  return !id.empty() &&
+         std::all_of(id.begin(), id.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
+}
+
+}  // namespace
+
+void MarkerSizes::validate() const {
+  kSizes.require("marker_size", size, "m");
+  for (const auto& [name, value] : sizes) {
+    if (!namesMarker(name))
+      throw std::invalid_argument("marker_sizes: '" + name + "' names no marker, write an id or family/id");
+    kSizes.require("marker_sizes: that of " + name, value, "m");
+  }
+}
+
+double MarkerSizes::of(const MarkerKey& key) const {
+  if (sizes.empty()) return size;
+  const std::string id = std::to_string(key.id);
+  const auto full = sizes.find(key.family + "/" + id);
+  if (full != sizes.end()) return full->second;
+  const auto plain = sizes.find(id);
+  return plain == sizes.end() ? size : plain->second;
+}
+
+std::vector<ObservedMarker> observeMarkers(const CameraModel& camera,
+                                           const std::vector<Detection>& detections, const MarkerSizes& sizes,
+                                           double sigma) {
+  std::vector<ObservedMarker> markers;
+  for (const Detection& detection : detections) {
+    ObservedMarker marker{detection, sizes.of(detection.key), std::nullopt, std::nullopt};
+    marker.poses = solveMarkerPose(camera, detection.corners, marker.size);
+    if (marker.poses)
+      marker.covariance =
+          markerPoseCovariance(camera, marker.poses->best.T_camera_marker, marker.size, sigma);
+    if (!marker.covariance) marker.poses.reset();  // a pose of unknown exactness would pass for exact
+    markers.push_back(std::move(marker));
+  }
+  return markers;
+}
+
+}  // namespace sextant

@@ -1,0 +1,134 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sextant/ros/images/image_player.hpp"
+
+#include <ros/console.h>
+
+#include <stdexcept>
+#include <utility>
+
+namespace sextant {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr milliseconds kRetry{1000};
+constexpr milliseconds kLook{20};
+// Who hears the images connects to camera_info a moment later, and would have nothing for the first images.
+constexpr milliseconds kSettle{500};
+
+}  // namespace
+
+void ImagePlayerParams::validate() const {
+  if (!(rate >= 0 && rate <= 1000)) throw std::invalid_argument("rate must be in [0, 1000] Hz");
+  if (frames < 0) throw std::invalid_argument("frames must not be negative");
+}
+
+ImagePlayer::ImagePlayer(std::unique_ptr<ImageSource> source, const ImagePlayerParams& params, Outlet outlet,
+                         TroubleLog& trouble)
+    : source_(std::move(source)), params_(params), outlet_(std::move(outlet)), trouble_(trouble) {
+  params_.validate();
+  thread_ = std::thread(&ImagePlayer::run, this);
+}
+
+ImagePlayer::~ImagePlayer() {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    stop_ = true;
+  }
+  wake_.notify_all();
+  thread_.join();
+}
+
+ImagePlayer::Counts ImagePlayer::counts() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return counts_;
+}
+
+void ImagePlayer::run() {
+  bool playing = awaitListener();
+  while (playing) playing = step();
+  const std::lock_guard<std::mutex> lock(mutex_);
+  counts_.finished = true;
+}
+
+bool ImagePlayer::awaitListener() {
+  if (source_->isLive() || !params_.wait_for_subscriber) return true;
+  while (!outlet_.awaited())
+    if (!sleepFor(kLook)) return false;
+  return sleepFor(kSettle);
+}
+
+// False when there is nothing more to do.
+bool ImagePlayer::step() {
+  if (!open_) return openSource() ? sleepUntil(Clock::now()) : sleepFor(kRetry);
+  if (!sleepUntil(source_->isLive() ? Clock::now() : pace_.due(Clock::now()))) return false;
+  if (!grab()) return afterLast();
+  take(ros::Time::now());
+  return params_.frames == 0 || counts().published < static_cast<unsigned long>(params_.frames);
+}
+
+bool ImagePlayer::openSource() {
+  try {
+    source_->open();
+  } catch (const std::exception& error) {
+    trouble_.report("source", error.what());
+    return false;
+  }
+  open_ = true;
+  if (count(&Counts::opened) > 1 && source_->isLive()) ROS_INFO("the camera is back");
+  return true;
+}
+
+bool ImagePlayer::grab() {
+  try {
+    return source_->grab();
+  } catch (const std::exception& error) {
+    trouble_.report("grab", error.what());
+    return false;
+  }
+}
+
+bool ImagePlayer::afterLast() {
+  open_ = false;
+  if (!source_->isLive()) return params_.loop;
+  trouble_.report("camera lost", "the camera sends no more pictures; it is looked for every second");
+  return sleepFor(kRetry);
+}
+
+void ImagePlayer::take(const ros::Time& stamp) {
+  trouble_.succeeded();
+  if (!isDue() || !outlet_.wanted()) {
+    count(&Counts::skipped);
+    return;
+  }
+  try {
+    if (stamp.isZero())
+      throw std::runtime_error("there is no time to stamp with: use_sim_time is set, who publishes /clock?");
+    outlet_.publish(source_->retrieve(), stamp);
+    count(&Counts::published);
+  } catch (const std::exception& error) {
+    trouble_.report("picture", error.what());
+  }
+}
+
+bool ImagePlayer::isDue() {
+  const Clock::time_point now = Clock::now();
+  if (!source_->isLive() && now > pace_.due(now) + RateLimit::period(rate())) count(&Counts::late);
+  return pace_.passes(now, rate());
+}
+
+double ImagePlayer::rate() const { return params_.rate > 0 ? params_.rate : source_->recordedRate(); }
+
+// False when the player shall stop.
+bool ImagePlayer::sleepUntil(Clock::time_point time) {
+  std::unique_lock<std::mutex> lock(mutex_);
+  return !wake_.wait_until(lock, time, [this] { return stop_; });
+}
+
+unsigned long ImagePlayer::count(unsigned long Counts::*which) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return ++(counts_.*which);
+}
+
+}  // namespace sextant

@@ -1,0 +1,293 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sextant/ros/images/image_source.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/videoio.hpp>
+#include <set>
+#include <stdexcept>
+#include <vector>
+
+namespace sextant {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kNominalRate = 10.0;  // Hz, where the recording tells none
+constexpr int kLongestSide = 16384;    // pixels
+
+std::string sizeText(int width, int height) { return std::to_string(width) + " x " + std::to_string(height); }
+
+bool isGrey(const ImageSourceParams& params) { return params.encoding == "mono8"; }
+
+cv::Mat encoded(const cv::Mat& frame, bool grey, const std::string& name) {
+  if (frame.empty() || (frame.type() != CV_8UC1 && frame.type() != CV_8UC3))
+    throw std::runtime_error(name + ": the picture cannot be decoded");
+  if (frame.channels() == (grey ? 1 : 3)) return frame;
+  cv::Mat converted;
+  cv::cvtColor(frame, converted, grey ? cv::COLOR_BGR2GRAY : cv::COLOR_GRAY2BGR);
+  return converted;
+}
+
+// ---- device ---------------------------------------------------------------------------------------------
+
+class DeviceSource : public ImageSource {
+ public:
+  explicit DeviceSource(const ImageSourceParams& params)
+      : params_(params), path_(params.source.front() == '/' ? params.source : "/dev/video" + params.source) {}
+
+  void open() override {
+    capture_.release();
+    requireAccess();
+    if (!capture_.open(path_, cv::CAP_V4L2))
+      throw std::runtime_error(path_ +
+                               " cannot be opened as a camera: does another program use it, or is it "
+                               "a second node of the camera (v4l2-ctl --list-devices)?");
+    // The pixel format decides which sizes and rates there are, so it comes first.
+    if (!params_.fourcc.empty()) {
+      const std::string& code = params_.fourcc;
+      capture_.set(cv::CAP_PROP_FOURCC, cv::VideoWriter::fourcc(code[0], code[1], code[2], code[3]));
+    }
+    if (params_.width > 0) capture_.set(cv::CAP_PROP_FRAME_WIDTH, params_.width);
+    if (params_.height > 0) capture_.set(cv::CAP_PROP_FRAME_HEIGHT, params_.height);
+    if (params_.rate > 0) capture_.set(cv::CAP_PROP_FPS, params_.rate);
+    capture_.set(cv::CAP_PROP_BUFFERSIZE, 2);  // a longer queue holds old pictures that look new at the grab
+  }
+
+  bool grab() override { return capture_.grab(); }
+
+  cv::Mat retrieve() override {
+    cv::Mat frame;
+    capture_.retrieve(frame);
+    return encoded(frame, isGrey(params_), path_);
+  }
+
+  bool isLive() const override { return true; }
+  double recordedRate() const override { return 0.0; }
+
+ private:
+  // OpenCV does not tell why a device does not open.
+  void requireAccess() const {
+    if (access(path_.c_str(), R_OK | W_OK) == 0) return;
+    const char* advice = errno == ENOENT   ? "is the camera plugged in?"
+                         : errno == EACCES ? "add the user to the group video"
+                                           : "see dmesg";
+    throw std::runtime_error(path_ + ": " + std::strerror(errno) + "; " + advice);
+  }
+
+  ImageSourceParams params_;
+  std::string path_;
+  cv::VideoCapture capture_;
+};
+
+// ---- video file -----------------------------------------------------------------------------------------
+
+class VideoSource : public ImageSource {
+ public:
+  explicit VideoSource(const ImageSourceParams& params) : path_(params.source), grey_(isGrey(params)) {}
+
+  void open() override {
+    if (!capture_.open(path_, cv::CAP_FFMPEG))  // the other backends shout when they do not know a file
+      throw std::runtime_error(path_ + " is neither a video nor an image that OpenCV can read");
+    rate_ = capture_.get(cv::CAP_PROP_FPS);
+    if (!(rate_ > 0 && rate_ <= 1000)) rate_ = kNominalRate;
+  }
+
+  bool grab() override { return capture_.grab(); }
+
+  cv::Mat retrieve() override {
+    cv::Mat frame;
+    capture_.retrieve(frame);
+    return encoded(frame, grey_, path_);
+  }
+
+  bool isLive() const override { return false; }
+  double recordedRate() const override { return rate_; }
+
+ private:
+  std::string path_;
+  bool grey_;
+  double rate_ = kNominalRate;
+  cv::VideoCapture capture_;
+};
+
+// ---- images ---------------------------------------------------------------------------------------------
+
+bool isImageName(const fs::path& path) {
+  static const std::set<std::string> endings = {".bmp", ".jpeg", ".jpg",  ".pgm", ".png",
+                                                ".pnm", ".ppm",  ".tiff", ".tif", ".webp"};
+  std::string ending = path.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(), ::tolower);
+  return endings.count(ending) > 0;
+}
+
+/// The images of a folder in the order of their names, or one image.
+class FolderSource : public ImageSource {
+ public:
+  explicit FolderSource(const ImageSourceParams& params) : grey_(isGrey(params)) {
+    if (!fs::is_directory(params.source)) {
+      files_.push_back(params.source);
+      return;
+    }
+    for (const auto& entry : fs::directory_iterator(params.source))
+      if (isImageName(entry.path())) files_.push_back(entry.path().string());
+    std::sort(files_.begin(), files_.end());
+    if (files_.empty())
+      throw std::invalid_argument("there is no image (png, jpg, ...) in the folder " + params.source);
+  }
+
+  void open() override { next_ = 0; }
+
+  bool grab() override {
+    if (next_ == files_.size()) return false;
+    ++next_;
+    return true;
+  }
+
+  cv::Mat retrieve() override {
+    const std::string& file = files_[next_ - 1];
+    const int colour = grey_ ? cv::IMREAD_GRAYSCALE : cv::IMREAD_COLOR;
+    // A calibration is for the pixels as the sensor had them, whatever a photo's header says of up and down.
+    return encoded(cv::imread(file, colour | cv::IMREAD_IGNORE_ORIENTATION), grey_, file);
+  }
+
+  bool isLive() const override { return false; }
+  double recordedRate() const override { return kNominalRate; }
+
+ private:
+  std::vector<std::string> files_;
+  size_t next_ = 0;
+  bool grey_;
+};
+
+/// Another source, decoded as a whole.
+class PreloadedSource : public ImageSource {
+ public:
+  explicit PreloadedSource(ImageSource& source) : rate_(source.recordedRate()) {
+    source.open();
+    while (source.grab()) {
+      try {
+        frames_.push_back({source.retrieve().clone(), {}});
+      } catch (const std::runtime_error& error) {
+        frames_.push_back({{}, error.what()});
+      }
+    }
+  }
+
+  void open() override { next_ = 0; }
+
+  bool grab() override {
+    if (next_ == frames_.size()) return false;
+    ++next_;
+    return true;
+  }
+
+  cv::Mat retrieve() override {
+    const Frame& frame = frames_[next_ - 1];
+    if (frame.picture.empty()) throw std::runtime_error(frame.trouble);
+    return frame.picture;
+  }
+
+  bool isLive() const override { return false; }
+  double recordedRate() const override { return rate_; }
+
+ private:
+  struct Frame {
+    cv::Mat picture;
+    std::string trouble;
+  };
+  std::vector<Frame> frames_;
+  size_t next_ = 0;
+  double rate_;
+};
+
+// ---- which of them --------------------------------------------------------------------------------------
+
+bool isDevice(const std::string& source) {
+  return source.rfind("/dev/", 0) == 0 || source.find_first_not_of("0123456789") == std::string::npos;
+}
+bool isImages(const std::string& source) { return fs::is_directory(source) || isImageName(source); }
+bool isAny(const std::string&) { return true; }
+
+template <typename Source>
+std::unique_ptr<ImageSource> make(const ImageSourceParams& params) {
+  return std::make_unique<Source>(params);
+}
+
+struct Kind {
+  bool (*fits)(const std::string& source);
+  std::unique_ptr<ImageSource> (*make)(const ImageSourceParams& params);
+};
+constexpr Kind kKinds[] = {
+    {isDevice, make<DeviceSource>}, {isImages, make<FolderSource>}, {isAny, make<VideoSource>}};
+
+/// The first picture that can be decoded shows that there is something to play, and its size.
+void requirePicture(ImageSource& source, const ImageSourceParams& params) {
+  source.open();
+  std::string trouble = params.source + " holds no picture";
+  while (source.grab()) {
+    cv::Mat picture;
+    try {
+      picture = source.retrieve();
+    } catch (const std::runtime_error& error) {
+      trouble = std::string("nothing to play: ") + error.what();
+      continue;
+    }
+    if ((params.width > 0 && picture.cols != params.width) ||
+        (params.height > 0 && picture.rows != params.height))
+      throw std::invalid_argument(params.source + " has " + sizeText(picture.cols, picture.rows) +
+                                  " pixels, not the width and height of " +
+                                  sizeText(params.width, params.height) + "; leave them 0 for a file");
+    return;
+  }
+  throw std::runtime_error(trouble);
+}
+
+void requireSide(const std::string& name, int side) {
+  if (side < 0 || side > kLongestSide)
+    throw std::invalid_argument(name + " must be in [0, " + std::to_string(kLongestSide) + "] pixels");
+}
+
+}  // namespace
+
+void ImageSourceParams::validate() const {
+  if (source.empty())
+    throw std::invalid_argument("source must name a device, a video file, an image or a folder of images");
+  if (encoding != "mono8" && encoding != "bgr8")
+    throw std::invalid_argument("encoding is '" + encoding + "', it must be mono8 or bgr8");
+  requireSide("width", width);
+  requireSide("height", height);
+  if (!(rate >= 0 && rate <= 1000)) throw std::invalid_argument("rate must be in [0, 1000] Hz");
+  if (!fourcc.empty() && fourcc.size() != 4)
+    throw std::invalid_argument("fourcc is '" + fourcc + "', it must be empty or four letters such as MJPG");
+}
+
+std::unique_ptr<ImageSource> makeImageSource(const ImageSourceParams& params) {
+  params.validate();
+  ImageSourceParams found = params;
+  if (!isDevice(params.source)) {
+    found.source = fs::absolute(params.source).lexically_normal().string();
+    if (!fs::exists(found.source))
+      throw std::invalid_argument(
+          found.source + " does not exist: source must name a device, a video file, an image or a folder");
+  } else if (params.preload) {
+    throw std::invalid_argument("preload is for files; the source " + params.source + " is a device");
+  }
+  const auto kind =
+      std::find_if(std::begin(kKinds), std::end(kKinds), [&](const Kind& k) { return k.fits(found.source); });
+  auto source = kind->make(found);
+  if (source->isLive()) return source;
+  requirePicture(*source, found);
+  if (params.preload) return std::make_unique<PreloadedSource>(*source);
+  source->open();
+  return source;
+}
+
+}  // namespace sextant

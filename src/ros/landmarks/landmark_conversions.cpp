@@ -1,0 +1,151 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sextant/ros/landmarks/landmark_conversions.hpp"
+
+#include <Eigen/Cholesky>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+#include "sextant/markers/marker_family.hpp"
+#include "sextant/ros/markers/conversions.hpp"
+
+namespace sextant {
+namespace {
+
+using Eigen::Matrix3d;
+using RowMajor3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+
+constexpr int kPlanar[] = {0, 1, 5};  // x, y, heading among x, y, z, roll, pitch, yaw
+constexpr double kUp = 0.999;         // cosine of the tilt of a frame whose z is up
+constexpr double kFarthest = 1e8;     // metres: beyond, nothing is left of a millimetre
+
+bool isPositiveDefinite(const Eigen::MatrixXd& matrix) {
+  return matrix.allFinite() && matrix.isApprox(matrix.transpose(), 1e-6) &&
+         matrix.llt().info() == Eigen::Success;
+}
+
+std::string nameOf(const LandmarkLabel& label) {
+  return label.class_name + (label.id ? " " + std::to_string(*label.id) : "");
+}
+
+void requireSighting(const LabelledSighting& seen) {
+  const PlaneSighting& sighting = seen.sighting;
+  const auto refuse = [&](const std::string& reason) {
+    throw std::invalid_argument("the sighting of '" + nameOf(seen.label) + "' " + reason);
+  };
+  if (seen.label.class_name.empty()) refuse("has no class_name");
+  if (!sighting.position.allFinite() || std::isinf(sighting.heading.value_or(0)))
+    refuse("has a number that is not finite");
+  const int width = sighting.heading ? 3 : 2;
+  if (!isPositiveDefinite(sighting.covariance.topLeftCorner(width, width)))
+    refuse("has a covariance that is not positive definite");
+}
+
+LabelledSighting fromMsg(const LandmarkSighting& msg, const Pose& T_base_frame) {
+  const Matrix3d& R = T_base_frame.linear();
+  LabelledSighting seen{{msg.class_name, {}}, {{msg.x, msg.y}, {}, Matrix3d::Zero()}};
+  if (msg.id >= 0) seen.label.id = msg.id;
+  if (!std::isnan(msg.heading)) seen.sighting.heading = msg.heading;
+  const int width = seen.sighting.heading ? 3 : 2;
+  seen.sighting.covariance.topLeftCorner(width, width) =
+      Eigen::Map<const RowMajor3>(msg.covariance.data()).topLeftCorner(width, width);
+  requireSighting(seen);
+  const Pose2 T{T_base_frame.translation().head<2>(), std::atan2(R(1, 0), R(0, 0))};
+  seen.sighting.position = T * seen.sighting.position;
+  if (seen.sighting.heading) seen.sighting.heading = wrapped(*seen.sighting.heading + T.heading);
+  Matrix3d turn = Matrix3d::Identity();
+  turn.topLeftCorner<2, 2>() = rotation2(T.heading);
+  seen.sighting.covariance = (turn * seen.sighting.covariance * turn.transpose()).eval();
+  return seen;
+}
+
+/// Probability that the alternative pose of a marker is right.
+double otherPoseOf(const Marker& msg, double corner_sigma) {
+  if (msg.alternative_reprojection_error < 0) return 0;
+  double squares = 0;
+  for (const double sigma : msg.corner_sigmas)
+    squares += std::pow(sigma > 0 ? sigma : corner_sigma, 2) / static_cast<double>(msg.corner_sigmas.size());
+  return probabilityOfOther(msg.reprojection_error, msg.alternative_reprojection_error, std::sqrt(squares));
+}
+
+}  // namespace
+
+Pose toPose(const Pose2& pose) {
+  return poseFromXyzRpy({pose.position.x(), pose.position.y(), 0}, {0, 0, pose.heading});
+}
+
+Pose2 viewOf(const Pose& T_base_frame) {
+  const Eigen::Vector3d x = T_base_frame.linear().col(0), z = T_base_frame.linear().col(2);
+  const Eigen::Vector3d ahead = std::abs(z.z()) < M_SQRT1_2 ? z : x;
+  return {T_base_frame.translation().head<2>(), std::atan2(ahead.y(), ahead.x())};
+}
+
+geometry_msgs::PoseWithCovariance toPoseWithCovarianceMsg(const Pose2& pose, const Matrix3d& covariance) {
+  geometry_msgs::PoseWithCovariance msg;
+  msg.pose = toPoseMsg(toPose(pose));
+  for (int i = 0; i < 3; ++i)
+    for (int k = 0; k < 3; ++k) msg.covariance[6 * kPlanar[i] + kPlanar[k]] = covariance(i, k);
+  return msg;
+}
+
+Pose2 planarFromMsg(const geometry_msgs::Pose& msg) {
+  const Pose pose = fromMsg(msg);
+  if (pose.translation().head<2>().norm() > kFarthest)
+    throw std::invalid_argument("the position is farther from the origin than 1e8 m");
+  return {pose.translation().head<2>(), std::atan2(pose(1, 0), pose(0, 0))};
+}
+
+PlanePoseEstimate planarFromMsg(const geometry_msgs::PoseWithCovariance& msg) {
+  const Matrix6d spatial = fromMsg(msg.covariance);
+  PlanePoseEstimate estimate{planarFromMsg(msg.pose), {}};
+  for (int i = 0; i < 3; ++i)
+    for (int k = 0; k < 3; ++k) estimate.covariance(i, k) = spatial(kPlanar[i], kPlanar[k]);
+  if (!isPositiveDefinite(estimate.covariance))
+    throw std::invalid_argument("the covariance of x, y and heading is not positive definite");
+  return estimate;
+}
+
+std::vector<LabelledSighting> fromMsg(const LandmarkSightings& msg, const Pose& T_base_frame) {
+  if (T_base_frame(2, 2) < kUp)
+    throw std::invalid_argument("the z axis of frame '" + msg.header.frame_id +
+                                "' is not up: tell sightings in base_link or a frame that is level with it");
+  std::vector<LabelledSighting> all;
+  for (const LandmarkSighting& sighting : msg.sightings) all.push_back(fromMsg(sighting, T_base_frame));
+  return all;
+}
+
+std::vector<LabelledSighting> fromMsg(const MarkerArray& msg, const Pose& T_base_camera,
+                                      const MarkerLandmarkParams& params) {
+  std::vector<LabelledSighting> all;
+  for (const Marker& marker : msg.markers) {
+    if (!(marker.size > 0)) continue;
+    all.push_back(markerSighting({canonicalFamily(marker.family), marker.id}, T_base_camera,
+                                 fromMsg(marker.pose.pose), fromMsg(marker.pose.covariance),
+                                 otherPoseOf(marker, params.corner_sigma), params));
+    requireSighting(all.back());
+  }
+  return all;
+}
+
+LandmarkMapEntries toMsg(const LandmarkSlam& slam) {
+  LandmarkMapEntries msg;
+  for (size_t i = 0; i < slam.labels().size(); ++i) {
+    const PlaneLandmark& landmark = slam.filter().landmarks()[i];
+    const int width = landmark.width();
+    LandmarkMapEntry entry;
+    entry.key = slam.keys()[i];
+    entry.class_name = slam.labels()[i].class_name;
+    entry.id = slam.labels()[i].id.value_or(-1);
+    entry.x = landmark.position.x();
+    entry.y = landmark.position.y();
+    entry.heading = landmark.heading.value_or(std::numeric_limits<double>::quiet_NaN());
+    Eigen::Map<RowMajor3>(entry.covariance.data()).topLeftCorner(width, width) =
+        slam.filter().covariance({i}).block(3, 3, width, width);
+    msg.landmarks.push_back(entry);
+  }
+  return msg;
+}
+
+}  // namespace sextant

@@ -1,0 +1,95 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sextant/ros/localization/locator_report.hpp"
+
+#include <diagnostic_msgs/DiagnosticStatus.h>
+
+#include <cmath>
+
+namespace sextant {
+namespace {
+
+using diagnostic_msgs::DiagnosticStatus;
+
+constexpr double kCoordinates = 8.0;  // of a marker's four corners
+
+std::string nameOf(const MarkerKey& key) { return key.family + "/" + std::to_string(key.id); }
+
+}  // namespace
+
+void LocatorReport::result(const LocatorResult& result, bool nothing_seen) {
+  for (const MarkerKey& key : result.unmapped) ++unmapped_[key];
+  for (const MarkerKey& key : result.repeated)
+    trouble_.report("repeated marker",
+                    "marker " + std::to_string(key.id) + " (" + key.family +
+                        ") is in one image more than once and is left out: hang each id once");
+  seen_ = (result.pose ? result.pose->markers.size() : 0) + result.unmapped.size();
+  used_ = 0;
+  if (result.pose) {
+    ++poses_;
+    used_ = result.pose->used().size();
+    reprojection_error_ = result.pose->reprojection_error;
+    addResiduals(*result.pose);
+    trouble_.succeeded();
+    return;
+  }
+  ++reasons_[result.reason];
+  if (nothing_seen)
+    trouble_.succeeded();
+  else
+    trouble_.report("markers in vain", "no pose: " + result.reason);
+}
+
+void LocatorReport::fill(diagnostic_updater::DiagnosticStatusWrapper& status,
+                         const MarkerLocalization& localization, const MarkerMap* map,
+                         const std::vector<std::string>& cameras) {
+  trouble_.fill(status);
+  if (!map)
+    status.summary(DiagnosticStatus::WARN, "no marker map yet");
+  else if (images_ == 0)
+    status.summary(DiagnosticStatus::WARN, "no markers on " + cameras.front());
+  status.add("images", images_);
+  status.add("poses", poses_);
+  latency_.fill(status);
+  status.add("mapped markers in the last image", seen_);
+  status.add("of these used", used_);
+  status.add("reprojection error (px)", reprojection_error_);
+  for (size_t i = 0; i < cameras.size(); ++i)
+    status.addf("corner noise on " + cameras[i] + " (px)", "%.3f",
+                localization.params().locator.corner_sigma * localization.noise().typical(i));
+  status.add("markers in the map", map ? map->markers().size() : 0);
+  for (const auto& [reason, count] : reasons_) status.add("no pose: " + reason, count);
+  for (const auto& [key, count] : unmapped_) status.add("not in the map: " + nameOf(key), count);
+  fillResiduals(status);
+  fillMoved(status, localization);
+}
+
+void LocatorReport::addResiduals(const LocatedPose& pose) {
+  for (const LocatedMarker& marker : pose.markers) {
+    Residuals& residuals = residuals_[marker.key];
+    residuals.squares += marker.squared_distance / kCoordinates;
+    ++residuals.images;
+  }
+}
+
+void LocatorReport::fillResiduals(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  for (const auto& [key, residuals] : residuals_)
+    status.addf("residual against the map (deviations): " + nameOf(key), "%.2f",
+                std::sqrt(residuals.squares / residuals.images));
+  residuals_.clear();
+}
+
+void LocatorReport::fillMoved(diagnostic_updater::DiagnosticStatusWrapper& status,
+                              const MarkerLocalization& localization) {
+  for (const MovedMarker& marker : localization.watch().moved()) {
+    const Eigen::Vector3d& offset = marker.offset;
+    const std::string text = "marker " + std::to_string(marker.key.id) + " (" + marker.key.family +
+                             ") stands " + std::to_string(std::lround(100 * offset.norm())) +
+                             " cm from where the map has it";
+    status.mergeSummary(DiagnosticStatus::WARN, text);
+    status.addf("seen elsewhere than in the map: " + nameOf(marker.key), "by %.3f %.3f %.3f m, in %d images",
+                offset.x(), offset.y(), offset.z(), marker.images);
+  }
+}
+
+}  // namespace sextant

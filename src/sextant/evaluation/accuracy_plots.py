@@ -1,0 +1,143 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Pictures of the accuracy by distance: errors, and the spread of the poses against what was published.
+
+A panel an axis, in centimetres and degrees; logarithmic, because errors grow from millimetres to a metre.
+"""
+
+from pathlib import Path
+from typing import Callable, Sequence, Tuple, Union
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, NullFormatter
+
+from sextant.base.atomic_file import atomic_file
+from sextant.base.plot_colours import COLOURS
+from sextant.evaluation.pose_series import AXES, UNITS, SeriesStatistics
+
+BLUE, RED, GREEN, GREY = COLOURS[0], COLOURS[1], COLOURS[2], "#999999"
+SCALES = (100.0,) * 3 + (180.0 / np.pi,) * 3
+SHOWN = ("cm",) * 3 + ("degrees",) * 3
+FLOOR = 0.05  # of the smallest standard deviation, where a panel ends: what is below is drawn at its rim
+NOTHING = 1e-6  # and not lower than this, centimetres and degrees
+DOTS = 1000  # poses of a distance that are drawn; more are only ink
+
+Panel = Callable[[Axes, Sequence[SeriesStatistics], int], None]
+
+
+def plot_errors(path: Union[str, Path], statistics: Sequence[SeriesStatistics]) -> None:
+    """Bias, standard deviation and RMSE of every axis over the distance.
+
+    :param path: picture file; the ending chooses the format (.png, .pdf, .svg)
+    :param statistics: of one series a distance or more, some with poses or none
+    :raises OSError: the file cannot be written; an old one stays as it was
+    :raises ValueError: no statistics, or an ending that is no picture
+    """
+    _plot(path, statistics, _draw_errors, "error by distance")
+
+
+def plot_spread(path: Union[str, Path], statistics: Sequence[SeriesStatistics]) -> None:
+    """Every pose's deviation from the mean, their standard deviation, and the published one if there is one.
+
+    Parameters and what is raised as plot_errors().
+    """
+    _plot(path, statistics, _draw_spread, "spread of the poses by distance")
+
+
+def _plot(path: Union[str, Path], statistics: Sequence[SeriesStatistics], draw: Panel, title: str) -> None:
+    if not statistics:
+        raise ValueError("there are no statistics to draw")
+    figure = Figure(figsize=(13, 7.5))
+    canvas = FigureCanvasAgg(figure)  # not pyplot: it needs a window system and has a state of its own
+    kind = Path(path).suffix.lstrip(".").lower()
+    if kind not in canvas.get_supported_filetypes():
+        raise ValueError(f"{path}: '{kind}' is no picture format")
+    statistics = sorted(statistics, key=lambda each: each.distance)
+    panels = figure.subplots(2, 3)
+    for axis, axes in enumerate(panels.flat):
+        draw(axes, statistics, axis)
+        _finish(axes, statistics, axis)
+    _add_legend(figure, panels.flat, title)
+    with atomic_file(path, "wb") as file:
+        figure.savefig(file, format=kind, dpi=110)
+
+
+def _draw_errors(axes: Axes, statistics: Sequence[SeriesStatistics], axis: int) -> None:
+    distance, bias, std, rmse = _columns(statistics, axis, "bias", "std", "rmse")
+    _line(axes, distance, rmse, "s-", color=GREY, markersize=10, linewidth=4, alpha=0.6, label="RMSE")
+    _line(axes, distance, std, "o--", color=BLUE, markersize=5, label="standard deviation")
+    _line(axes, distance, bias, "-", color=RED, linewidth=1)
+    for sign, marker, size in ((1.0, "^", "large"), (-1.0, "v", "small")):
+        chosen = np.where(np.copysign(1.0, bias) == sign, bias, np.nan)
+        _line(axes, distance, chosen, marker, color=RED, markersize=7, label=f"bias, estimate too {size}")
+    if np.isnan(bias).all() and np.isfinite(std).any():
+        axes.text(0.5, 0.03, "true value not known: no bias", transform=axes.transAxes, ha="center")
+
+
+def _draw_spread(axes: Axes, statistics: Sequence[SeriesStatistics], axis: int) -> None:
+    distance, std, published = _columns(statistics, axis, "std", "published")
+    random = np.random.default_rng(0)
+    width = _jitter(distance)
+    for each in statistics:
+        poses = each.poses[:: 1 + each.count // DOTS, axis] if each.count > 1 else np.empty(0)
+        at = each.distance + random.uniform(-width, width, len(poses))
+        deviation = SCALES[axis] * (poses - each.mean[axis])
+        _line(axes, at, deviation, ".", color=GREY, markersize=2, alpha=0.5)
+    axes.plot([], [], ".", color=GREY, label="a pose's distance from the mean")
+    _line(axes, distance, std, "o--", color=BLUE, markersize=5, label="standard deviation")
+    if any(np.isfinite(each.published).any() for each in statistics):
+        _line(axes, distance, published, "s-", color=GREEN, markersize=5, label="published")
+
+
+def _columns(statistics: Sequence[SeriesStatistics], axis: int, *names: str) -> Tuple[np.ndarray, ...]:
+    """Distances, and a field a name in the unit that is shown."""
+    distances = np.array([each.distance for each in statistics])
+    values = [[getattr(each, name)[axis] for each in statistics] for name in names]
+    return (distances, *(SCALES[axis] * np.array(each) for each in values))
+
+
+def _line(axes: Axes, distances: np.ndarray, values: np.ndarray, form: str, **style: object) -> None:
+    """Sizes of what is a number; a logarithmic axis has no zero."""
+    known = np.isfinite(values)
+    axes.plot(distances[known], np.maximum(np.abs(values[known]), np.finfo(float).tiny), form, **style)
+
+
+def _jitter(distances: np.ndarray) -> float:
+    """A fifth of the closest two distances' difference, so that their dots do not mix."""
+    gaps = np.diff(np.unique(distances))
+    return 0.2 * float(min(gaps, default=0.5))
+
+
+def _finish(axes: Axes, statistics: Sequence[SeriesStatistics], axis: int) -> None:
+    unit = UNITS[AXES.index(statistics[0].axis)]
+    axes.set(yscale="log", title=AXES[axis], ylabel=SHOWN[axis], xlabel=f"true {statistics[0].axis}, {unit}")
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axes.yaxis.set_minor_formatter(NullFormatter())
+    axes.locator_params(axis="x", nbins=7)
+    axes.grid(which="major", alpha=0.4)
+    axes.grid(which="minor", alpha=0.12)
+    _limit(axes, statistics, axis)
+    for each in statistics:
+        if each.count == 0:
+            axes.axvline(each.distance, color="black", linestyle=":", linewidth=1)
+            place = dict(transform=axes.get_xaxis_transform(), rotation=90, va="top", ha="right")
+            axes.text(each.distance, 0.97, "no pose", **place)
+
+
+def _limit(axes: Axes, statistics: Sequence[SeriesStatistics], axis: int) -> None:
+    deviations = [SCALES[axis] * each.std[axis] for each in statistics if each.std[axis] > 0.0]
+    largest = max((max(line.get_ydata(), default=0.0) for line in axes.lines), default=0.0)
+    lowest = max(FLOOR * min(deviations, default=largest), NOTHING)
+    axes.set_ylim(lowest, max(2.0 * largest, 100.0 * lowest))
+    for line in axes.lines:
+        line.set_ydata(np.maximum(line.get_ydata(), lowest))
+
+
+def _add_legend(figure: Figure, panels: Sequence[Axes], title: str) -> None:
+    handles, labels = panels[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="lower center", ncol=len(labels), frameon=False)
+    figure.suptitle(title, fontsize=14)
+    figure.subplots_adjust(left=0.06, right=0.985, bottom=0.13, top=0.9, wspace=0.2, hspace=0.34)

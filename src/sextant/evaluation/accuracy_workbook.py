@@ -1,0 +1,235 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""The accuracy statistics as a workbook for a spreadsheet program.
+
+Its numbers are formulas over the raw poses: an outlier's row can be deleted, and everything follows.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import List, Optional, Sequence, Union
+
+import numpy as np
+from openpyxl import Workbook
+from openpyxl.cell.cell import ILLEGAL_CHARACTERS_RE
+from openpyxl.styles import Alignment, Border, Font, PatternFill, Side
+from openpyxl.utils import get_column_letter
+from openpyxl.worksheet.worksheet import Worksheet
+
+from sextant.base.atomic_file import atomic_file
+from sextant.evaluation.pose_series import AXES, UNITS, PoseSeries, SeriesStatistics, published_sigmas
+from sextant.evaluation.trajectory import seconds_text
+
+FIRST_ROW = 2  # of the data, below the headings
+FIRST_AXIS = 4  # column of x in a sheet of raw poses
+TEXT, DECIMAL, POWER, INTEGER = "General", "0.00000", "0.00E+00", "0"
+UNDEFINED, UNKNOWN = "undefined", "unknown"  # one pose has no deviation; nobody measured that axis
+
+FONT = "Calibri"
+HEADING = dict(
+    font=Font(FONT, bold=True, color="FFFFFF"),
+    fill=PatternFill("solid", fgColor="0072B2"),
+    alignment=Alignment(horizontal="center", vertical="center", wrap_text=True),
+)
+LEFT, RIGHT = Alignment(horizontal="left", indent=1), Alignment(horizontal="right")
+RULE = Border(top=Side(style="thin", color="808080"))
+
+SUMMARY_NOTES = (
+    "Everything but truth and published is a formula over the raw poses: delete an outlier's row there, and"
+    " the numbers follow. std is divided by N - 1, RMSE by N; bias = mean - truth.",
+    "published: root of the mean variance that came with the poses. Honest covariances tell about the std.",
+    "roll, pitch, yaw: about the fixed axes of the reference, R = Rz(yaw) Ry(pitch) Rx(roll). Angles that"
+    " wrap are moved by whole turns to lie next to each other; their columns say so.",
+)
+COVARIANCE_NOTES = ("About the mean, divided by N - 1. The unit is the row's times the column's.",)
+BAGS_NOTES = (
+    "stale: left out, stamped before the bag began. invalid: left out, not finite or no rotation.",
+)
+
+
+class _Formula(str):
+    """What is not one is a text, even a bag's name that begins with =."""
+
+
+@dataclass(frozen=True)
+class _Column:
+    heading: str
+    width: float
+    format: str = TEXT
+
+
+def write_workbook(
+    path: Union[str, Path], series: Sequence[PoseSeries], statistics: Sequence[SeriesStatistics]
+) -> None:
+    """Writes summary, covariances, bags and the raw poses of every distance, whole or not at all.
+
+    :param path: ends in .xlsx
+    :param series: as by_distance() gives them
+    :param statistics: of each series, in the same order
+    :raises OSError: the file cannot be written
+    :raises ValueError: another ending, no series, statistics of others, or a distance twice
+    """
+    if not str(path).lower().endswith(".xlsx"):
+        raise ValueError(f"{path}: the workbook's name has to end in .xlsx")
+    if not series or [each.distance for each in series] != [each.distance for each in statistics]:
+        raise ValueError("a workbook needs series, and the statistics of each of them in the same order")
+    if len({each.label for each in statistics}) < len(statistics):
+        raise ValueError("two series have the same distance: join them with by_distance()")
+    book = Workbook()
+    book.remove(book.active)
+    book.properties.creator = "sextant"
+    _write_summary(book.create_sheet("summary"), statistics)
+    _write_covariances(book.create_sheet("covariance"), statistics)
+    _write_bags(book.create_sheet("bags"), series, statistics)
+    for each, of in zip(series, statistics):
+        _write_poses(book.create_sheet(of.label), each, of)
+    with atomic_file(path, "wb") as file:
+        book.save(file)
+
+
+def _write_summary(sheet: Worksheet, statistics: Sequence[SeriesStatistics]) -> None:
+    columns = [_distance_column(statistics), _Column("axis", 8), _Column("unit", 7), _Column("N", 8, INTEGER)]
+    columns += [_Column(name, 13, DECIMAL) for name in ("truth", "mean", "std", "bias", "RMSE", "published")]
+    _start(sheet, columns, "C2")
+    row = FIRST_ROW
+    for each in statistics:
+        for axis in range(6):
+            values = [each.distance, AXES[axis], UNITS[axis], *_summary(each, axis, row)]
+            _write_row(sheet, row, values, columns, rule=axis == 0)
+            row += 1
+    sheet.auto_filter.ref = f"A1:{get_column_letter(len(columns))}{row - 1}"
+    _write_notes(sheet, SUMMARY_NOTES, row + 1, len(columns))
+
+
+def _summary(of: SeriesStatistics, axis: int, row: int) -> List[object]:
+    truth, published = _number(of.truth[axis], UNKNOWN), _number(of.published[axis], "none")
+    raw = _raw_cells(of, axis)
+    if raw is None:
+        return [0, truth, *[UNDEFINED] * 4, published]
+    return [
+        _Formula(f"=COUNT({raw})"),
+        truth,
+        _Formula(f'=IF(D{row}>0,AVERAGE({raw}),"{UNDEFINED}")'),
+        _Formula(f'=IF(D{row}>1,STDEV({raw}),"{UNDEFINED}")'),
+        _Formula(f'=IF(AND(D{row}>0,ISNUMBER(E{row})),F{row}-E{row},"{UNKNOWN}")'),
+        # The mean square about the truth is the variance, divided by N, plus the squared bias.
+        _Formula(f'=IF(ISNUMBER(H{row}),SQRT(VARP({raw})+H{row}^2),"{UNKNOWN}")'),
+        published,
+    ]
+
+
+def _distance_column(statistics: Sequence[SeriesStatistics]) -> _Column:
+    """Numbers that show their unit: they can be sorted and drawn."""
+    unit = UNITS[AXES.index(statistics[0].axis)]
+    return _Column("distance", 12, f'General" {unit}"')
+
+
+def _raw_cells(of: SeriesStatistics, axis: int) -> Optional[str]:
+    """The cells of an axis in the sheet of a distance, None without poses."""
+    column = get_column_letter(FIRST_AXIS + axis)
+    last = FIRST_ROW + of.count - 1
+    return f"'{of.label}'!${column}${FIRST_ROW}:${column}${last}" if of.count else None
+
+
+def _write_covariances(sheet: Worksheet, statistics: Sequence[SeriesStatistics]) -> None:
+    names = [f"{axis}, {unit}" for axis, unit in zip(AXES, UNITS)]
+    columns = [_distance_column(statistics), _Column("axis", 13)]
+    columns += [_Column(name, 13, POWER) for name in names]
+    _start(sheet, columns, "C2")
+    row = FIRST_ROW
+    for each in statistics:
+        for i, name in enumerate(names):
+            values = [each.distance, name, *[_covariance(each, i, j) for j in range(6)]]
+            _write_row(sheet, row, values, columns, rule=i == 0)
+            row += 1
+    _write_notes(sheet, COVARIANCE_NOTES, row + 1, len(columns))
+
+
+def _covariance(of: SeriesStatistics, i: int, j: int) -> str:
+    """COVAR divides by N, and is old enough for every spreadsheet program."""
+    first, second = _raw_cells(of, i), _raw_cells(of, j)
+    count = f"COUNT({first})"
+    formula = f'=IF({count}>1,COVAR({first},{second})*{count}/({count}-1),"{UNDEFINED}")'
+    return _Formula(formula) if first else UNDEFINED
+
+
+def _write_bags(
+    sheet: Worksheet, series: Sequence[PoseSeries], statistics: Sequence[SeriesStatistics]
+) -> None:
+    columns = [_distance_column(statistics), _Column("bag", 60)]
+    columns += [_Column(name, 12, INTEGER) for name in ("poses", "stale", "invalid")]
+    _start(sheet, columns, "A2")
+    counts = [(each.distance, count) for each in series for count in each.counts]
+    for row, (distance, count) in enumerate(counts, FIRST_ROW):
+        _write_row(sheet, row, [distance, count.bag, count.poses, count.stale, count.invalid], columns)
+    _write_notes(sheet, BAGS_NOTES, FIRST_ROW + len(counts) + 1, len(columns))
+
+
+def _write_poses(sheet: Worksheet, series: PoseSeries, of: SeriesStatistics) -> None:
+    columns = _pose_columns(series, of)
+    _start(sheet, columns, "D2", landscape=True)
+    sigmas = published_sigmas(series)[:, : len(columns) - FIRST_AXIS - 5]
+    begins = {bag: int(series.stamps[series.bags == bag].min()) for bag in set(series.bags)}
+    rows = zip(series.stamps.tolist(), series.bags, of.poses, sigmas)
+    for row, (stamp, bag, pose, sigma) in enumerate(rows, FIRST_ROW):
+        numbers = [_number(value, "") for value in (*pose, *sigma)]
+        _write_row(sheet, row, [(stamp - begins[bag]) * 1e-9, seconds_text(stamp), bag, *numbers], columns)
+    if of.count == 0:
+        _write_notes(sheet, ("No pose from here.",), FIRST_ROW, len(columns))
+
+
+def _pose_columns(series: PoseSeries, of: SeriesStatistics) -> List[_Column]:
+    moved = (of.poses != series.poses).any(axis=0)
+    remarks = [", moved by whole turns" if each else "" for each in moved]
+    columns = [_Column("time in the bag, s", 12, DECIMAL), _Column("stamp, s", 22), _Column("bag", 24)]
+    columns += [_Column(f"{a}, {u}{remark}", 13, DECIMAL) for a, u, remark in zip(AXES, UNITS, remarks)]
+    if np.isfinite(series.covariances).any():
+        columns += [_Column(f"sigma {a}, {u}", 11, DECIMAL) for a, u in zip(AXES, UNITS)]
+    return columns
+
+
+def _start(sheet: Worksheet, columns: Sequence[_Column], frozen: str, landscape: bool = False) -> None:
+    """Headings that stay in sight, and pages of the sheet's whole width."""
+    for number, column in enumerate(columns, 1):
+        cell = sheet.cell(1, number, column.heading)
+        for name, style in HEADING.items():
+            setattr(cell, name, style)
+        sheet.column_dimensions[get_column_letter(number)].width = column.width
+    sheet.row_dimensions[1].height = 46 if landscape else 24
+    sheet.freeze_panes = frozen
+    sheet.print_title_rows = "$1:$1"
+    sheet.page_setup.orientation = "landscape" if landscape else "portrait"
+    sheet.page_setup.paperSize = sheet.PAPERSIZE_A4
+    sheet.page_setup.fitToHeight = 0  # as many pages as it takes
+    sheet.sheet_properties.pageSetUpPr.fitToPage = True
+    sheet.print_options.horizontalCentered = True
+    sheet.oddHeader.center.text = "&A"
+    sheet.oddFooter.center.text = "&P / &N"
+
+
+def _write_row(
+    sheet: Worksheet, row: int, values: Sequence[object], columns: Sequence[_Column], rule: bool = False
+) -> None:
+    for number, (value, column) in enumerate(zip(values, columns), 1):
+        if isinstance(value, str) and not isinstance(value, _Formula):
+            value = ILLEGAL_CHARACTERS_RE.sub("?", value.encode("utf-8", "replace").decode())
+        cell = sheet.cell(row, number, value)
+        cell.number_format = column.format
+        if isinstance(value, str):
+            cell.data_type = "f" if isinstance(value, _Formula) else "s"
+        cell.alignment = RIGHT if column.format != TEXT else LEFT
+        if rule:
+            cell.border = RULE
+
+
+def _write_notes(sheet: Worksheet, notes: Sequence[str], first: int, width: int) -> None:
+    for row, note in enumerate(notes, first):
+        sheet.merge_cells(start_row=row, end_row=row, start_column=1, end_column=width)
+        cell = sheet.cell(row, 1, note)
+        cell.font = Font(FONT, italic=True, color="404040")
+        cell.alignment = Alignment(wrap_text=True, vertical="top")
+        sheet.row_dimensions[row].height = 30
+
+
+def _number(value: float, otherwise: str) -> Union[float, str]:
+    return float(value) if np.isfinite(value) else otherwise

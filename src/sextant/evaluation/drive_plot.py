@@ -1,0 +1,93 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Picture of a drive: seen from above, and its errors over time."""
+
+from itertools import cycle
+from pathlib import Path
+from typing import Mapping, Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from sextant.base.atomic_file import atomic_file
+from sextant.base.plot_colours import COLOURS
+from sextant.evaluation.trajectory import Trajectory, TrajectoryErrors, trajectory_errors
+
+
+def plot_drive(
+    path: str, truth: Trajectory, estimates: Mapping[str, Trajectory], markers: Sequence = ()
+) -> None:
+    """Writes the picture of a drive.
+
+    :param path: picture file; the ending chooses the format (.png, .pdf, .svg)
+    :param truth: the true trajectory, at least one pose
+    :param estimates: trajectories by name; every stamp is one of truth's
+    :param markers: of the map (sextant.MappedMarker), drawn as the walls' boards seen from above
+    :raises OSError: the file cannot be written
+    :raises ValueError: as trajectory_errors(), or an ending that is no picture
+    """
+    errors = {name: trajectory_errors(truth, estimate) for name, estimate in estimates.items()}
+    figure = Figure(figsize=(13, 6.5))
+    FigureCanvasAgg(figure)  # not pyplot: it needs a window system and has a state of its own
+    grid = figure.add_gridspec(2, 2, left=0.05, right=0.98, bottom=0.08, top=0.94, wspace=0.16, hspace=0.22)
+    _draw_top_view(figure.add_subplot(grid[:, 0]), truth, estimates, markers)
+    start = min(truth)
+    _draw_errors(figure.add_subplot(grid[0, 1]), errors, start, "position", 100.0, "position error, cm")
+    _draw_errors(
+        figure.add_subplot(grid[1, 1]), errors, start, "angle", 180.0 / np.pi, "angle error, degrees"
+    )
+    with atomic_file(path, "wb") as file:
+        figure.savefig(file, format=Path(path).suffix.lstrip("."), dpi=110)
+
+
+def _draw_top_view(
+    axes: Axes, truth: Trajectory, estimates: Mapping[str, Trajectory], markers: Sequence
+) -> None:
+    for colour, (name, estimate) in zip(cycle(COLOURS), estimates.items()):
+        axes.plot(*_positions(estimate), ".", color=colour, markersize=3, label=name)
+    axes.plot(*_positions(truth), "-", color="black", linewidth=1.0, label="truth")
+    for marker in markers:
+        _draw_marker(axes, marker)
+    x, y = _positions(truth)
+    _fit(
+        axes,
+        [*x, *(marker.T_map_marker[0, 3] for marker in markers)],
+        [*y, *(marker.T_map_marker[1, 3] for marker in markers)],
+    )
+    axes.set(title="from above", xlabel="x, m", ylabel="y, m", aspect="equal")
+    axes.legend(loc="lower right", markerscale=3)
+    axes.grid(alpha=0.3)
+
+
+def _fit(axes: Axes, x: Sequence[float], y: Sequence[float]) -> None:
+    """The truth and the map decide what is shown: one wild pose does not shrink the drive to a dot."""
+    axes.set_xlim(min(x) - 0.5, max(x) + 0.5)
+    axes.set_ylim(min(y) - 0.5, max(y) + 0.5)
+
+
+def _draw_marker(axes: Axes, marker) -> None:
+    T = np.asarray(marker.T_map_marker)
+    half = 0.5 * marker.size * T[:2, 0]
+    centre = T[:2, 3]
+    axes.plot(
+        *np.stack([centre - half, centre + half], axis=1), color="black", linewidth=4, solid_capstyle="butt"
+    )
+    behind = centre - 0.25 * T[:2, 2]
+    axes.text(*behind, str(marker.id), ha="center", va="center", clip_on=True)
+
+
+def _draw_errors(
+    axes: Axes, errors: Mapping[str, TrajectoryErrors], start: int, field: str, scale: float, label: str
+) -> None:
+    for colour, (name, series) in zip(cycle(COLOURS), errors.items()):
+        values = np.maximum(getattr(series, field) * scale, 1e-3)  # a logarithmic axis has no zero
+        axes.plot((series.stamps - start) * 1e-9, values, ".", color=colour, markersize=3, label=name)
+    axes.set(xlabel="time, s", ylabel=label, yscale="log")
+    axes.grid(which="both", alpha=0.3)
+
+
+def _positions(trajectory: Trajectory) -> np.ndarray:
+    """(2, N) x and y in the order of the stamps, metres."""
+    return np.array([trajectory[stamp][:2, 3] for stamp in sorted(trajectory)]).reshape(-1, 2).T

@@ -1,0 +1,233 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Tells how exact the poses of a running system are: at measured places, or against a truth that is heard."""
+
+import threading
+import time
+from collections import deque
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Callable, Dict, List, Union
+
+import numpy as np
+import rospy
+import tf2_ros
+from geometry_msgs.msg import PoseWithCovarianceStamped
+from nav_msgs.msg import Odometry
+from std_srvs.srv import Trigger, TriggerResponse
+
+from sextant.base.strict_params import each, not_empty, one_of, param, within
+from sextant.evaluation.accuracy_report import AccuracyFiles, write_accuracy
+from sextant.evaluation.drive_accuracy import compare, drive_table
+from sextant.evaluation.heard_drive import ClockSetBack, HeardDrive
+from sextant.evaluation.pose_series import (
+    AXES,
+    PoseSeries,
+    SeriesStatistics,
+    Truths,
+    by_distance,
+    pose_series,
+    series_statistics,
+)
+from sextant.evaluation.trajectory_metrics import RPE
+from sextant.geometry.poses import pose_of_fields
+from sextant.nodes.base.conversions import pose_from_message
+from sextant.nodes.base.params import read_params
+from sextant.srv import MeasureAccuracy, MeasureAccuracyResponse
+
+TF_PATIENCE = 5 * 10**9  # nanoseconds that tf may come later than the pose
+
+
+@dataclass(frozen=True)
+class AccuracyParams:
+    """What is known of the truth, and where the files go."""
+
+    axis: str = param("z", one_of(*AXES))  # which the measured places are values of
+    true: Dict[str, float] = param({}, each(within(-1000.0, 1000.0)))  # of others, m and rad; else unknown
+    output: str = param("accuracy", not_empty)  # the files' names begin with it
+    truth_frame: str = param("")  # of the robot's true base in tf; empty: the topic ground_truth tells it
+
+    def truths(self) -> Truths:
+        """:raises ValueError: an axis that there is not, or the measured one among the others"""
+        unknown = dict.fromkeys(axis for axis in AXES if axis != self.axis)
+        truths = Truths(self.axis, {**unknown, **self.true})
+        truths.at(0.0)
+        return truths
+
+
+class AccuracyListener:
+    """Hears `pose`, answers ~measure, ~write, ~compare and ~reset."""
+
+    def __init__(self, params: AccuracyParams):
+        self._params, self._truths = params, params.truths()
+        self._truth_frame = params.truth_frame.lstrip("/")
+        self._lock, self._measuring = threading.Lock(), threading.Lock()
+        self._drive = HeardDrive()
+        self._series: List[PoseSeries] = []
+        self._tf = tf2_ros.Buffer(cache_time=rospy.Duration(30.0))
+        self._inputs: list = [rospy.Subscriber("pose", PoseWithCovarianceStamped, self._on_pose)]
+        if self._truth_frame:
+            self._inputs.append(tf2_ros.TransformListener(self._tf))
+            self._inputs.append(rospy.Timer(rospy.Duration(0.5), self._look, reset=True))
+        else:
+            self._inputs.append(rospy.Subscriber("ground_truth", Odometry, self._on_truth))
+        self._services = [
+            rospy.Service("~measure", MeasureAccuracy, self._on_measure),
+            rospy.Service("~write", Trigger, lambda _: self._answer(self._write)),
+            rospy.Service("~compare", Trigger, lambda _: self._answer(self._compare)),
+            rospy.Service("~reset", Trigger, self._on_reset),
+        ]
+
+    # ---- what is heard
+
+    def _on_pose(self, message: PoseWithCovarianceStamped) -> None:
+        def add(drive: HeardDrive, frame: str, stamp: int, T: np.ndarray) -> None:
+            drive.add_pose(frame, stamp, T, np.reshape(message.pose.covariance, (6, 6)))
+            if self._truth_frame:
+                drive.awaited.append(stamp)
+
+        self._add("pose", message, add)
+
+    def _on_truth(self, message: Odometry) -> None:
+        self._add("truth", message, HeardDrive.add_truth)
+
+    def _add(
+        self,
+        what: str,
+        message: Union[PoseWithCovarianceStamped, Odometry],
+        add: Callable[[HeardDrive, str, int, np.ndarray], None],
+    ) -> None:
+        frame, stamp = message.header.frame_id.lstrip("/"), message.header.stamp.to_nsec()
+        try:
+            T = pose_from_message(message.pose.pose)
+            with self._lock:
+                try:
+                    add(self._drive, frame, stamp, T)
+                except ClockSetBack:
+                    rospy.logwarn("%s: the clock was set back: what was heard is forgotten", rospy.get_name())
+                    self._drive = HeardDrive()
+                    self._tf.clear()
+                    add(self._drive, frame, stamp, T)
+        except ValueError as error:
+            rospy.logwarn_throttle(10.0, "%s: a %s is left out: %s", rospy.get_name(), what, error)
+
+    def _look(self, _event) -> None:
+        """Asks tf for the truth of the poses that have none yet."""
+        with self._lock:
+            drive = self._drive
+            awaited, drive.awaited = drive.awaited, deque()
+        late = [stamp for stamp in awaited if not self._found(drive, stamp)]
+        with self._lock:
+            drive.awaited.extendleft(reversed(late))
+
+    def _found(self, drive: HeardDrive, stamp: int) -> bool:
+        """False: it may still come."""
+        at = rospy.Time(*divmod(stamp, 10**9))
+        try:
+            found = self._tf.lookup_transform(drive.frame, self._truth_frame, at).transform
+        except tf2_ros.TransformException as error:
+            if rospy.Time.now().to_nsec() - stamp < TF_PATIENCE:
+                return False
+            rospy.logwarn_throttle(10.0, "%s: a pose has no truth: %s", rospy.get_name(), error)
+            return True
+        with self._lock:
+            drive.add_truth_of_pose(stamp, pose_of_fields(found.translation, found.rotation))
+        return True
+
+    # ---- what is asked
+
+    def _on_measure(self, request) -> MeasureAccuracyResponse:
+        if not (np.isfinite(request.value) and 0.0 < request.seconds <= 3600.0):
+            return _refusal("value must be finite, seconds within (0, 3600]")
+        if not self._measuring.acquire(blocking=False):
+            return _refusal("it is measuring already: ask again when that is done")
+        try:
+            series = self._measured(request.value, request.seconds)
+        except ValueError as error:
+            return _refusal(str(error))
+        finally:
+            self._measuring.release()
+        with self._lock:
+            self._series.append(series)
+        return _response(series_statistics(series, self._truths))
+
+    def _measured(self, value: float, seconds: float) -> PoseSeries:
+        """Of what comes from now on. By the wall's clock: a simulation may pause.
+
+        :raises ValueError: no pose came
+        """
+        begin = rospy.Time.now().to_nsec()
+        time.sleep(seconds)
+        with self._lock:
+            frame, heard = self._drive.frame, self._drive.since(begin)
+        if not heard:
+            raise ValueError(self._silence(begin, seconds))
+        stamps, poses, covariances = zip(*heard)
+        name = f"measured at {begin / 1e9:.1f} s"
+        return pose_series(value, name, stamps, np.array(poses), np.array(covariances), frame=frame)
+
+    def _silence(self, begin: int, seconds: float) -> str:
+        topic = rospy.resolve_name("pose")
+        with self._lock:
+            newest = max((stamp for stamp, _, _ in self._drive.poses), default=None)
+        if newest is None:
+            return f"no pose was ever heard on {topic}"
+        before = f"the newest {(begin - newest) / 1e9:.1f} s before"
+        return f"in {seconds:g} s no pose on {topic} was stamped after you asked, {before}"
+
+    def _on_reset(self, _request) -> TriggerResponse:
+        if self._measuring.locked():
+            return TriggerResponse(False, "it is measuring: ask again when that is done")
+        with self._lock:
+            self._drive, self._series = HeardDrive(), []
+        return TriggerResponse(True, "everything is forgotten")
+
+    @staticmethod
+    def _answer(work) -> TriggerResponse:
+        try:
+            return TriggerResponse(True, "\n".join(work()))
+        except (OSError, ValueError) as error:
+            return TriggerResponse(False, str(error))
+
+    def _write(self) -> List[str]:
+        with self._lock:
+            series = by_distance(self._series)
+        if not series:
+            raise ValueError("nothing was measured yet: ~measure does it")
+        statistics = [series_statistics(each, self._truths) for each in series]
+        files = AccuracyFiles.named(Path(self._params.output).resolve())
+        return write_accuracy(files, series, statistics, None)
+
+    def _compare(self) -> List[str]:
+        with self._lock:
+            poses, truth = list(self._drive.poses), dict(self._drive.truth)
+        if not poses or not truth:
+            raise ValueError(f"{len(poses)} poses and {len(truth)} truths were heard: both are needed")
+        stamps, T, P = zip(*poses)
+        return drive_table({"the last hour": compare(truth, stamps, np.array(T), np.array(P), RPE)}, RPE)
+
+
+def _refusal(message: str) -> MeasureAccuracyResponse:
+    none, no_covariance = [np.nan] * 6, [np.nan] * 36
+    return MeasureAccuracyResponse(False, message, 0, none, none, none, none, none, no_covariance)
+
+
+def _response(of: SeriesStatistics) -> MeasureAccuracyResponse:
+    position = zip(AXES, 100.0 * of.bias[:3], 100.0 * of.std[:3])
+    told = ", ".join(f"{axis} {'?' if np.isnan(b) else f'{b:+.1f}'} +- {s:.1f}" for axis, b, s in position)
+    return MeasureAccuracyResponse(
+        True, f"{of.count} poses at {of.axis} = {of.label}; bias and deviation, cm: {told}", of.count,
+        of.mean, of.std, of.bias, of.rmse, of.published, of.covariance.ravel(),
+    )  # fmt: skip
+
+
+def main() -> None:
+    rospy.init_node("accuracy_listener")
+    params = read_params(AccuracyParams)
+    try:
+        listener = AccuracyListener(params)
+    except ValueError as error:
+        rospy.logfatal("%s: %s", rospy.get_name(), error)
+        raise SystemExit(1) from None
+    rospy.spin()
+    del listener

@@ -1,0 +1,113 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Says where the markers of a map file are: to tf, to the locators and to rviz."""
+
+import sys
+import threading
+from dataclasses import dataclass
+from typing import Dict
+
+import rospy
+from std_srvs.srv import Trigger, TriggerResponse
+from tf2_msgs.msg import TFMessage
+from visualization_msgs.msg import MarkerArray
+
+import sextant
+from sextant.base.strict_params import not_empty, param, required
+from sextant.msg import MarkerMapEntries
+from sextant.nodes.base.params import read_params
+from sextant.nodes.markers.marker_map_messages import (
+    map_to_message,
+    map_to_transforms,
+    map_to_visualization,
+    marker_from_entry,
+)
+from sextant.srv import AddMarker, AddMarkerResponse
+
+
+def _ids(sizes: Dict[str, float]) -> str:
+    return "" if all(key.isdecimal() for key in sizes) else "must have marker ids as keys"
+
+
+_TEXT = sextant.TextMapParams()
+
+
+@dataclass(frozen=True)
+class BroadcasterParams:
+    """All but map_file say what the plain text format leaves open; a YAML map says it itself."""
+
+    map_file: str = required(not_empty)
+    frame: str = param(_TEXT.frame)  # parent of every line
+    family: str = param(_TEXT.family)  # of every marker
+    size: float = param(_TEXT.size)  # edge length, metres
+    sizes: Dict[str, float] = param({}, _ids)  # edge length of single ids, metres
+    parents: Dict[str, str] = param({})  # parent of a frame that is no marker; default: the map frame
+
+    def text(self) -> sextant.TextMapParams:
+        """:raises ValueError: a value out of range"""
+        text = sextant.TextMapParams()
+        text.frame, text.family, text.size = self.frame, self.family, self.size
+        text.sizes = {int(id): size for id, size in self.sizes.items()}
+        text.parents = self.parents
+        text.validate()
+        return text
+
+
+class MarkerBroadcaster:
+    """Holds the running map; its topics are latched, so that whoever joins late hears it as well.
+
+    :raises ValueError: a parameter is out of range
+    :raises RuntimeError: the map file cannot be read: "file:line: reason"
+    """
+
+    def __init__(self, params: BroadcasterParams):
+        self._path, self._text = params.map_file, params.text()
+        self._lock = threading.Lock()  # rospy serves every call in a thread of its own
+        marker_map = sextant.read_marker_map(self._path, self._text)
+        # not tf2_ros.StaticTransformBroadcaster: it would keep the frames of removed markers for ever
+        self._tf = rospy.Publisher("/tf_static", TFMessage, queue_size=1, latch=True)
+        self._entries = rospy.Publisher("marker_map/entries", MarkerMapEntries, queue_size=1, latch=True)
+        self._boards = rospy.Publisher("marker_map", MarkerArray, queue_size=1, latch=True)
+        self._publish(marker_map)
+        rospy.Service("reload", Trigger, self._reload)
+        rospy.Service("add_marker", AddMarker, self._add_marker)
+
+    def _publish(self, marker_map: sextant.MarkerMap) -> None:
+        stamp = rospy.Time.now()
+        self._map = marker_map
+        self._tf.publish(map_to_transforms(marker_map, stamp))
+        self._entries.publish(map_to_message(marker_map, stamp))
+        self._boards.publish(map_to_visualization(marker_map))
+        rospy.loginfo("%s: %d markers in frame '%s'", self._path, len(marker_map.markers), marker_map.frame)
+
+    def _reload(self, _request) -> TriggerResponse:
+        with self._lock:
+            try:
+                self._publish(sextant.read_marker_map(self._path, self._text))
+            except RuntimeError as error:
+                rospy.logerr("map not reloaded, the old one stays: %s", error)
+                return TriggerResponse(False, str(error))
+            return TriggerResponse(True, f"{len(self._map.markers)} markers")
+
+    def _add_marker(self, request) -> AddMarkerResponse:
+        with self._lock:
+            try:
+                added = sextant.MarkerMap(self._map)
+                added.set(marker_from_entry(request.marker))
+                if request.save:
+                    sextant.write_marker_map(added, self._path, self._text)
+            except (ValueError, RuntimeError) as error:
+                return AddMarkerResponse(False, str(error))
+            self._publish(added)
+            return AddMarkerResponse(True, f"{len(added.markers)} markers" + ", saved" * request.save)
+
+
+def main() -> None:
+    rospy.init_node("marker_broadcaster")
+    try:
+        broadcaster = MarkerBroadcaster(read_params(BroadcasterParams))
+    except (ValueError, RuntimeError) as error:
+        rospy.logfatal("%s: %s", rospy.get_name(), error)
+        sys.exit(1)
+    rospy.spin()
+    del broadcaster

@@ -1,0 +1,49 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""The locator of objects for a colour and a depth camera that camera_info and tf tell of."""
+
+from typing import Any, Optional, Tuple
+
+import numpy as np
+from sensor_msgs.msg import CameraInfo
+
+from sextant.geometry.pinhole_camera import PinholeCamera
+from sextant.nodes.objects.camera_geometry import CameraGeometry, same_pose
+from sextant.objects.object_locator import LocatorSettings, ObjectLocator
+
+COLOUR, DEPTH = "camera_info", "depth/camera_info"
+
+
+class RgbdLocator:
+    """Made anew when a calibration changes, or where one camera is beside the other."""
+
+    def __init__(self, settings: LocatorSettings, base_frame: str):
+        self._settings, self._base_frame = settings, base_frame
+        self._geometry = CameraGeometry()
+        self._locator: Optional[ObjectLocator] = None
+        self._made_for: Tuple[PinholeCamera, ...] = ()
+        self._T_colour_depth = np.eye(4)
+
+    def hear(self, topic: str, info: CameraInfo) -> None:
+        """:param topic: COLOUR or DEPTH"""
+        self._geometry.hear(topic, info)
+
+    @property
+    def colour(self) -> PinholeCamera:
+        """:raises ValueError: it is not known, or cannot be"""
+        return self._geometry.camera(COLOUR)
+
+    def at(self, colour: Any, depth: Any) -> Tuple[ObjectLocator, np.ndarray]:
+        """The locator and T_base_colour (4, 4).
+
+        :param colour: header of the picture. :param depth: of the depth image
+        :raises ValueError: a camera is not known, or nothing connects two frames; names them
+        """
+        T_base_colour = self._geometry.transform(self._base_frame, colour.frame_id, colour.stamp)
+        T_colour_depth = self._geometry.transform(colour.frame_id, depth.frame_id, colour.stamp)
+        cameras = self.colour, self._geometry.camera(DEPTH)
+        is_same = cameras == self._made_for and same_pose(T_colour_depth, self._T_colour_depth)
+        if self._locator is None or not is_same:
+            self._locator = ObjectLocator(self._settings, *cameras, T_colour_depth)
+            self._made_for, self._T_colour_depth = cameras, T_colour_depth
+        return self._locator, T_base_colour

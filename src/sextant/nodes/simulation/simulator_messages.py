@@ -1,0 +1,52 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""What a simulated drive reports, as messages."""
+
+import numpy as np
+from geometry_msgs.msg import TransformStamped, Twist, Vector3
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import CameraInfo
+from std_msgs.msg import Header
+
+import sextant
+from sextant.nodes.base.conversions import pose_to_message, transform_to_message
+from sextant.simulation.motion import Motion
+from sextant.simulation.odometry import OdometryReading
+
+# Filters take no zero: what wheels on a floor cannot tell is all but exact (m^2, rad^2).
+SMALLEST_VARIANCE = 1e-6
+PLANAR = [0, 1, 5]  # x, y and yaw among x y z roll pitch yaw
+
+
+def calibration_to_message(calibration: "sextant.CameraCalibration", header: Header) -> CameraInfo:
+    """sensor_msgs/CameraInfo, field by field."""
+    info = CameraInfo(header=header, height=calibration.height, width=calibration.width)
+    info.distortion_model, info.D = calibration.distortion_model, list(calibration.D)
+    info.K, info.R, info.P = (
+        list(np.ravel(matrix)) for matrix in (calibration.K, calibration.R, calibration.P)
+    )
+    return info
+
+
+def truth_to_message(motion: Motion, header: Header, child_frame: str) -> Odometry:
+    """A motion that is exactly known: its covariances are zero."""
+    message = Odometry(header=header, child_frame_id=child_frame)
+    message.pose.pose = pose_to_message(motion.pose)
+    message.twist.twist = Twist(Vector3(motion.speed, 0.0, 0.0), Vector3(0.0, 0.0, motion.turn_rate))
+    return message
+
+
+def reading_to_message(reading: OdometryReading, header: Header, child_frame: str) -> Odometry:
+    """What the wheels say, with covariances."""
+    message = truth_to_message(reading.motion, header, child_frame)
+    pose, twist = np.zeros((6, 6)), np.zeros((6, 6))
+    pose[np.ix_(PLANAR, PLANAR)] = reading.covariance
+    twist[PLANAR, PLANAR] = reading.speed_variance, 0.0, reading.turn_rate_variance
+    message.pose.covariance = list(np.ravel(pose + SMALLEST_VARIANCE * np.eye(6)))
+    message.twist.covariance = list(np.ravel(twist + SMALLEST_VARIANCE * np.eye(6)))
+    return message
+
+
+def pose_to_transform(T: np.ndarray, header: Header, child_frame: str) -> TransformStamped:
+    """A 4x4 pose for tf."""
+    return TransformStamped(header, child_frame, transform_to_message(T))

@@ -1,0 +1,178 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""The map file: text, ';' between fields, as older programs read it.
+
+First line  overview.png;width;height   and then, if the overview's place is known, fields NAME=VALUE that
+older readers skip: frame, resolution, origin=x,y,yaw  or  north_west=lat,lon, south_east=lat,lon.
+Every other  id;image.jpg;x;y[;yaw=radians].   Names of files are relative to the map's.
+"""
+
+from pathlib import Path
+from typing import Dict, Iterator, List, Sequence, Tuple, Union
+
+import numpy as np
+
+from sextant.base.atomic_file import atomic_file
+from sextant.place_maps.place_map import (
+    GeoCorners,
+    MetricFrame,
+    Overview,
+    Photo,
+    PlaceMap,
+    check_georeference,
+    check_overview,
+    check_photo,
+)
+
+METRIC = ("frame", "resolution", "origin")
+CORNERS = ("north_west", "south_east")
+
+
+def read_place_map(path: Union[str, Path]) -> PlaceMap:
+    """The map of a file.
+
+    :raises OSError: it cannot be read
+    :raises ValueError: "file:line: reason"
+    """
+    path = Path(path)
+    lines = _lines(path)
+    number, fields = next(lines, (1, []))
+    try:
+        place_map = _header(path.parent, fields)
+    except ValueError as error:
+        raise ValueError(f"{path}:{number}: {error}") from None
+    return place_map._replace(photos=tuple(_photos(path, lines, place_map.overview)))
+
+
+def write_place_map(path: Union[str, Path], place_map: PlaceMap) -> None:
+    """Writes a map to a file in its folder, whole or not at all.
+
+    :raises OSError: it cannot be written
+    :raises ValueError: it is no map, see PlaceMap.check(), or the file is to lie in another folder
+    """
+    path = Path(path)
+    place_map.check()
+    if path.resolve().parent != place_map.folder.resolve():
+        raise ValueError(f"{path}: the photos are relative to {place_map.folder}, the map has to lie there")
+    with atomic_file(path) as file:
+        file.write(place_map_text(place_map))
+
+
+def place_map_text(place_map: PlaceMap) -> str:
+    """What write_place_map() writes."""
+    lines = [_header_line(place_map), *(_photo_line(photo) for photo in place_map.photos)]
+    return "".join(f"{line}\n" for line in lines)
+
+
+def _lines(path: Path) -> Iterator[Tuple[int, List[str]]]:
+    """Number and fields of every line that is not blank."""
+    try:
+        with open(path, encoding="utf-8-sig") as file:
+            for number, line in enumerate(file, 1):
+                if line.strip():
+                    yield number, [field.strip() for field in line.split(";")]
+    except UnicodeDecodeError:
+        raise ValueError(f"{path}: is no text in UTF-8") from None
+
+
+def _header(folder: Path, fields: Sequence[str]) -> PlaceMap:
+    if len(fields) < 3:
+        raise ValueError("the first line has to be overview.png;width;height")
+    overview = Overview(fields[0], _whole("width", fields[1]), _whole("height", fields[2]))
+    georeference = _georeference(_named(fields[3:], (*METRIC, *CORNERS)))
+    check_overview(overview)
+    check_georeference(georeference)
+    return PlaceMap(folder, overview, (), georeference)
+
+
+def _georeference(named: Dict[str, str]) -> Union[MetricFrame, GeoCorners, None]:
+    if not named:
+        return None
+    if set(named) == set(METRIC):
+        x, y, yaw = _numbers("origin", named["origin"], "x,y,yaw")
+        return MetricFrame(named["frame"], _number("resolution", named["resolution"]), (x, y, yaw))
+    if set(named) == set(CORNERS):
+        (north, west), (south, east) = (_numbers(name, named[name], "latitude,longitude") for name in CORNERS)
+        return GeoCorners((north, west), (south, east))
+    allowed = " or ".join(", ".join(names) for names in (METRIC, CORNERS))
+    raise ValueError(f"after the size come all of {allowed}; there is {', '.join(named)}")
+
+
+def _photos(path: Path, lines: Iterator[Tuple[int, List[str]]], overview: Overview) -> Iterator[Photo]:
+    line_of: Dict[Union[int, str], int] = {}
+    for number, fields in lines:
+        try:
+            photo = _photo(fields)
+            check_photo(overview, photo)
+            if photo.id in line_of:
+                raise ValueError(f"id {photo.id} again, it is that of line {line_of[photo.id]}")
+            if photo.image in line_of:
+                raise ValueError(f"image {photo.image} again, it is that of line {line_of[photo.image]}")
+        except ValueError as error:
+            raise ValueError(f"{path}:{number}: {error}") from None
+        line_of[photo.id] = line_of[photo.image] = number
+        yield photo
+
+
+def _photo(fields: Sequence[str]) -> Photo:
+    if len(fields) < 4:
+        raise ValueError(f"{len(fields)} fields, expected id;image;x;y")
+    x, y = _number("x", fields[2]), _number("y", fields[3])
+    named = _named(fields[4:], ("yaw",))
+    yaw = _number("yaw", named["yaw"]) if named else None
+    return Photo(_whole("id", fields[0]), fields[1], x, y, yaw)
+
+
+def _named(fields: Sequence[str], allowed: Sequence[str]) -> Dict[str, str]:
+    """NAME=VALUE fields; a last one may be empty, some programs end their lines with ';'."""
+    named: Dict[str, str] = {}
+    for field in fields[:-1] if fields and not fields[-1] else fields:
+        name, equals, value = field.partition("=")
+        if not equals or name not in allowed:
+            raise ValueError(
+                f"'{field}' is no field, there can be {', '.join(f'{each}=' for each in allowed)}"
+            )
+        if name in named:
+            raise ValueError(f"{name} is there twice")
+        named[name] = value
+    return named
+
+
+def _whole(name: str, text: str) -> int:
+    if not text.isascii() or not text.isdigit():
+        raise ValueError(f"{name} is '{text}', not a whole number")
+    return int(text)
+
+
+def _number(name: str, text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise ValueError(f"{name} is '{text}', not a number") from None
+
+
+def _numbers(name: str, text: str, form: str) -> List[float]:
+    texts = text.split(",")
+    if len(texts) != len(form.split(",")):
+        raise ValueError(f"{name} is '{text}', expected {form}")
+    return [_number(name, each) for each in texts]
+
+
+def _header_line(place_map: PlaceMap) -> str:
+    fields = [place_map.overview.image, str(place_map.overview.width), str(place_map.overview.height)]
+    if place_map.georeference is not None:
+        fields += [f"{name}={_text(value)}" for name, value in place_map.georeference._asdict().items()]
+    return ";".join(fields)
+
+
+def _photo_line(photo: Photo) -> str:
+    fields = [str(photo.id), photo.image, _text(photo.x), _text(photo.y)]
+    return ";".join(fields if photo.yaw is None else [*fields, f"yaw={_text(photo.yaw)}"])
+
+
+def _text(value: Union[str, float, Sequence[float]]) -> str:
+    if isinstance(value, str):
+        return value
+    if isinstance(value, (int, float)):
+        return np.format_float_positional(value, trim="-")
+    return ",".join(_text(each) for each in value)

@@ -1,0 +1,87 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sextant/simulation/depth_camera.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <opencv2/imgproc.hpp>
+
+#include "arena_noise.hpp"
+#include "arena_tracer.hpp"
+#include "sextant/base/range.hpp"
+
+namespace sextant {
+namespace {
+
+constexpr int kLump = 4;        // pixels: holes of a depth image are blots
+constexpr int kTile = 1 << 10;  // pixels of a side of the pattern of depth noise, which goes on with itself
+constexpr int kWindow = 7;      // pixels of a side of what a stereo matcher compares
+
+/// A tile of standard normal numbers that are means over a stereo matcher's window: neighbours are alike.
+std::vector<float> windowNoise(int seed) {
+  std::vector<float> numbers = arenaNoise(seed, kTile * kTile);
+  cv::Mat tile(kTile, kTile, CV_32F, numbers.data()), wide;
+  constexpr int kHalf = kWindow / 2;
+  cv::copyMakeBorder(tile, wide, kHalf, kHalf, kHalf, kHalf, cv::BORDER_WRAP);
+  cv::boxFilter(wide, wide, CV_32F, {kWindow, kWindow});
+  cv::Scalar mean, deviation;
+  wide = wide(cv::Rect(kHalf, kHalf, kTile, kTile));
+  cv::meanStdDev(wide, mean, deviation);
+  wide.convertTo(tile, CV_32F, 1 / deviation[0], -mean[0] / deviation[0]);
+  return numbers;
+}
+
+}  // namespace
+
+void DepthCameraParams::validate() const {
+  Range::closed(0, 1).require("noise", noise, "m");
+  Range::closed(0.5, 2).require("scale", scale);
+  Range::closed(0, 1).require("baseline", baseline, "m");
+  Range::closed(0, 10).require("min_depth", min_depth, "m");
+  Range::openLow(min_depth, 100).require("max_depth", max_depth, "m");
+  Range::closed(0, 1).require("holes", holes);
+  Range::closed(0, std::numeric_limits<int>::max()).require("seed", seed);
+}
+
+DepthCamera::DepthCamera(const DepthCameraParams& params, const CameraModel& camera)
+    : params_(params),
+      focal_length_(camera.focalLength()),
+      tracer_(std::make_unique<ArenaTracer>(camera)),
+      noise_(windowNoise(params.seed)) {
+  params.validate();
+}
+
+DepthCamera::~DepthCamera() = default;
+
+cv::Mat DepthCamera::take(const ArenaScene& scene, const Pose& T_map_camera, std::uint64_t frame) {
+  tracer_->trace(scene, T_map_camera);
+  const int rows = tracer_->surfaces().rows, cols = tracer_->surfaces().cols;
+  cv::Mat_<float> blots((rows + kLump - 1) / kLump, (cols + kLump - 1) / kLump);
+  cv::RNG random = arenaRandom(frame + (static_cast<std::uint64_t>(params_.seed) << 32U));
+  random.fill(blots, cv::RNG::UNIFORM, 0.0, 1.0);
+  const auto reach = static_cast<float>(focal_length_ * params_.baseline);  // pixels times metres
+  const size_t begin = arenaNoiseAt(frame, noise_.size());
+  cv::Mat_<float> image(rows, cols, 0.0F);
+  for (int y = 0; y < rows; ++y) {
+    const auto noise_row = begin + static_cast<size_t>(y) * kTile;
+    // The other camera, to the right, sees a point at x - reach / depth: what is nearer hides what it covers.
+    float covered = std::numeric_limits<float>::max();
+    for (int x = cols - 1; x >= 0; --x) {
+      if (tracer_->surfaces()(y, x) == ArenaTracer::kNothing) continue;
+      const float depth = tracer_->depth(x, y), other = static_cast<float>(x) - reach / depth;
+      const bool is_hidden = other >= covered;
+      covered = std::min(covered, other);
+      if (!is_hidden && depth >= params_.min_depth && depth <= params_.max_depth &&
+          blots(y / kLump, x / kLump) >= params_.holes)
+        image(y, x) = measured(depth, noise_[(noise_row + static_cast<size_t>(x)) % noise_.size()]);
+    }
+  }
+  return image;
+}
+
+float DepthCamera::measured(float depth, float noise) const {
+  const auto deviation = static_cast<float>(params_.noise) * depth * depth;
+  return static_cast<float>(params_.scale) * std::max(0.F, depth + deviation * noise);
+}
+
+}  // namespace sextant

@@ -1,0 +1,101 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hidden_edge.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "sextant/geometry/pose.hpp"
+#include "test_cameras.hpp"
+
+namespace sextant {
+namespace {
+
+// A square of 0.2 m before the camera, turned about its upright axis.
+Corners seen(const CameraModel& camera, double yaw) {
+  const Pose pose = poseFromXyzRpy({0.1, 0.05, 1.0}, {M_PI - 0.1, 0, 0}) *
+                    poseFromXyzRpy(Eigen::Vector3d::Zero(), {0, yaw, 0});
+  Corners corners;
+  for (int i = 0; i < 4; ++i) corners[i] = *camera.project(pose * markerCorners(0.2)[i]);
+  return corners;
+}
+
+EdgeCurve edge(const CameraModel& camera, const Corners& corners, int i) {
+  EdgeCurve curve(corners[i], corners[(i + 1) % 4], true);
+  curve.followLens(camera);
+  return curve;
+}
+
+HiddenEdge hiddenEdge(const CameraModel& camera, const Corners& corners, int hidden, double sigma) {
+  return {hidden,
+          edge(camera, corners, (hidden + 3) % 4),
+          edge(camera, corners, (hidden + 1) % 4),
+          sigma,
+          sigma,
+          {sigma, sigma, sigma, sigma}};
+}
+
+TEST(FindHidden, IsExactWhereTheOthersAre) {
+  for (const CameraCalibration& calibration : testCalibrations()) {
+    const CameraModel camera(calibration, CameraModel::Image::raw);
+    for (const double yaw : {-0.8, -0.3, 0.4, 0.7})
+      for (int hidden = 0; hidden < 4; ++hidden) {
+        const Corners truth = seen(camera, yaw);
+        Corners start = truth;
+        start[hidden] += Eigen::Vector2d(4, -3);
+        start[(hidden + 1) % 4] += Eigen::Vector2d(-2, 5);
+        const auto found = findHidden(camera, start, hiddenEdge(camera, truth, hidden, 0.02));
+        EXPECT_TRUE(found) << calibration.distortion_model << " yaw " << yaw << " edge " << hidden;
+        for (int k = 0; found && k < 2; ++k)
+          EXPECT_LT((found->corners[k] - truth[(hidden + k) % 4]).norm(), 0.02)
+              << calibration.distortion_model << " yaw " << yaw << " edge " << hidden;
+      }
+  }
+}
+
+// Oblique, and head-on, where a turn that way or this moves the edge alike.
+TEST(FindHidden, TellsHowFarItIsOff) {
+  const CameraModel camera(testCalibrations()[0], CameraModel::Image::raw);
+  constexpr double kSigma = 0.1;
+  std::mt19937 random(2);
+  std::normal_distribution<double> noise(0, kSigma);
+  for (const double yaw : {0.0, 0.3, 0.7}) {
+    const Corners truth = seen(camera, yaw);
+    double squares = 0, told = 0;
+    int count = 0;
+    for (int i = 0; i < 400; ++i) {
+      HiddenEdge hidden = hiddenEdge(camera, truth, 1, kSigma);
+      for (EdgeCurve* curve : {&hidden.before, &hidden.after}) {
+        const double begin = noise(random), end = noise(random);
+        curve->c[0] += 0.5 * (begin + end);
+        curve->c[1] += 0.5 * (end - begin);
+      }
+      Corners corners = truth;
+      for (const int k : {0, 3}) corners[k] += Eigen::Vector2d(noise(random), noise(random));
+      const auto found = findHidden(camera, corners, hidden);
+      if (!found) continue;
+      ++count;
+      for (int k = 0; k < 2; ++k) {
+        squares += (found->corners[k] - truth[(1 + k) % 4]).squaredNorm() / 2;
+        told += found->sigmas[k] * found->sigmas[k];
+      }
+    }
+    EXPECT_GT(count, 380) << yaw;
+    EXPECT_GT(std::sqrt(told / squares), 0.75) << yaw;
+    EXPECT_LT(std::sqrt(told / squares), yaw == 0 ? 30.0 : 2.0) << yaw;
+  }
+}
+
+// Both hidden corners on one of the edges.
+TEST(FindHidden, SaysNothingOfWhatIsNoSquare) {
+  const CameraModel camera(testCalibrations()[0], CameraModel::Image::raw);
+  const Corners truth = seen(camera, 0.4);
+  HiddenEdge hidden = hiddenEdge(camera, truth, 1, 0.02);
+  hidden.before = hidden.after;
+  EXPECT_FALSE(findHidden(camera, truth, hidden));
+}
+
+}  // namespace
+}  // namespace sextant

@@ -1,0 +1,183 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "marker_tracker.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <optional>
+
+#include "sextant/detection/marker_detector.hpp"
+#include "test_print.hpp"
+
+namespace sextant {
+namespace {
+
+const cv::Size kImage = {480, 270};
+
+// The print 9 of tag36h11, somewhat turned.
+Corners place(const Eigen::Vector2d& middle, double side) {
+  const Eigen::Vector2d right(0.5 * side, 0.08 * side), down(-0.06 * side, 0.5 * side);
+  return {middle - right - down, middle + right - down, middle + right + down, middle - right + down};
+}
+
+cv::Mat view(const Eigen::Vector2d& middle, double side, int seed) {
+  Exposure exposure;
+  exposure.size = kImage;
+  exposure.seed = seed;
+  exposure.supersampling = 3;
+  return photograph(printScene(place(middle, side)), exposure);
+}
+
+cv::Mat empty() { return view({-500, -500}, 50, 1); }
+
+std::unique_ptr<MarkerDetector> detector(const std::string& family, const std::string& search) {
+  DetectorParams params;
+  params.families = {family};
+  params.search = search;
+  return makeMarkerDetector(params);
+}
+
+class Tracking : public testing::TestWithParam<std::string> {
+ protected:
+  std::unique_ptr<MarkerDetector> tracking_ = detector(GetParam(), "tracking");
+  std::unique_ptr<MarkerDetector> full_ = detector(GetParam(), "full");
+
+  static double farthest(const Corners& a, const Corners& b) {
+    double most = 0;
+    for (int i = 0; i < 4; ++i) most = std::max(most, (a[i] - b[i]).norm());
+    return most;
+  }
+};
+
+TEST_P(Tracking, SeesWhatAFullSearchSees) {
+  for (int i = 0; i < 12; ++i) {
+    const Eigen::Vector2d middle(60 + 25 * i + 2 * (i % 3), 135 + 40 * std::sin(0.5 * i));
+    const cv::Mat image = view(middle, 40 + 3 * i, i);
+    const auto tracked = tracking_->detect(image), all = full_->detect(image);
+    ASSERT_EQ(tracked.size(), 1u) << i;
+    ASSERT_EQ(all.size(), 1u) << i;
+    EXPECT_LT(farthest(tracked[0].corners, all[0].corners), 0.1) << i;
+    EXPECT_LT(farthest(tracked[0].corners, place(middle, 40 + 3 * i)), 0.2) << i;
+  }
+}
+
+// Its white is cut off by the border, as of one that comes into view.
+TEST_P(Tracking, SeesALargeOneBesideTheBorder) {
+  const double side = 130;
+  for (int gap = 5; gap <= 14; ++gap) {
+    const Eigen::Vector2d middle(kImage.width - gap - 0.53 * side, 135);
+    tracking_->detect(view(middle - Eigen::Vector2d(8, 0), side, gap));
+    const auto found = tracking_->detect(view(middle, side, 100 + gap));
+    ASSERT_EQ(found.size(), 1u) << gap;
+    EXPECT_LT(farthest(found[0].corners, place(middle, side)), 0.2) << gap;
+  }
+}
+
+TEST_P(Tracking, FindsOneThatComesAnywhereWithinThreeImages) {
+  for (const Eigen::Vector2d& middle : {Eigen::Vector2d(50, 50), {240, 135}, {430, 220}}) {
+    tracking_->detect(empty());
+    int images = 1;
+    while (images <= 3 && tracking_->detect(view(middle, 50, images)).empty()) ++images;
+    EXPECT_LE(images, 3) << middle.transpose();
+    for (int i = 0; i < 8; ++i) tracking_->detect(empty());
+  }
+}
+
+TEST_P(Tracking, FindsOneAtOnceThatJumpedAway) {
+  tracking_->detect(view({80, 80}, 50, 1));
+  tracking_->detect(view({82, 80}, 50, 2));
+  const auto found = tracking_->detect(view({400, 190}, 60, 3));
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_LT(farthest(found[0].corners, place({400, 190}, 60)), 0.2);
+}
+
+TEST_P(Tracking, SeesItAgainAfterABlankImage) {
+  for (int i = 0; i < 3; ++i) tracking_->detect(view({200 + 5.0 * i, 130}, 50, i));
+  EXPECT_TRUE(tracking_->detect(empty()).empty());
+  EXPECT_EQ(tracking_->detect(view({220, 130}, 50, 9)).size(), 1u);
+}
+
+TEST_P(Tracking, SearchesEverywhereWhenTheImageHasAnotherSize) {
+  tracking_->detect(empty());
+  const cv::Mat image = view({100, 100}, 50, 1)(cv::Rect(0, 0, 320, 240));
+  EXPECT_EQ(tracking_->detect(image).size(), 1u);
+  EXPECT_EQ(tracking_->detect(view({300, 100}, 50, 1)).size(), 1u);
+}
+
+INSTANTIATE_TEST_SUITE_P(Backends, Tracking, testing::Values("tag36h11", "DICT_APRILTAG_36h11"),
+                         [](const auto& info) { return info.param; });
+
+// Remembers where it was told to look.
+class Watched : public MarkerSearch {
+ public:
+  void everywhere(const cv::Mat&, FoundMarkers& found) override {
+    ++searches;
+    if (there) found.add(*there);
+  }
+  void within(const cv::Mat& image, const cv::Rect& window, double, Effort, FoundMarkers& found) override {
+    EXPECT_EQ(window & cv::Rect({0, 0}, image.size()), window);
+    ++windows;
+    if (there) found.add(*there);
+  }
+  bool isAt(const cv::Mat&, const MarkerKey&, const Corners&) override { return in_place; }
+  bool readsInPlace() const override { return in_place; }
+  double minSide(const cv::Size&) const override { return 12; }
+  BorderSquare border(const MarkerKey&) const override { return {}; }
+  int searches = 0, windows = 0;
+  bool in_place = false;
+  std::optional<Detection> there;
+};
+
+TEST(MarkerTracker, DoesNotSearchAnEmptyViewAgainAndAgain) {
+  auto search = std::make_unique<Watched>();
+  const Watched& watched = *search;
+  MarkerTracker tracker(std::move(search), true, true);
+  for (int i = 0; i < 10; ++i) tracker.find(cv::Mat(kImage, CV_8UC1, cv::Scalar(128)), nullptr);
+  EXPECT_EQ(watched.searches, 1);
+  EXPECT_EQ(watched.windows, 0);
+}
+
+// Once it is known how it moves, its edges and its code are enough, but for the sweeps.
+TEST(MarkerTracker, LooksForNoMarkerThatItReadsInPlace) {
+  for (const bool in_place : {false, true}) {
+    auto search = std::make_unique<Watched>();
+    Watched& watched = *search;
+    watched.in_place = in_place;
+    MarkerTracker tracker(std::move(search), true, true);
+    for (int i = 0; i < 9; ++i) {
+      const Eigen::Vector2d middle(120 + 10 * i, 130 + 3 * i);
+      watched.there = Detection{{"tag36h11", 9}, place(middle, 60), {0.5, 0.5, 0.5, 0.5}};
+      const auto found = tracker.find(view(middle, 60, i), nullptr);
+      ASSERT_EQ(found.size(), 1u) << i;
+      for (int k = 0; k < 4; ++k)
+        EXPECT_LT((found[0].corners[k] - watched.there->corners[k]).norm(), 0.15) << i;
+      if (i == 1) watched.windows = 0;
+    }
+    if (in_place)
+      EXPECT_EQ(watched.windows, 0);
+    else
+      EXPECT_GE(watched.windows, 7);
+  }
+}
+
+TEST(MarkerTracker, TellsNoMarkerThatGoesOnOutsideTheImage) {
+  for (const double x : {100.0, 26.0, 22.0}) {
+    auto search = std::make_unique<Watched>();
+    search->there = Detection{{"tag36h11", 9}, place({x, 130}, 50), {0.5, 0.5, 0.5, 0.5}};
+    MarkerTracker tracker(std::move(search), true, false);
+    EXPECT_EQ(tracker.find(empty(), nullptr).size(), x == 100.0 ? 1u : 0u) << x;
+  }
+}
+
+TEST(MarkerTracker, SearchesEveryImageWhereItIsNotToTrack) {
+  auto search = std::make_unique<Watched>();
+  const Watched& watched = *search;
+  MarkerTracker tracker(std::move(search), false, true);
+  for (int i = 0; i < 4; ++i) tracker.find(cv::Mat(kImage, CV_8UC1, cv::Scalar(128)), nullptr);
+  EXPECT_EQ(watched.searches, 4);
+}
+
+}  // namespace
+}  // namespace sextant

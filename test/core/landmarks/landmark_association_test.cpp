@@ -1,0 +1,295 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sextant/landmarks/landmark_association.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <boost/math/distributions/chi_squared.hpp>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <random>
+#include <set>
+
+#include "test_refusal.hpp"
+
+namespace sextant {
+namespace {
+
+using Eigen::Matrix2d;
+using Eigen::MatrixXd;
+using Eigen::Vector2d;
+using Eigen::VectorXd;
+
+const LandmarkLabel kRed{"red", {}}, kBlue{"blue", {}};
+
+LandmarkPointSighting seen(const Vector2d& position, const LandmarkLabel& label = kRed, double sigma = 0.1) {
+  return {position, sigma * sigma * Matrix2d::Identity(), label};
+}
+
+MatrixXd alone(size_t landmarks, double sigma = 0.1) {
+  return sigma * sigma * MatrixXd::Identity(2 * landmarks, 2 * landmarks);
+}
+
+/// Landmarks that are not known yet are as good as nowhere.
+AssociationParams withoutNew() {
+  AssociationParams params;
+  params.density = 1e-12;
+  return params;
+}
+
+double quantileOf(double probability, size_t pairs) {
+  return quantile(boost::math::chi_squared(2.0 * pairs), probability);
+}
+
+struct Case {
+  std::vector<LandmarkPoint> landmarks;
+  MatrixXd covariance;
+  std::vector<LandmarkPointSighting> sightings;
+};
+
+/// A few landmarks that are off together, of which some are seen, and phantoms.
+Case randomCase(std::mt19937& random) {
+  std::uniform_int_distribution<int> few(1, 4), coin(0, 1);
+  std::uniform_real_distribution<double> anywhere(-1, 1);
+  std::normal_distribution<double> noise(0, 1);
+  Case drawn;
+  const int count = few(random);
+  const MatrixXd A =
+      0.12 * MatrixXd::NullaryExpr(2 * count, 2 * count + 3, [&](auto, auto) { return noise(random); });
+  drawn.covariance = A * A.transpose() + 1e-4 * MatrixXd::Identity(2 * count, 2 * count);
+  const VectorXd off = A * VectorXd::NullaryExpr(2 * count + 3, [&](auto) { return noise(random); });
+  for (int j = 0; j < count; ++j) {
+    drawn.landmarks.push_back({{anywhere(random), anywhere(random)}, coin(random) ? kRed : kBlue});
+    const Vector2d where =
+        drawn.landmarks[j].position + off.segment<2>(2 * j) + 0.1 * Vector2d(noise(random), noise(random));
+    if (coin(random)) drawn.sightings.push_back(seen(where, drawn.landmarks[j].label));
+    if (coin(random)) drawn.sightings.push_back(seen({anywhere(random), anywhere(random)}));
+  }
+  if (drawn.sightings.size() > 5) drawn.sightings.resize(5);
+  return drawn;
+}
+
+using Assignment = std::vector<int>;  // landmark of each sighting, or -1
+
+double distanceOf(const Case& given, const Assignment& assignment) {
+  std::vector<Eigen::Index> rows;
+  std::vector<double> off;
+  for (size_t i = 0; i < assignment.size(); ++i)
+    for (int axis = 0; axis < 2 && assignment[i] >= 0; ++axis) {
+      rows.push_back(2 * assignment[i] + axis);
+      off.push_back(given.sightings[i].position(axis) - given.landmarks[assignment[i]].position(axis));
+    }
+  if (rows.empty()) return 0;
+  const MatrixXd S = given.covariance(rows, rows) + alone(rows.size() / 2);
+  const Eigen::Map<VectorXd> innovation(off.data(), off.size());
+  return innovation.dot(S.ldlt().solve(innovation));
+}
+
+size_t sizeOf(const Assignment& assignment) {
+  return std::count_if(assignment.begin(), assignment.end(), [](int landmark) { return landmark >= 0; });
+}
+
+/// Also all that it grows from is.
+bool isCompatible(const Case& given, Assignment assignment) {
+  for (size_t i = assignment.size(); i-- > 0;) {
+    Assignment single(assignment.size(), -1);
+    single[i] = assignment[i];
+    for (const Assignment& part : {assignment, single})
+      if (sizeOf(part) && distanceOf(given, part) >= quantileOf(0.999, sizeOf(part))) return false;
+    assignment[i] = -1;
+  }
+  return true;
+}
+
+/// Every assignment of landmarks to sightings of their class.
+void forAll(const Case& given, Assignment& assignment, const std::function<void(const Assignment&)>& call) {
+  if (assignment.size() == given.sightings.size()) return call(assignment);
+  for (int j = -1; j < static_cast<int>(given.landmarks.size()); ++j) {
+    const bool is_taken = j >= 0 && std::count(assignment.begin(), assignment.end(), j);
+    if (is_taken || (j >= 0 && !(given.landmarks[j].label == given.sightings[assignment.size()].label)))
+      continue;
+    assignment.push_back(j);
+    forAll(given, assignment, call);
+    assignment.pop_back();
+  }
+}
+
+Assignment bestOfAll(const Case& given) {
+  Assignment best(given.sightings.size(), -1), drawn;
+  forAll(given, drawn, [&](const Assignment& each) {
+    const size_t size = sizeOf(each), most = sizeOf(best);
+    if (size < most || (size == most && distanceOf(given, each) >= distanceOf(given, best))) return;
+    if (isCompatible(given, each)) best = each;
+  });
+  return best;
+}
+
+TEST(LandmarkAssociation, JointIsTheBestOfAllAssignments) {
+  AssociationParams params = withoutNew();
+  params.margin = 0;
+  std::mt19937 random(1);
+  size_t pairs = 0;
+  for (int i = 0; i < 300; ++i) {
+    const Case given = randomCase(random);
+    const Assignment expected = bestOfAll(given);
+    const auto found = associate(given.landmarks, given.covariance, given.sightings, params);
+    ASSERT_EQ(found.size(), expected.size());
+    for (size_t k = 0; k < found.size(); ++k) {
+      EXPECT_EQ(found[k].origin == Origin::known, expected[k] >= 0) << "case " << i;
+      if (expected[k] < 0) continue;
+      EXPECT_EQ(static_cast<int>(found[k].landmark), expected[k]) << "case " << i;
+    }
+    pairs += sizeOf(expected);
+  }
+  EXPECT_GT(pairs, 200u);
+}
+
+TEST(LandmarkAssociation, ClassAndIdAreHardWalls) {
+  const std::vector<LandmarkPoint> landmarks{{{1, 0}, kRed}, {{3, 0}, {"tag", 7}}};
+  for (const char* mode : {"joint", "nearest"}) {
+    AssociationParams params = withoutNew();
+    params.mode = mode;
+    const auto found = associate(
+        landmarks, alone(2),
+        {seen({1, 0}, kBlue), seen({3, 0}, {"tag", 8}), seen({3, 0}, {"tag", 7}), seen({1, 0.05})}, params);
+    EXPECT_EQ(found[0].origin, Origin::unknown) << mode;
+    EXPECT_EQ(found[1].origin, Origin::unknown) << mode;
+    EXPECT_EQ(found[2].origin, Origin::known) << mode;
+    EXPECT_EQ(found[2].landmark, 1u) << mode;
+    EXPECT_EQ(found[3].origin, Origin::known) << mode;
+    EXPECT_EQ(found[3].landmark, 0u) << mode;
+  }
+}
+
+/// What becomes of one red sighting.
+Origin originOf(const std::vector<LandmarkPoint>& landmarks, const Vector2d& position,
+                const AssociationParams& params) {
+  return associate(landmarks, alone(landmarks.size()), {seen(position)}, params)[0].origin;
+}
+
+TEST(LandmarkAssociation, BetweenGateAndDoubtItIsNeitherKnownNorNew) {
+  const AssociationParams params = withoutNew();
+  const auto at = [&](double squared) {  // 0.02 m^2 is what is not known of an axis
+    return originOf({{{1, 2}, kRed}}, Vector2d(1 + std::sqrt(0.02 * squared), 2), params);
+  };
+  const double gate = quantileOf(params.gate, 1), doubt = quantileOf(params.doubt, 1);
+  EXPECT_EQ(at(0.99 * gate), Origin::known);
+  EXPECT_EQ(at(1.01 * gate), Origin::doubtful);
+  EXPECT_EQ(at(0.99 * doubt), Origin::doubtful);
+  EXPECT_EQ(at(1.01 * doubt), Origin::unknown);
+}
+
+TEST(LandmarkAssociation, WhatTwoLandmarksExplainAlikeIsInDoubt) {
+  AssociationParams params = withoutNew();  // squared distances from 0.1 and -0.1: their difference is 20 x
+  const std::vector<LandmarkPoint> twins{{{0.1, 0}, kRed}, {{-0.1, 0}, kRed}};
+  EXPECT_EQ(originOf(twins, {0.01, 0}, params), Origin::doubtful);
+  EXPECT_EQ(originOf(twins, {0.299, 0}, params), Origin::doubtful);
+  EXPECT_EQ(originOf(twins, {0.301, 0}, params), Origin::known);
+  params.margin = 0;
+  EXPECT_EQ(originOf(twins, {0.01, 0}, params), Origin::known);
+}
+
+// The likelihood of a landmark against the density of those that are not known, closed form.
+TEST(LandmarkAssociation, WhatMayAsWellBeANewLandmarkIsInDoubt) {
+  AssociationParams params;
+  const double even = 1 / (2 * M_PI * 0.02), squared = 5;  // density at the landmark, 1/m^2
+  params.density = even * std::exp(-0.5 * (squared + params.new_margin));
+  const auto at = [&](double distance) {
+    return originOf({{{1, 2}, kRed}}, Vector2d(1, 2 + std::sqrt(0.02 * distance)), params);
+  };
+  EXPECT_EQ(at(0.999 * squared), Origin::known);
+  EXPECT_EQ(at(1.001 * squared), Origin::doubtful);
+}
+
+// The robot is a metre off, and so is all that it sees: each by itself is nearest to the wrong one.
+TEST(LandmarkAssociation, JointlySeenLandmarksAreToldWhereEachAloneIsWrong) {
+  const std::vector<LandmarkPoint> landmarks{{{0, 2}, kRed}, {{1, 2}, kRed}, {{2.1, 2}, kRed}};
+  MatrixXd common(6, 2);
+  common << MatrixXd::Identity(2, 2), MatrixXd::Identity(2, 2), MatrixXd::Identity(2, 2);
+  const MatrixXd covariance = 0.5 * common * common.transpose() + alone(3, 0.01);
+  const std::vector<LandmarkPointSighting> sightings{seen({0.9, 2}, kRed, 0.02), seen({1.9, 2}, kRed, 0.02),
+                                                     seen({3.0, 2}, kRed, 0.02)};
+  AssociationParams params = withoutNew();
+  const auto joint = associate(landmarks, covariance, sightings, params);
+  for (size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(joint[i].origin, Origin::known);
+    EXPECT_EQ(joint[i].landmark, i);
+  }
+  params.mode = "nearest";
+  EXPECT_EQ(associate(landmarks, covariance, sightings, params)[0].landmark, 1u);
+}
+
+TEST(LandmarkAssociation, NearestIsMutualAndBelowTheDistance) {
+  AssociationParams params;
+  params.mode = "nearest";
+  const auto found = associate({{{0, 0}, kRed}, {{5, 0}, kRed}}, {},
+                               {seen({0.4, 0}), seen({0.1, 0}), seen({5, 0.51}), seen({4.51, 0})}, params);
+  EXPECT_EQ(found[0].origin, Origin::unknown);  // the landmark's nearest is another one
+  EXPECT_EQ(found[1].origin, Origin::known);
+  EXPECT_EQ(found[1].landmark, 0u);
+  EXPECT_EQ(found[2].origin, Origin::unknown);  // too far
+  EXPECT_EQ(found[3].origin, Origin::known);
+  EXPECT_EQ(found[3].landmark, 1u);
+}
+
+TEST(LandmarkAssociation, NothingIsKnownWhereNothingIs) {
+  EXPECT_TRUE(associate({{{1, 0}, kRed}}, alone(1), {}, {}).empty());
+  EXPECT_EQ(associate({}, MatrixXd(0, 0), {seen({1, 0})}, {})[0].origin, Origin::unknown);
+}
+
+// 15! assignments in one heap; the search ends, and gives a landmark to one sighting only.
+TEST(LandmarkAssociation, EndsWhenItsEffortIsUsedUp) {
+  std::mt19937 random(2);
+  std::normal_distribution<double> noise(0, 0.1);
+  std::vector<LandmarkPoint> landmarks;
+  std::vector<LandmarkPointSighting> sightings;
+  for (int i = 0; i < 15; ++i) {
+    landmarks.push_back({{noise(random), noise(random)}, kRed});
+    sightings.push_back(seen({noise(random), noise(random)}));
+  }
+  AssociationParams params = withoutNew();
+  params.effort = 1000;
+  params.margin = 0;
+  std::set<size_t> taken;
+  size_t known = 0;
+  for (const Association& each : associate(landmarks, alone(15), sightings, params))
+    if (each.origin == Origin::known) ++known, taken.insert(each.landmark);
+  EXPECT_EQ(taken.size(), known);
+}
+
+TEST(LandmarkAssociation, TellsWhatItFoundUntilThen) {
+  std::vector<LandmarkPoint> landmarks;
+  std::vector<LandmarkPointSighting> sightings;
+  for (int i = 0; i < 130; ++i) {
+    landmarks.push_back({{5.0 * i, 0}, kRed});
+    sightings.push_back(seen({5.0 * i, 0}));
+  }
+  AssociationParams params = withoutNew();
+  params.effort = 100;
+  const auto found = associate(landmarks, alone(130), sightings, params);
+  EXPECT_EQ(found[99].origin, Origin::known);
+}
+
+TEST(LandmarkAssociation, NamesAFieldThatIsOutOfRange) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const std::vector<std::pair<std::string, std::function<void(AssociationParams&)>>> mistakes{
+      {"association", [](auto& params) { params.mode = "Joint"; }},
+      {"gate", [](auto& params) { params.gate = 1; }},
+      {"doubt", [](auto& params) { params.doubt = 0.9; }},
+      {"margin", [](auto& params) { params.margin = -1; }},
+      {"density", [](auto& params) { params.density = 0; }},
+      {"new_margin", [nan](auto& params) { params.new_margin = nan; }},
+      {"nearest_distance", [](auto& params) { params.nearest_distance = 0; }},
+      {"effort", [](auto& params) { params.effort = 99; }}};
+  AssociationParams().validate();
+  for (const auto& [name, spoil] : mistakes) {
+    AssociationParams params;
+    spoil(params);
+    EXPECT_EQ(refusal<std::invalid_argument>([&] { params.validate(); }).find(name + " is "), 0u) << name;
+  }
+}
+
+}  // namespace
+}  // namespace sextant

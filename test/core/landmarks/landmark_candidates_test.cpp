@@ -1,0 +1,121 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sextant/landmarks/landmark_candidates.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "test_refusal.hpp"
+
+namespace sextant {
+namespace {
+
+using Eigen::Matrix2d;
+using Eigen::Vector2d;
+
+LandmarkCandidates::Sighting at(double x, double y, const std::string& class_name = "red",
+                                double sigma = 0.1) {
+  return {{x, y}, sigma * sigma * Matrix2d::Identity(), {class_name, {}}};
+}
+
+size_t landmarksOf(const std::vector<bool>& answer) { return std::count(answer.begin(), answer.end(), true); }
+
+CandidateParams patient() {
+  CandidateParams params;
+  params.sightings = 100;
+  return params;
+}
+
+/// Whether something seen there, as surely as all before, is taken for the only candidate.
+bool isTaken(LandmarkCandidates candidates, double x) {
+  candidates.see(0, {at(x, 2)});
+  return candidates.size() == 1;
+}
+
+// The gate lies around the mean of all, 0.02: with weight 1/(1+n), and what is not known of it is 1/n of one.
+TEST(LandmarkCandidates, IsTheMeanOfItsSightings) {
+  LandmarkCandidates candidates(patient());
+  for (const double x : {0.0, 0.1, -0.1, 0.2, -0.1}) candidates.see(0, {at(x, 2)});
+  ASSERT_EQ(candidates.size(), 1u);
+  const double reach = std::sqrt(-2 * std::log(1 - 0.999) * 0.01 * (1 + 1.0 / 5));
+  for (const double side : {-1.0, 1.0}) {
+    EXPECT_TRUE(isTaken(candidates, 0.02 + side * 0.999 * reach));
+    EXPECT_FALSE(isTaken(candidates, 0.02 + side * 1.001 * reach));
+  }
+}
+
+TEST(LandmarkCandidates, WhereNothingIsFalseTheFirstSightingSuffices) {
+  CandidateParams params;
+  params.sightings = 0;
+  LandmarkCandidates candidates(params);
+  EXPECT_EQ(candidates.see(10, {at(0, 0), at(5, 5)}), (std::vector<bool>{true, true}));
+  EXPECT_EQ(candidates.size(), 0u);
+}
+
+TEST(LandmarkCandidates, IsForgottenAfterItsMemory) {
+  CandidateParams params = patient();
+  params.memory = 2;
+  LandmarkCandidates candidates(params);
+  candidates.see(10, {at(0, 0)});
+  candidates.see(11.5, {at(0, 0), at(5, 5)});
+  candidates.see(13.5, {});
+  EXPECT_EQ(candidates.size(), 2u);  // two seconds are not too long
+  candidates.see(13.4, {at(5, 5)});
+  candidates.see(13.6, {});
+  EXPECT_EQ(candidates.size(), 1u);
+  candidates.clear();
+  EXPECT_EQ(candidates.size(), 0u);
+}
+
+TEST(LandmarkCandidates, IsALandmarkBeyondItsSightings) {
+  CandidateParams params;
+  params.sightings = 3;
+  LandmarkCandidates candidates(params);
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(landmarksOf(candidates.see(i, {at(1, 2), at(7, 7 + i)})), 0u) << i;
+  const std::vector<bool> fourth = candidates.see(3, {at(-3, 2), at(1, 2)});
+  EXPECT_EQ(fourth, (std::vector<bool>{false, true}));
+  EXPECT_EQ(landmarksOf(candidates.see(3.1, {at(1, 2)})), 0u);  // it is no candidate any more
+}
+
+TEST(LandmarkCandidates, OtherLabelsAreOtherThings) {
+  CandidateParams params;
+  params.sightings = 1;
+  LandmarkCandidates candidates(params);
+  LandmarkCandidates::Sighting seven = at(1, 2), eight = at(1, 2);
+  seven.label.id = 7, eight.label.id = 8;
+  for (const auto& sighting : {at(1, 2), at(1, 2, "blue"), seven, eight})
+    EXPECT_EQ(landmarksOf(candidates.see(0, {sighting})), 0u);
+  EXPECT_EQ(candidates.size(), 4u);
+}
+
+TEST(LandmarkCandidates, TwoSightingsOfOneMomentAreTwoThings) {
+  for (const double apart : {0.05, 0.0}) {
+    CandidateParams params;
+    params.sightings = 2;
+    LandmarkCandidates candidates(params);
+    candidates.see(0, {at(0, 0)});
+    candidates.see(1, {at(0.1, 0), at(0.1 - apart, 0)});
+    EXPECT_EQ(candidates.size(), 2u) << apart;
+    EXPECT_EQ(landmarksOf(candidates.see(2, {at(0.05, 0)})), 1u) << apart;
+    EXPECT_EQ(candidates.size(), 1u) << apart;
+  }
+}
+
+TEST(LandmarkCandidates, NamesAFieldThatIsOutOfRange) {
+  const std::vector<std::pair<std::string, std::function<void(CandidateParams&)>>> mistakes{
+      {"candidate_gate", [](auto& params) { params.gate = 1; }},
+      {"candidate_sightings", [](auto& params) { params.sightings = -1; }},
+      {"candidate_memory", [](auto& params) { params.memory = 0; }}};
+  CandidateParams().validate();
+  for (const auto& [name, spoil] : mistakes) {
+    CandidateParams params;
+    spoil(params);
+    EXPECT_EQ(refusal<std::invalid_argument>([&] { params.validate(); }).find(name + " is "), 0u) << name;
+  }
+}
+
+}  // namespace
+}  // namespace sextant

@@ -1,0 +1,163 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sextant/landmarks/landmark_matching.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <random>
+
+#include "test_refusal.hpp"
+
+namespace sextant {
+namespace {
+
+using Eigen::Matrix2d;
+using Eigen::Vector2d;
+
+MapPoint point(double x, double y, const std::string& class_name = "red", double sigma = 0.05) {
+  return {{{x, y}, {}}, {class_name, {}}, sigma * sigma * Matrix2d::Identity()};
+}
+
+MapPoint tag(int id, double x, double y, double heading) {
+  MapPoint marker = point(x, y, "tag", 0.02);
+  marker.label.id = id;
+  marker.landmark.heading = heading;
+  return marker;
+}
+
+MapPoint seenBy(const Pose2& T_map_local, const MapPoint& point, const Vector2d& noise = {0, 0}) {
+  MapPoint seen = point;
+  seen.landmark = seenFrom(T_map_local, point.landmark);
+  seen.landmark.position += noise;
+  return seen;
+}
+
+void expectPose(const std::optional<LandmarkMatch>& match, const Pose2& T_map_local, double metres,
+                double radians) {
+  ASSERT_TRUE(match);
+  EXPECT_LT((match->T_map_local.position - T_map_local.position).norm(), metres);
+  EXPECT_NEAR(wrapped(match->T_map_local.heading - T_map_local.heading), 0, radians);
+}
+
+/// A hall with landmarks of three classes, anywhere.
+std::vector<MapPoint> hall(std::mt19937& random, int count) {
+  std::uniform_real_distribution<double> x(0, 20), y(0, 15);
+  const char* const classes[] = {"red", "blue", "green"};
+  std::vector<MapPoint> map;
+  for (int i = 0; i < count; ++i) map.push_back(point(x(random), y(random), classes[i % 3]));
+  return map;
+}
+
+// Of the small map six are of the large one, two are not; the large one has many that the small one lacks.
+TEST(LandmarkMatching, FindsASmallMapInALargeOne) {
+  std::mt19937 random(1);
+  std::normal_distribution<double> noise(0, 0.05);
+  std::uniform_real_distribution<double> angle(-M_PI, M_PI), near(-3, 3);
+  int found = 0;
+  for (int run = 0; run < 20; ++run) {
+    std::vector<MapPoint> map = hall(random, 30);
+    const Pose2 truth{{8, 6}, angle(random)};
+    std::sort(map.begin(), map.end(), [&](const MapPoint& a, const MapPoint& b) {
+      return (a.landmark.position - truth.position).norm() < (b.landmark.position - truth.position).norm();
+    });
+    std::vector<MapPoint> local{point(near(random), near(random)), point(near(random), near(random), "blue")};
+    for (size_t i = 0; i < 6; ++i)
+      local.push_back(seenBy(truth, map[i], Vector2d(noise(random), noise(random))));
+    const auto match = matchLandmarks(local, map, {});
+    if (!match) continue;
+    ++found;
+    expectPose(match, truth, 0.2, 0.1);
+    size_t right = 0;
+    for (const auto& [of_local, of_map] : match->pairs) right += of_local == of_map + 2;
+    EXPECT_GE(right, 5u);
+  }
+  EXPECT_GE(found, 18);
+}
+
+TEST(LandmarkMatching, IsNeverSureOfAMapFromElsewhere) {
+  std::mt19937 random(2);
+  int sure = 0;
+  for (int run = 0; run < 40; ++run) {
+    const std::vector<MapPoint> map = hall(random, 20), other = hall(random, 5);
+    sure += matchLandmarks(other, map, {}).has_value();
+  }
+  EXPECT_EQ(sure, 0);
+}
+
+TEST(LandmarkMatching, DoesNotDecideWhatIsSymmetric) {
+  const std::vector<Pose2> corners{{{0, 0}, 0}, {{10, 0}, M_PI_2}, {{10, 10}, M_PI}, {{0, 10}, -M_PI_2}};
+  std::vector<MapPoint> map;
+  for (const Pose2& corner : corners)
+    for (const Vector2d& each : {Vector2d(0, 0), Vector2d(1, 0.3), Vector2d(0.4, 2), Vector2d(2.5, 2)}) {
+      const Vector2d at = corner * each;
+      map.push_back(point(at.x(), at.y(), "red", 0.01));
+    }
+  std::vector<MapPoint> local;
+  for (size_t i = 4; i < 8; ++i) local.push_back(seenBy({{3, 1}, 0.4}, map[i]));
+  EXPECT_FALSE(matchLandmarks(local, map, {}));
+
+  map[5].label.class_name = local[1].label.class_name = "blue";  // and with one that is not like the others
+  expectPose(matchLandmarks(local, map, {}), {{3, 1}, 0.4}, 1e-6, 1e-6);
+}
+
+TEST(LandmarkMatching, OneMarkerWithIdAndHeadingSuffices) {
+  const std::vector<MapPoint> map{tag(3, 0, 0, 0.1), tag(4, 10, 2, 2.0), tag(5, 6, 9, -3.0)};
+  const Pose2 truth{{4, 5}, 2.5};
+  expectPose(matchLandmarks({seenBy(truth, map[1])}, map, {}), truth, 1e-9, 1e-9);
+
+  MapPoint without_id = seenBy(truth, map[1]), without_heading = without_id, unknown = without_id;
+  without_id.label.id.reset();
+  without_heading.landmark.heading.reset();
+  unknown.label.id = 6;
+  for (const MapPoint& each : {without_id, without_heading, unknown})
+    EXPECT_FALSE(matchLandmarks({each}, map, {}));
+}
+
+// Headings are less sure than positions: that of one marker takes the other beside its place.
+TEST(LandmarkMatching, TwoMarkersOfOnePlaceDoNotContradictEachOther) {
+  const std::vector<MapPoint> map{tag(3, 0, 0, 0.1), tag(4, 8, 2, 2.0), tag(5, 6, 9, -3.0)};
+  const Pose2 truth{{4, 5}, 2.5};
+  for (const double off : {0.0, 0.02, 0.05, 0.1, 0.2}) {
+    std::vector<MapPoint> local{seenBy(truth, map[0]), seenBy(truth, map[1])};
+    *local[0].landmark.heading += off;
+    expectPose(matchLandmarks(local, map, {}), truth, 1e-6, 1e-6);
+  }
+}
+
+TEST(LandmarkMatching, NeverPairsWhatIsOfAnotherClass) {
+  std::mt19937 random(3);
+  const std::vector<MapPoint> map = hall(random, 20);
+  std::vector<MapPoint> local;
+  for (size_t i = 0; i < 8; ++i) local.push_back(seenBy({{1, 2}, 1}, map[i]));
+  const auto match = matchLandmarks(local, map, {});
+  ASSERT_TRUE(match);
+  EXPECT_EQ(match->pairs.size(), 8u);
+  for (MapPoint& each : local) each.label.class_name = "black";
+  EXPECT_FALSE(matchLandmarks(local, map, {}));
+  local[0].label = map[0].label;
+  EXPECT_FALSE(matchLandmarks(local, map, {}));
+}
+
+TEST(LandmarkMatching, NothingIsFoundInNothing) {
+  EXPECT_FALSE(matchLandmarks({}, {point(1, 2)}, {}));
+  EXPECT_FALSE(matchLandmarks({point(1, 2)}, {}, {}));
+}
+
+TEST(LandmarkMatching, NamesAFieldThatIsOutOfRange) {
+  const std::vector<std::pair<std::string, double LandmarkMatchingParams::*>> fields{
+      {"match_gate", &LandmarkMatchingParams::gate},
+      {"match_certainty", &LandmarkMatchingParams::certainty},
+      {"match_present", &LandmarkMatchingParams::present}};
+  LandmarkMatchingParams().validate();
+  for (const auto& [name, field] : fields)
+    for (const double value : {0.0, 1.0, std::nan("")}) {
+      LandmarkMatchingParams params;
+      params.*field = value;
+      EXPECT_EQ(refusal<std::invalid_argument>([&, &params = params] { params.validate(); }).find(name), 0u);
+    }
+}
+
+}  // namespace
+}  // namespace sextant

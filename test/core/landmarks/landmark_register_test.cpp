@@ -1,0 +1,109 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sextant/landmarks/landmark_register.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace sextant {
+namespace {
+
+using Eigen::Matrix3d;
+using Keys = std::vector<int>;
+using Told = std::vector<std::optional<int>>;
+
+LabelledSighting at(double x, double y, const std::string& class_name = "red", double sigma = 0.01) {
+  return {{class_name, {}}, {{x, y}, {}, sigma * sigma * Matrix3d::Identity()}};
+}
+
+LandmarkRegister empty() { return {{}, {}, 1e-8 * Matrix3d::Identity()}; }
+
+TEST(LandmarkRegister, AKeyIsGivenOnce) {
+  LandmarkRegister all = empty();
+  for (int i = 0; i < 3; ++i) all.add(at(i, 0));
+  all.judge({1}, -10);
+  EXPECT_EQ(all.removeDoubted(), 1);
+  EXPECT_EQ(all.keys(), (Keys{0, 2}));
+  EXPECT_NEAR(all.filter().landmarks()[1].position.x(), 2, 1e-9);
+  all.add(at(5, 5));
+  EXPECT_EQ(all.keys(), (Keys{0, 2, 3}));
+  EXPECT_EQ(all.nextKey(), 4);
+}
+
+TEST(LandmarkRegister, ThatItWasSeenForDaysKeepsOneNoLongerThanThatItWasSeenOften) {
+  LandmarkRegister often = empty(), always = empty();
+  often.add(at(1, 0)), always.add(at(1, 0));
+  for (int i = 0; i < 10; ++i) often.judge({0}, 1);
+  for (int i = 0; i < 10000; ++i) always.judge({0}, 1);
+  int looks = 0;
+  for (; often.labels().size() == 1 && looks < 1000; ++looks) {
+    for (LandmarkRegister* each : {&often, &always}) each->judge({0}, -1);
+    EXPECT_EQ(often.removeDoubted(), always.removeDoubted());
+  }
+  EXPECT_LT(looks, 20);
+}
+
+TEST(LandmarkRegister, OfTwoThatAreOneTheFirstIsKept) {
+  LandmarkRegister all = empty();
+  all.add(at(0, 0)), all.add(at(3, 0)), all.add(at(0.02, 0)), all.add(at(0.02, 0, "blue"));
+  Told told{2, {}, 1};
+  EXPECT_EQ(all.mergeSame({2}, 0.3, told), 1);
+  EXPECT_EQ(all.keys(), (Keys{0, 1, 3}));
+  EXPECT_EQ(told, (Told{0, {}, 1}));
+  EXPECT_NEAR(all.filter().landmarks()[0].position.x(), 0.01, 1e-6);  // both were as sure
+}
+
+TEST(LandmarkRegister, TwoThatAreSeenAtOnceAreTwo) {
+  LandmarkRegister all = empty();
+  all.add(at(0, 0)), all.add(at(0.02, 0));
+  Told told;
+  EXPECT_EQ(all.mergeSame({0, 1}, 0.3, told), 0);
+}
+
+TEST(LandmarkRegister, ThoseThatMayBeApartAreNotOne) {
+  LandmarkRegister all = empty();
+  all.add(at(0, 0)), all.add(at(0.02, 0, "red", 0.2));
+  Told told;
+  EXPECT_EQ(all.mergeSame({1}, 0.3, told), 0);
+}
+
+TEST(LandmarkRegister, ACopyLivesByItself) {
+  LandmarkRegister all = empty();
+  all.add(at(1, 2));
+  LandmarkRegister copy(all), assigned = empty();
+  assigned = all;
+  all.add(at(3, 4));
+  all.filter().setPose({{9, 9}, 1}, Matrix3d::Identity());
+  for (const LandmarkRegister* each : {&copy, &assigned}) {
+    EXPECT_EQ(each->labels().size(), 1u);
+    EXPECT_EQ(each->filter().landmarks().size(), 1u);
+    EXPECT_EQ(each->filter().pose().position.x(), 0);
+  }
+}
+
+TEST(LandmarkRegister, AMapThatDoesNotFitChangesNothing) {
+  LandmarkRegister all = empty();
+  all.add(at(1, 2));
+  const std::vector<PlaneLandmark> two(2);
+  const Eigen::MatrixXd covariance = Eigen::MatrixXd::Identity(7, 7);
+  EXPECT_THROW(all.setMap({}, two, {{"red", {}}}, covariance), std::invalid_argument);
+  EXPECT_THROW(all.setMap({}, two, {2, {"red", {}}}, covariance.topRows(6)), std::invalid_argument);
+  EXPECT_EQ(all.labels().size(), 1u);
+  EXPECT_EQ(all.filter().landmarks().size(), 1u);
+  EXPECT_EQ(all.filter().covariance().rows(), 5);
+}
+
+TEST(LandmarkRegister, AMapFromElsewhereHasNewKeys) {
+  LandmarkRegister all = empty();
+  all.add(at(1, 2));
+  all.setMap({{1, 1}, 0}, {{{4, 4}, {}}, {{5, 5}, 0.5}}, {{"red", {}}, {"tag36h11", 3}},
+             0.01 * Eigen::MatrixXd::Identity(8, 8));
+  EXPECT_EQ(all.keys(), (Keys{1, 2}));
+  EXPECT_EQ(all.find({"tag36h11", 3}), std::optional<size_t>(1));
+  EXPECT_FALSE(all.find({"tag36h11", 4}));
+  EXPECT_NEAR(all.points()[1].covariance(1, 1), 0.01, 1e-12);
+}
+
+}  // namespace
+}  // namespace sextant

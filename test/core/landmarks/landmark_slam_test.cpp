@@ -1,0 +1,238 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sextant/landmarks/landmark_slam.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "test_landmarks.hpp"
+#include "test_refusal.hpp"
+
+namespace sextant {
+namespace {
+
+TEST(LandmarkSlam, WhatIsBesideTheViewOfAnotherSensorStays) {
+  LandmarkSlamParams narrow = params();
+  narrow.sensor.field_of_view = 1.2;
+  const std::vector<Thing> ahead{pillar(2, 0.5), pillar(2, -0.5)}, behind{pillar(-2, 0.5), pillar(-2, -0.5)};
+  std::vector<Thing> all = ahead;
+  all.insert(all.end(), behind.begin(), behind.end());
+  LandmarkSlam slam = knowing(all, narrow);
+  for (int i = 0; i < 50; ++i)
+    EXPECT_EQ(slam.see(0.1 * i, allSeen({}, behind), {{0, 0}, M_PI}).removed, 0) << i;
+  EXPECT_EQ(slam.labels().size(), 4u);
+  EXPECT_FALSE(slam.isLost());
+}
+
+TEST(LandmarkSlam, AMarkerThatIsNotSeenStaysAndOneThatIsSeenElsewhereGoes) {
+  const Thing moved = tag(1, 2, -0.5, M_PI), still = tag(2, 2, 0.5, M_PI);
+  const std::vector<Thing> all{moved, still, tag(3, 3, 0, M_PI), tag(4, 3, 0.8, M_PI)};
+  LandmarkSlam slam = knowing(all, params());
+  for (int i = 0; i < 50; ++i) EXPECT_EQ(slam.see(0.1 * i, allSeen({}, {still})).removed, 0) << i;
+  for (int i = 0; i < 50; ++i) slam.see(5 + 0.1 * i, allSeen({}, {}));
+  EXPECT_EQ(slam.labels().size(), 4u);
+  EXPECT_FALSE(slam.isLost());
+  const std::vector<Thing> now{tag(1, 1.5, -0.5, M_PI), still};
+  for (int i = 0; i < 50; ++i) slam.see(10 + 0.1 * i, allSeen({}, now));
+  ASSERT_EQ(slam.labels().size(), 4u);
+  EXPECT_EQ(slam.labels().back(), moved.label);  // begun anew
+  EXPECT_LT((slam.filter().landmarks().back().position - now[0].landmark.position).norm(), 0.05);
+  EXPECT_FALSE(slam.isLost());
+}
+
+TEST(LandmarkSlam, SightingsBecomeLandmarks) {
+  LandmarkSlam slam(params(), {{1, 2}, 0.5}, kStart);
+  const std::vector<Thing> things{pillar(3, 3), pillar(4, 2, kBlue), tag(7, 5, 4, 1)};
+  LandmarkReport report;
+  for (int i = 0; i < 3; ++i) {
+    report = slam.see(0.1 * i, allSeen({{1, 2}, 0.5}, things));
+    EXPECT_EQ(report.waiting, 3);
+    EXPECT_EQ(slam.candidates(), 3u);
+  }
+  report = slam.see(0.4, allSeen({{1, 2}, 0.5}, things));
+  EXPECT_EQ(report.begun, 3);
+  ASSERT_EQ(slam.labels().size(), 3u);
+  EXPECT_EQ(slam.labels()[2], (LandmarkLabel{"tag", 7}));
+  EXPECT_NEAR(*slam.filter().landmarks()[2].heading, 1, 1e-9);
+  EXPECT_EQ(std::set<int>(slam.keys().begin(), slam.keys().end()).size(), 3u);
+  report = slam.see(0.5, allSeen({{1, 2}, 0.5}, things));
+  EXPECT_EQ(report.known, 3);
+  EXPECT_EQ(report.nis_width, 7);
+  EXPECT_EQ(report.keys[1], slam.keys()[1]);
+}
+
+TEST(LandmarkSlam, TwoLandmarksThatAreOneAreMerged) {
+  for (const size_t first : {0, 1}) {
+    std::vector<Thing> things{pillar(2, 0), pillar(2.05, 0), pillar(2.05, 0, kBlue), pillar(2, 2)};
+    std::rotate(things.begin(), things.begin() + first, things.begin() + 2);
+    LandmarkSlamParams unclear = params();
+    unclear.association.margin = 0;
+    LandmarkSlam slam = knowing(things, unclear);
+    const std::vector<int> keys = slam.keys();
+    const LandmarkReport report = slam.see(0, allSeen({}, {pillar(2.05, 0), things[3]}));
+    EXPECT_EQ(report.known, 2);
+    EXPECT_EQ(report.merged, 1);
+    EXPECT_EQ(slam.labels(), (std::vector<LandmarkLabel>{kRed, kBlue, kRed}));
+    EXPECT_EQ(slam.keys(), (std::vector<int>{keys[0], keys[2], keys[3]}));
+    EXPECT_EQ(report.keys[0], keys[0]);
+    EXPECT_NEAR(slam.filter().landmarks()[0].position.x(), 2.025, 0.02);
+  }
+}
+
+TEST(LandmarkSlam, ManyThatAreOneAreMergedAtOnce) {
+  LandmarkSlamParams unclear = params();
+  unclear.association.margin = 0;
+  const std::vector<Thing> things{pillar(2, 0.02), pillar(2, 0.01), pillar(2, 0), pillar(2, -0.01)};
+  for (size_t which = 0; which < things.size(); ++which) {
+    LandmarkSlam slam = knowing(things, unclear);
+    EXPECT_EQ(slam.see(0, allSeen({}, {things[which]})).merged, 3) << which;
+    EXPECT_EQ(slam.labels().size(), 1u);
+  }
+}
+
+TEST(LandmarkSlam, WhatMayBeTwoStaysTwo) {
+  LandmarkSlam slam = knowing({pillar(2, 0), pillar(2, 0.35), pillar(2, 1.0)}, params());
+  EXPECT_EQ(slam.see(0, allSeen({}, {pillar(2, 0)})).merged, 0);
+  LandmarkSlam unsure = knowing({pillar(2, 0), pillar(2, 0.2)}, params(), 0.1);
+  EXPECT_EQ(unsure.see(0, allSeen({}, {pillar(2, 0)})).merged, 0);
+}
+
+/// A moment with nothing but one landmark after another, which shows that the robot is where it should be.
+int momentsUntilRemoved(LandmarkSlam& slam, const std::vector<Thing>& there, int most = 40) {
+  for (int i = 1; i <= most; ++i)
+    if (slam.see(0.1 * i, allSeen({}, there)).removed) return i;
+  return 0;
+}
+
+// From log odds 8 to -4 in steps of log(0.2 / 0.95).
+TEST(LandmarkSlam, WhatIsNeverSeenWhereItShouldBeGoes) {
+  LandmarkSlam slam = knowing({pillar(2, 0.5), pillar(3, -1), pillar(2, 2)}, params());
+  EXPECT_EQ(momentsUntilRemoved(slam, {pillar(2, 0.5), pillar(2, 2)}),
+            static_cast<int>(std::ceil(12 / std::log(0.95 / 0.2))));
+  EXPECT_EQ(slam.labels().size(), 2u);
+  EXPECT_EQ(momentsUntilRemoved(slam, {pillar(2, 0.5), pillar(2, 2)}), 0);
+}
+
+TEST(LandmarkSlam, StandingIsWonBackBySightings) {
+  const std::vector<Thing> both{pillar(2, 0.5), pillar(3, -1)};
+  LandmarkSlam slam = knowing(both, params());
+  for (int i = 0; i < 60; ++i) {  // three of four misses are outweighed: 3 x 1.56 against 2.77
+    const bool is_seen = i % 3 == 0;
+    slam.see(0.1 * i, allSeen({}, is_seen ? both : std::vector<Thing>{both[0]}));
+  }
+  EXPECT_EQ(slam.labels().size(), 2u);
+}
+
+TEST(LandmarkSlam, WhatIsHiddenOrOutOfViewStays) {
+  const Thing near = pillar(1, 0);
+  LandmarkSlam slam =
+      knowing({near, pillar(3, 0.05), pillar(-2, 0), pillar(0, 20), pillar(6, 0.9)}, params());
+  EXPECT_EQ(momentsUntilRemoved(slam, {near}), 0);
+  EXPECT_EQ(slam.labels().size(), 5u);
+}
+
+TEST(LandmarkSlam, NothingIsDoubtedWhileNothingIsSeen) {
+  LandmarkSlam slam = knowing({pillar(2, 0)}, params());
+  EXPECT_EQ(momentsUntilRemoved(slam, {}), 0);
+  EXPECT_FALSE(slam.isLost());
+}
+
+TEST(LandmarkSlam, MeasuredIdsNeedNoAssociation) {
+  const Thing near[] = {tag(1, 2, 0, 3), tag(2, 2, 0.05, 3)};
+  LandmarkSlam slam = knowing({near[0], near[1]}, params());
+  const LandmarkReport report = slam.see(0, allSeen({}, {near[1], near[0]}));
+  EXPECT_EQ(report.known, 2);
+  EXPECT_EQ(report.keys[0], slam.keys()[1]);
+  EXPECT_EQ(report.merged, 0);
+}
+
+TEST(LandmarkSlam, AnIdThatIsSurelyElsewhereIsRejected) {
+  const std::vector<Thing> things{tag(1, 2, 0, 3), tag(2, 2, 1, 3)};
+  LandmarkSlam slam = knowing(things, params());
+  const Pose2 before = slam.filter().pose();
+  for (const Thing& wrong : {tag(2, 3, -1, 3), tag(2, 2, 1, 1.5)}) {
+    const LandmarkReport report = slam.see(0, allSeen({}, {things[0], wrong}));
+    EXPECT_EQ(report.known, 1);
+    EXPECT_EQ(report.rejected, 1);
+    EXPECT_FALSE(report.keys[1]);
+    EXPECT_EQ(report.waiting, 0);
+  }
+  EXPECT_EQ(slam.labels().size(), 2u);
+  expectPose(slam, before, 1e-3);
+}
+
+// A print that is there twice: which of them is the landmark cannot be told.
+TEST(LandmarkSlam, AnIdThatIsSeenTwiceAtOnceBeginsNothing) {
+  const Thing here = tag(1, 2, 0, 3), there = tag(1, 2, 1, 3), other = tag(2, 3, 0.5, 3);
+  LandmarkSlam fresh(params(), {}, kStart);
+  for (int i = 0; i < 10; ++i) fresh.see(0.1 * i, allSeen({}, {here, there, other}));
+  EXPECT_EQ(fresh.labels(), (std::vector<LandmarkLabel>{{"tag", 2}}));
+
+  LandmarkSlam slam = knowing({here, other}, params());
+  const LandmarkReport report = slam.see(0, allSeen({}, {here, here, other}));
+  EXPECT_EQ(report.known, 2);
+  EXPECT_EQ(report.doubtful, 1);
+  EXPECT_EQ(report.keys[0], slam.keys()[0]);
+  EXPECT_FALSE(report.keys[1]);
+}
+
+// Otherwise each becomes a landmark again and again.
+TEST(LandmarkSlam, SightingsAtTheEndOfTheRangeAndBeyondAreOfTheirLandmarks) {
+  for (const double range : {5.05, 9.0}) {
+    LandmarkSlam slam = knowing({pillar(range, 0)}, params());
+    EXPECT_EQ(slam.see(0, allSeen({}, {pillar(range - 0.08, 0)})).known, 1) << range;
+  }
+}
+
+TEST(LandmarkSlam, DoubtfulSightingsNeitherMoveNorBeginAnything) {
+  LandmarkSlam slam = knowing({pillar(2, 0), pillar(2, 0.4)}, params());
+  const MatrixXd before = slam.filter().covariance();
+  for (int i = 0; i < 10; ++i) {
+    const LandmarkReport report = slam.see(0.1 * i, allSeen({}, {pillar(2, 0.2)}));
+    EXPECT_EQ(report.doubtful, 1);
+    EXPECT_EQ(report.known + report.waiting + report.begun, 0);
+  }
+  EXPECT_EQ(slam.filter().covariance(), before);
+  EXPECT_EQ(slam.candidates(), 0u);
+}
+
+TEST(LandmarkSlam, SightingsThatBeginNothingAreOfKnownLandmarksOnly) {
+  LandmarkSlam slam = knowing({tag(1, 2, 0, 3)}, params());
+  std::vector<LabelledSighting> both = allSeen({}, {tag(1, 2, 0, 3), tag(2, 2, 1, 3)});
+  for (LabelledSighting& each : both) each.begins = false;
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(slam.see(0.1 * i, both).known, 1);
+  EXPECT_EQ(slam.labels().size(), 1u);
+  EXPECT_EQ(slam.candidates(), 0u);
+}
+
+TEST(LandmarkSlam, ReadOnlyKeepsItsLandmarks) {
+  LandmarkSlamParams fixed = params();
+  fixed.read_only = true;
+  LandmarkSlam slam = knowing({pillar(2, 0), pillar(2, 2), pillar(2, 2.02)}, fixed);
+  for (int i = 0; i < 30; ++i) {
+    const LandmarkReport report = slam.see(0.1 * i, allSeen({}, {pillar(2, 0), pillar(1, 1)}));
+    EXPECT_EQ(report.known, 1);
+    EXPECT_EQ(report.begun + report.merged + report.removed, 0);
+  }
+  EXPECT_EQ(slam.labels().size(), 3u);
+}
+
+TEST(LandmarkSlam, ACopyIsOnItsOwn) {
+  LandmarkSlam slam = knowing({pillar(2, 0), pillar(2, 2)}, params());
+  LandmarkSlam copy({}, {}, kStart);
+  copy = slam;
+  EXPECT_EQ(copy.filter().covariance(), slam.filter().covariance());
+  copy.lose();
+  LandmarkSlam lost(copy);
+  EXPECT_TRUE(lost.isLost());
+  copy.setPose({{1, 1}, 1}, kStart);
+  EXPECT_FALSE(copy.isLost());
+  EXPECT_TRUE(lost.isLost());
+  EXPECT_FALSE(slam.isLost());
+  expectPose(slam, {}, 1e-12);
+}
+
+}  // namespace
+}  // namespace sextant

@@ -1,0 +1,142 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sextant/localization/pose_posterior.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <cmath>
+#include <random>
+
+#include "sextant/markers/marker_pose.hpp"
+#include "test_cameras.hpp"
+#include "test_sightings.hpp"
+
+namespace sextant {
+namespace {
+
+const Pose kMount = forwardMount(1.0);
+constexpr double kRegion6 = 12.59, kRegion3 = 7.815;  // chi-square, 95 %
+
+// What a series of published poses amounts to.
+struct Consistency {
+  int frames = 0, decided = 0, inside = 0, position_inside = 0;
+  double decided_nees = 0, nees = 0;
+
+  void add(const Pose& truth, const Pose& estimate, const PosePosterior& posterior, bool certain) {
+    const Vector6d e = poseError(truth, estimate);
+    const double d2 = e.dot(posterior.covariance.ldlt().solve(e));
+    const Eigen::Vector3d p = e.head<3>();
+    ++frames;
+    decided += certain;
+    inside += d2 < kRegion6;
+    position_inside += p.dot(posterior.covariance.topLeftCorner<3, 3>().ldlt().solve(p)) < kRegion3;
+    nees += d2;
+    if (certain) decided_nees += d2;
+  }
+};
+
+// Robots that look at the markers from anywhere within 1 rad of head-on.
+Consistency simulate(const std::vector<Pose>& markers, double farthest, int frames,
+                     const std::optional<FloorPrior>& floor) {
+  const CameraModel camera(testCalibrations()[1], CameraModel::Image::raw);
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> range(0.7, farthest), bearing(-1, 1), aside(-0.15, 0.15);
+  std::normal_distribution<double> noise(0, 1);
+  Consistency sum;
+  while (sum.frames < frames) {
+    const double r = range(random), a = bearing(random);
+    Pose truth = poseFromXyzRpy({3 - r * std::cos(a), -r * std::sin(a), 0}, {0, 0, a + aside(random)});
+    if (floor)
+      truth =
+          truth * poseFromXyzRpy({0, 0, floor->height_sigma * noise(random)},
+                                 {floor->tilt_sigma * noise(random), floor->tilt_sigma * noise(random), 0});
+    const auto sightings = seenFrom(truth, camera, kMount, markers, 0.2, 0.3, random);
+    std::vector<PoseStart> starts;
+    for (size_t i = 0; i < sightings.size(); ++i) {
+      const MarkerSighting& sighting = sightings[i];
+      const auto poses = solveMarkerPose(camera, sighting.corners, 0.2);
+      if (!poses) continue;
+      const auto base = [&](const MarkerPose& pose) {
+        return sighting.T_map_marker * pose.T_camera_marker.inverse() * sighting.T_camera_base;
+      };
+      starts.push_back({base(poses->best), i});
+      if (poses->alternative) starts.push_back({base(*poses->alternative), i});
+    }
+    HypothesesParams params;
+    params.floor = floor;
+    const auto hypotheses = poseHypotheses(sightings, starts, params, std::nullopt);
+    if (hypotheses.empty()) continue;
+    const PosteriorParams decision{0.999999, floor};
+    const auto posterior = posePosterior(sightings, hypotheses, decision);
+    sum.add(truth, hypotheses[posterior.best].T_map_base, posterior,
+            posterior.probability >= decision.decided);
+  }
+  return sum;
+}
+
+TEST(PosePosterior, OneMarkersRegionHoldsTheTruth) {
+  const auto sum = simulate({markerOnWall({3, 0, 1})}, 6, 1500, std::nullopt);
+  EXPECT_GT(sum.inside, 0.93 * sum.frames);
+  EXPECT_LT(sum.inside, 0.97 * sum.frames);
+  EXPECT_GT(sum.position_inside, 0.93 * sum.frames);
+  EXPECT_LT(sum.position_inside, 0.975 * sum.frames);
+  EXPECT_NEAR(sum.decided_nees / sum.decided, 6.0, 0.6);
+  EXPECT_GT(sum.decided, 0.2 * sum.frames);
+  EXPECT_LT(sum.decided, 0.8 * sum.frames);
+}
+
+TEST(PosePosterior, CoplanarMarkersAreConsistent) {
+  const auto sum = simulate({markerOnWall({3, -0.3, 1}), markerOnWall({3, 0.3, 1.1})}, 5, 600, std::nullopt);
+  EXPECT_GT(sum.decided, 0.9 * sum.frames);
+  EXPECT_NEAR(sum.decided_nees / sum.decided, 6.0, 0.6);
+}
+
+TEST(PosePosterior, FloorAndOneMarkerAreConsistent) {
+  const auto sum = simulate({markerOnWall({3, 0, 1})}, 6, 1000, FloorPrior{0.01, 0.01});
+  EXPECT_NEAR(sum.decided_nees / sum.decided, 6.0, 0.7);
+  EXPECT_NEAR(sum.nees / sum.frames, 6.0, 0.8);
+}
+
+// From afar the bearing of the markers is known so well that a shift along a turned line of sight counts.
+TEST(PosePosterior, FloorAndFarCoplanarMarkersAreConsistent) {
+  const auto sum =
+      simulate({markerOnWall({3, -0.8, 1.2}), markerOnWall({3, 0, 1.2}), markerOnWall({3, 0.8, 1.2})}, 10,
+               800, FloorPrior{0.01, 0.01});
+  EXPECT_GT(sum.decided, 0.98 * sum.frames);
+  EXPECT_NEAR(sum.decided_nees / sum.decided, 6.0, 0.4);
+}
+
+// Three markers say that the base is here, three others that it is 2 m aside: a narrow Gaussian at each
+// place.
+TEST(PosePosterior, TwoHypothesesAreCoveredTogether) {
+  const CameraModel camera(testCalibrations()[0], CameraModel::Image::raw);
+  std::mt19937 random(8);
+  const Pose here = Pose::Identity(), aside = poseFromXyzRpy({0, 2, 0}, {0, 0, 0});
+  const auto three = [&](const Pose& T_map_base) {
+    return seenFrom(T_map_base, camera, kMount,
+                    {T_map_base * markerOnWall({2, 0.4, 1}, 0.3), T_map_base * markerOnWall({2.5, -0.6, 1.2}),
+                     T_map_base * markerOnWall({1.8, 0, 0.9}, -0.5)},
+                    0.2, 0.1, random);
+  };
+  auto sightings = three(here);
+  for (const MarkerSighting& sighting : three(aside)) sightings.push_back(sighting);
+  auto hypotheses = poseHypotheses(sightings, {{here, 0}, {aside, 3}}, {}, std::nullopt);
+  ASSERT_EQ(hypotheses.size(), 2u);
+  hypotheses[0].weight = 0.6;
+  hypotheses[1].weight = 0.4;
+  const auto open = posePosterior(sightings, hypotheses, {});
+  EXPECT_EQ(open.best, 0u);
+  EXPECT_DOUBLE_EQ(open.probability, 0.6);
+  const double way = hypotheses[1].T_map_base.translation().y() - hypotheses[0].T_map_base.translation().y();
+  EXPECT_GE(open.covariance(1, 1), 0.4 * way * way);
+  EXPECT_LT(open.covariance(1, 1), 0.4 * way * way * 1.5);  // a factor for the region
+  EXPECT_LT(open.covariance(0, 0), 0.01);
+  hypotheses[0].weight = 0.99995;
+  hypotheses[1].weight = 0.00005;
+  const auto certain = posePosterior(sightings, hypotheses, {});
+  EXPECT_LT(certain.covariance(1, 1), 0.01);
+}
+
+}  // namespace
+}  // namespace sextant

@@ -1,0 +1,49 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sextant/mapping/residual_correlation.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace sextant {
+namespace {
+
+// x_k = rho x_{k-1} + noise: the correlation is rho^k.
+ResidualSeries autoregressive(double rho, int images, int seed, size_t every = 1) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> noise(0, 1);
+  ResidualSeries series;
+  Eigen::Matrix<double, 8, 1> x;
+  for (double& value : x) value = noise(random);
+  for (int i = 0; i < images; ++i) {
+    for (double& value : x) value = rho * value + std::sqrt(1 - rho * rho) * noise(random);
+    series[every * i] = x;
+  }
+  return series;
+}
+
+TEST(CorrelatedImages, AreOneForIndependentNoise) {
+  EXPECT_DOUBLE_EQ(correlatedImages({autoregressive(0, 2000, 1), autoregressive(0, 2000, 2)}), 1.0);
+}
+
+// Closed form: 1 + 2 sum(rho^k) = (1 + rho) / (1 - rho).
+TEST(CorrelatedImages, AreThoseOfAFirstOrderProcess) {
+  for (const double rho : {0.5, 0.8, 0.9}) {
+    std::vector<ResidualSeries> all;
+    for (int seed = 0; seed < 6; ++seed) all.push_back(autoregressive(rho, 3000, seed));
+    const double expected = (1 + rho) / (1 - rho);
+    EXPECT_NEAR(correlatedImages(all), expected, 0.12 * expected) << rho;
+  }
+}
+
+TEST(CorrelatedImages, AreOneWhereThereIsNothingToTellFrom) {
+  EXPECT_DOUBLE_EQ(correlatedImages({}), 1.0);
+  EXPECT_DOUBLE_EQ(correlatedImages({autoregressive(0.9, 20, 1)}), 1.0);
+  EXPECT_DOUBLE_EQ(correlatedImages({autoregressive(0.9, 500, 1, 1000)}),
+                   1.0);  // never in neighbouring images
+}
+
+}  // namespace
+}  // namespace sextant

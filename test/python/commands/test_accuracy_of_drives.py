@@ -1,0 +1,102 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Poses of drives against their truth, as their user calls it."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from accuracy_command import called, refused
+from geometry_msgs.msg import PoseWithCovarianceStamped
+from written_bags import WrittenBag, header
+
+import sextant
+from sextant.nodes.base.conversions import pose_to_message
+
+
+def write_drive(path, bias, seed, count=200):
+    """A bag of poses that are off, of their truth in tf, and lines of a TUM file of it."""
+    random, lines = np.random.default_rng(seed), []
+    path.parent.mkdir(exist_ok=True)
+    with WrittenBag(path) as bag:
+        for k in range(count):
+            second, place = 0.1 * k, [0.05 * k, 0.3 * np.sin(0.05 * k), 0.0]
+            T = sextant.pose_from_xyz_rpy(place, [0.0, 0.0, 0.0])
+            bag.transforms([("map", "truth", T)], second, topic="/tf")
+            lines.append(f"{1600000000 + second:.3f} {place[0]} {place[1]} 0 0 0 0 1")
+            message = PoseWithCovarianceStamped(header=header(second, "map"))
+            told = sextant.pose_from_xyz_rpy(0.02 * random.normal(size=3), 0.01 * random.normal(size=3))
+            told[:3, 3] += T[:3, 3] + [0.0, bias, 0.0]
+            message.pose.pose = pose_to_message(told)
+            message.pose.covariance = np.diag([0.02**2] * 3 + [0.01**2] * 3).ravel()
+            bag.write("/pose", message, second)
+    return lines
+
+
+def rmse_of(out):
+    """Metres, of every drive."""
+    return [float(each) for each in re.findall(r"ATE, m +RMSE ([\d.]+)", out)]
+
+
+def test_a_drive_against_its_truth(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    Path("truth.tum").write_text("\n".join(write_drive(tmp_path / "drive.bag", 0.0, 1)))
+    for name, truth in (("file", ["--truth", "truth.tum"]), ("frame", ["--truth-frame", "truth"])):
+        arguments = ["drive.bag", "--pose", "pose", *truth, "-o", name, "--rpe", 2, "seconds"]
+        code, out, _ = called(capsys, *arguments)
+        assert code == 0 and "drive.bag: 200 poses\n" in out
+        assert rmse_of(out) == [pytest.approx(0.02 * np.sqrt(3.0), rel=0.1)]
+        assert re.search(r"NEES +mean ([\d.]+) of 6, within", out)
+        assert "RPE over 2 seconds, m" in out
+        assert sorted(path.name for path in tmp_path.glob(f"{name}*")) == [f"{name}.csv", f"{name}.png"]
+    assert Path("file.csv").read_text() == Path("frame.csv").read_text()
+
+
+def test_several_drives_of_one_name_and_time(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    for folder, bias in (("a", 0.0), ("b", 0.3)):
+        write_drive(tmp_path / folder / "run.bag", bias, 1)
+    arguments = ["a/run.bag", "b/run.bag", "--pose", "pose", "--truth-frame", "truth"]
+    code, out, _ = called(capsys, *arguments)
+    small = 0.02 * np.sqrt(3.0)
+    assert code == 0 and rmse_of(out) == pytest.approx([small, np.hypot(small, 0.3)], rel=0.1)
+    assert "a/run.bag: 200 poses" in out and "b/run.bag: 200 poses" in out
+    assert sorted(path.name for path in tmp_path.glob("acc*")) == [
+        *("accuracy.csv", "accuracy_1.png", "accuracy_2.png")
+    ]
+    assert "run.bag: is named twice" in refused(capsys, *arguments, "./a/run.bag", "-o", "other")
+
+
+def test_a_drive_that_cannot_be_compared_is_refused_or_skipped(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    write_drive(tmp_path / "good.bag", 0.0, 1)
+    with WrittenBag(tmp_path / "blind.bag") as bag:
+        bag.odometry("/pose", np.eye(4), 1.0)
+    arguments = ["good.bag", "blind.bag", "--pose", "pose", "--truth-frame", "truth"]
+    assert "blind.bag: tf does not connect" in refused(capsys, *arguments)
+    code, out, _ = called(capsys, *arguments, "--skip")
+    assert code == 0 and "skipped: blind.bag: tf does not" in out and len(rmse_of(out)) == 1
+    assert [path.name for path in tmp_path.glob("*.png")] == ["accuracy_1.png"]
+    assert called(capsys, *reversed(arguments[:2]), *arguments[2:], "--skip", "-o", "other")[0] == 0
+    assert [path.name for path in tmp_path.glob("other*.png")] == ["other_2.png"]  # the second is drawn
+
+
+@pytest.mark.parametrize(
+    "arguments, reason",
+    [
+        ([], "where are the markers?"),
+        (["--pose", "pose", "--rpe", "far", "metres"], "--rpe far metres: allowed is"),
+        (["--pose", "pose", "--rpe", "1", "furlongs"], "--rpe 1 furlongs: allowed is"),
+        (["--pose", "pose", "--rpe", "1.5", "frames"], "--rpe 1.5 frames: allowed is"),
+        (["--pose", "pose", "--map", "absent.yaml"], "absent.yaml"),
+        (["--pose", "pose", "--map", "absent.yaml", "--align"], "absent.yaml"),
+        (["--pose", "pose", "--every", "2"], "--every means nothing with --pose"),
+        (["--pose", "pose", "--axis", "x"], "--axis means nothing of drives"),
+        (["--pose", "pose", "-o", "."], "is no name that files can begin with"),
+    ],
+)
+def test_options_of_drives_that_cannot_be(tmp_path, monkeypatch, capsys, arguments, reason):
+    monkeypatch.chdir(tmp_path)
+    Path("truth.tum").write_text("\n".join(write_drive(tmp_path / "drive.bag", 0.0, 1, count=20)))
+    assert reason in refused(capsys, "drive.bag", "--truth", "truth.tum", *arguments)

@@ -1,0 +1,174 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""evaluate_places as its user calls for it: what it prints, writes and refuses, and its page."""
+
+import json
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import cv2
+import pytest
+from made_network import pooling_network
+from made_photos import picture, shifted, written_photos
+
+from sextant.commands.evaluate_places import main
+
+ROOT = Path(__file__).resolve().parents[3]
+PAGE = (ROOT / "doc/place_accuracy.md").read_text()
+
+
+@pytest.fixture(scope="module")
+def park(tmp_path_factory):
+    """Six places; autumn.txt has them a bit aside, and one far off; truth.csv has some of autumn's photos."""
+    folder = tmp_path_factory.mktemp("park")
+    written_photos(folder, 6)
+    (folder / "autumn").mkdir()
+    lines = ["park.png;1000;100"]
+    for i in (*range(6), 40):
+        cv2.imwrite(str(folder / f"autumn/{i}.png"), shifted(picture(i), 4, 2, seed=i))
+        lines.append(f"{i};autumn/{i}.png;{10 * i + 1};50")
+    (folder / "autumn.txt").write_text("\n".join(lines) + "\n")
+    header = lines[0].replace("1000", "900")
+    (folder / "other.txt").write_text("\n".join([header, *lines[1:]]) + "\n")
+    (folder / "truth.csv").write_text("query,right_refs\n2.png,2.png\n3.png,2.png 4.png\n40.png,\n")
+    (folder / "lost.csv").write_text("query,right_refs\n2.png,2.png\nlost.png,2.png\n")
+    (folder / "broken.csv").write_text("query,right_refs\nbroken.png,2.png\n")
+    (folder / "autumn/broken.png").write_bytes((folder / "autumn/1.png").read_bytes()[:5000])
+    (folder / "there.json").write_text("{}")
+    pooling_network(folder / "net.onnx", channels=1)
+    return folder
+
+
+@pytest.fixture
+def in_park(park, monkeypatch):
+    monkeypatch.chdir(park)
+    return park
+
+
+def told(capsys, *arguments):
+    assert main([str(each) for each in arguments]) == 0, capsys.readouterr().err
+    return capsys.readouterr().out.splitlines()
+
+
+def test_photos_of_another_map(in_park, tmp_path, capsys):
+    lines = told(
+        capsys, "park.txt", "--queries", "autumn.txt", "--mode", "single", "--tolerance", "1",
+        "--json", tmp_path / "figures.json", "--plots", tmp_path / "plots",
+    )  # fmt: skip
+    assert lines[0] == "park.txt, mode single: 7 queries, 1 of them nowhere in the map"
+    assert lines[1].startswith("recall @1 1.000, @5 1.000, @10 1.000; area under precision-recall 1.000")
+    assert lines[3].endswith("is said of 0.0% of the queries in the map, and of 100.0% of those that are not")
+    assert lines[4].startswith("position: off by ") and " px (median)" in lines[4]
+    assert lines[-3:] == [
+        str(tmp_path / name)
+        for name in ("figures.json", "plots/precision_recall.png", "plots/reliability.png")
+    ]
+    for picture_file in lines[-2:]:
+        assert cv2.imread(picture_file).shape[1] > 600
+    written = json.loads((tmp_path / "figures.json").read_text())
+    assert (written["figures"]["recall@1"], written["figures"]["mode"]) == (1.0, "single")
+    assert [each["first_right"] for each in written["queries"]] == [1, 1, 1, 1, 1, 1, None]
+    assert written["queries"][6]["status"] == "NOWHERE" and not written["queries"][6]["is_in_map"]
+    assert written["queries"][2]["answers"][0][0] == "2.png"
+
+
+def test_a_table_of_right_photos(in_park, capsys):
+    lines = told(capsys, "park.txt", "--truth", "truth.csv", "--folder", "autumn", "--mode", "single")
+    assert lines[0] == "park.txt, mode single: 3 queries, 1 of them nowhere in the map"
+    assert lines[1].startswith("recall @1 0.500")  # 3.png is not the 2.png or the 4.png that the table wants
+    assert not any(line.startswith("position") for line in lines)
+
+
+def test_photos_that_are_left_out(in_park, capsys):
+    lines = told(capsys, "park.txt", "--leave-one-out", "--tolerance", "5")
+    assert lines[0] == "park.txt, mode single: 6 queries, 6 of them nowhere in the map"
+    assert lines[1].startswith("recall @1 -, @5 -, @10 -; area under precision-recall -")
+
+
+def test_votes_of_plain_features(in_park, capsys):
+    arguments = ["--mode", "votes", "--profile", "plain", "--matcher", "FlannBased"]
+    lines = told(capsys, "park.txt", "--queries", "autumn.txt", *arguments)
+    assert lines[0].startswith("park.txt, mode votes: 7 queries") and "made in" in lines[-1]
+
+
+GREY = ["--network", "net.onnx", "--network-channels", "grey", "--network-mean", "0.5", "--network-std", "1"]
+
+
+def test_a_network_takes_part_as_much_as_it_is_weighted(in_park, tmp_path, capsys):
+    """Out of focus, where keypoints say little."""
+    lines = ["query,right_refs"]
+    for i in range(6):
+        cv2.imwrite(str(tmp_path / f"{i}.png"), cv2.GaussianBlur(picture(i), (0, 0), 25))
+        lines.append(f"{i}.png,{i}.png")
+    (tmp_path / "blurred.csv").write_text("\n".join(lines) + "\n")
+    recalls = []
+    for weight in ("0", "5"):
+        told(
+            capsys, "park.txt", "--truth", tmp_path / "blurred.csv", "--mode", "single", *GREY,
+            "--network-weight", weight, "--json", tmp_path / f"{weight}.json",
+        )  # fmt: skip
+        recalls.append(json.loads((tmp_path / f"{weight}.json").read_text())["figures"]["recall@1"])
+    assert recalls[0] < 0.9 and recalls[1] == 1.0
+
+
+def test_orb_of_four_points_has_a_matcher_of_its_own(in_park, capsys):
+    orb = ["--detector", "ORB", "--extractor", "ORB", "--orb-wta-k", "4", "--matcher"]
+    assert told(capsys, "park.txt", "--queries", "autumn.txt", *orb, "BruteForce-Hamming(2)")
+    assert main(["park.txt", "--queries", "autumn.txt", *orb, "BruteForce-Hamming"]) == 2
+
+
+REFUSED = {
+    "no truth": (["park.txt"], "one of the arguments"),
+    "two truths": (["park.txt", "--leave-one-out", "--truth", "truth.csv"], "not allowed with"),
+    "no such map": (["none.txt", "--leave-one-out"], "none.txt: No such file"),
+    "another overview": (["park.txt", "--queries", "other.txt"], "another overview"),
+    "a query that is not there": (
+        ["park.txt", "--truth", "lost.csv", "--folder", "autumn"],
+        "autumn/lost.png: there is no such query",
+    ),
+    "a query that is no picture": (
+        ["park.txt", "--truth", "broken.csv", "--folder", "autumn"],
+        "autumn/broken.png: the picture is damaged",
+    ),
+    "a folder of nothing": (["park.txt", "--leave-one-out", "--folder", "autumn"], "--folder is of"),
+    "a tolerance of a table": (["park.txt", "--truth", "truth.csv", "--tolerance", "1"], "means nothing"),
+    "a tolerance": (["park.txt", "--leave-one-out", "--tolerance", "-1"], "--tolerance is -1"),
+    "a mode that carries on": (["park.txt", "--leave-one-out", "--mode", "filter"], "mode is 'filter'"),
+    "an unknown mode": (["park.txt", "--leave-one-out", "--mode", "best"], "--mode"),
+    "a matcher of bits": (["park.txt", "--leave-one-out", "--matcher", "BruteForce-Hamming"], "matcher is"),
+    "figures that are there": (["park.txt", "--leave-one-out", "--json", "there.json"], "--force"),
+    "a network that is not there": (["park.txt", "--leave-one-out", "--network", "no.onnx"], "no.onnx"),
+    "colours for a grey network": (
+        ["park.txt", "--leave-one-out", "--network", "net.onnx"],
+        "takes 1 channels; RGB is 3",
+    ),
+    "a weight": (["park.txt", "--leave-one-out", *GREY, "--network-weight", "-1"], "global_weight is -1"),
+    "points of ORB": (["park.txt", "--leave-one-out", "--orb-wta-k", "5"], "orb_wta_k is 5"),
+    "no job": (["park.txt", "--leave-one-out", "--profile", "plain", "--jobs", "0"], "jobs is 0"),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_what_cannot_be_is_refused_in_one_line(case, in_park, capsys):
+    arguments, reason = REFUSED[case]
+    assert main(arguments) == 2
+    captured = capsys.readouterr()
+    *progress, line = captured.err.splitlines()
+    assert captured.out == "" and line.startswith("evaluate_places: ") and reason in line
+    assert all("describing" in each or "other settings" in each for each in progress)
+    assert (in_park / "there.json").read_text() == "{}"
+
+
+def test_the_executable(park):
+    command = [sys.executable, str(ROOT / "scripts/evaluate_places"), "park.txt", "--queries", "autumn.txt"]
+    done = subprocess.run(command, cwd=park, capture_output=True, text=True, timeout=60)
+    assert done.returncode == 0 and "mode filter: 7 queries" in done.stdout, done.stderr
+
+
+def test_options_are_those_of_the_page(capsys):
+    with pytest.raises(SystemExit):
+        main(["--help"])
+    options = set(re.findall(r"^  .*?(--[a-z-]+)", capsys.readouterr().out, re.M)) - {"--help"}
+    assert set(re.findall(r"(--[a-z][a-z-]+)", PAGE)) == options

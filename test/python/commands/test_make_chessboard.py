@@ -1,0 +1,73 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import cv2
+import pytest
+from printed_pages import pictures, texts
+
+from sextant.commands.make_chessboard import main
+
+ROOT = Path(__file__).resolve().parents[3]
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    """Commands run in an empty folder."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.mark.parametrize(
+    "line, size, square",
+    [
+        ("", (8, 6), "0.025"),
+        ("9x7 --square 0.0185", (9, 7), "0.0185"),
+        ("7x5 --page A3", (7, 5), "0.041"),
+        ("--page Letter --margin 0.02", (8, 6), "0.022"),
+    ],
+)
+def test_what_it_says_to_type_is_what_it_prints(capsys, line, size, square):
+    assert main([*line.split(), "-o", "board.pdf"]) == 0
+    command = shlex.split(capsys.readouterr().out.splitlines()[-1])
+    shape = f"{size[0]}x{size[1]}"
+    assert command == ["roslaunch", "sextant", "calibrate.launch", f"size:={shape}", f"square:={square}"]
+    assert f"--size {shape} --square {square}" in " ".join(texts(Path("board.pdf"))[0])
+    [picture] = pictures(Path("board.pdf"), 72)
+    found, corners = cv2.findChessboardCorners(picture, size)
+    assert found
+    step = cv2.norm(corners[0], corners[1]) * 0.0254 / 72
+    assert step == pytest.approx(float(square), abs=0.0003)  # to a pixel; test_chessboard_sheet.py measures
+
+
+@pytest.mark.parametrize(
+    "line, reason",
+    [
+        ("8", "'8' is not written as COLUMNSxROWS"),
+        ("8x6 --square 0.1", "the board does not fit on A4; its squares: at most 0.02"),
+        ("8x6 --square x", "invalid float value"),
+        ("1x6", "columns is 1"),
+        ("8x6000", "rows is 6000"),
+        ("8x6 --margin 1", "margin is 1.0"),
+        ("8x6 --page A5", "'A5'"),
+        ("-o absent/board.pdf", "there is no folder absent"),
+        ("-o mine.pdf", "mine.pdf: is there already; --force overwrites it"),
+    ],
+)
+def test_what_is_refused(capsys, line, reason):
+    Path("mine.pdf").write_text("mine")
+    assert main(line.split()) == 2
+    said = capsys.readouterr()
+    assert said.out == "" and said.err.count("\n") == 1
+    assert said.err.startswith("make_chessboard: ") and reason in said.err
+    assert [path.read_text() for path in Path().iterdir()] == ["mine"]
+
+
+def test_executable_ends_with_the_exit_code():
+    command = [sys.executable, str(ROOT / "scripts/make_chessboard")]
+    codes = [subprocess.run(command, stderr=subprocess.PIPE, timeout=60).returncode for _ in range(2)]
+    assert codes == [0, 2]
+    assert subprocess.run([*command, "--force"], timeout=60).returncode == 0

@@ -1,0 +1,78 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""The whole chain without ROS in one world: pictures in, commands out, judged by the simulation's truth."""
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from sextant.ball.ball_player import BallPlayerParams
+from sextant.evaluation.ball_film import BallFilm
+from sextant.evaluation.ball_match import play
+from sextant.objects.colour_detector import ColourDetector, ColourSettings
+from sextant.objects.object_locator import LocatorSettings
+from sextant.simulation.ball_world import drawn_world
+
+TASK, SEED = 2, 3
+PARAMS = BallPlayerParams(locator=LocatorSettings(scale=1.04))
+
+
+@pytest.fixture(scope="module")
+def played(tmp_path_factory):
+    """Its result, its film, what the robot knew, and how the ball moved."""
+    film = BallFilm(tmp_path_factory.mktemp("film") / "film.png")
+    balls, known = [], []
+
+    def watch(simulation, player, action, picture):
+        film.watch(simulation, player, action, picture)
+        balls.append(simulation.ground.ball.copy())
+        known.append([landmark.position for landmark in player.timeline.slam.filter.landmarks])
+
+    result = play(TASK, SEED, ColourDetector(ColourSettings()), PARAMS, watch=watch)
+    return result, film, known[-1], np.array(balls)
+
+
+def in_goal_frame(point):
+    """Metres before the goal's line and beside its middle, by arithmetic of this test's own."""
+    world = drawn_world(TASK, SEED)
+    left, right = (np.array(post[:2]) for post in world.pillars[:2])
+    middle, along = 0.5 * (left + right), (right - left) / np.linalg.norm(right - left)
+    out = np.array([-along[1], along[0]])
+    out = out if (world.ball - middle) @ out > 0.0 else -out
+    return (point - middle) @ out, abs((point - middle) @ along)
+
+
+def test_the_ball_is_through_and_the_robot_stands_before_the_line(played):
+    result, _, _, balls = played
+    assert result.through and result.pillars == 0 and result.walls == 0
+    assert result.stop == pytest.approx(0.2, abs=0.05)
+    places = np.array([in_goal_frame(ball) for ball in balls])
+    assert places[0, 0] > 0.4 and places[-1, 0] < 0.0
+    crossing = np.flatnonzero(places[:, 0] < 0.0)[0]
+    assert places[crossing, 1] < 0.5 * 1.2
+    assert 5.0 < result.goal_seconds < result.seconds < 60.0
+
+
+def test_the_goal_is_mapped_as_wide_as_it_is(played):
+    world = drawn_world(TASK, SEED)
+    x, y, heading = world.robot
+    c, s = np.cos(heading), np.sin(heading)
+    found = []
+    for post in world.pillars[:2]:
+        off = np.array(post[:2]) - [x, y]  # the robot's map begins where it did, and turns as its wheels slip
+        expected = np.array([c * off[0] + s * off[1], c * off[1] - s * off[0]])
+        found.append(min(played[2], key=lambda each: np.linalg.norm(each - expected)))
+    width = np.linalg.norm(np.subtract(*(post[:2] for post in world.pillars[:2])))
+    assert np.linalg.norm(found[0] - found[1]) == pytest.approx(width, abs=0.03)
+
+
+def test_a_film_strip_is_a_picture(played):
+    film = played[1]
+    film.write()
+    with Image.open(film._path) as picture:
+        assert picture.format == "PNG" and picture.width > 3 * picture.height
+
+
+def test_a_film_is_a_strip_or_an_animation(tmp_path):
+    with pytest.raises(ValueError, match="a film is .png or .gif"):
+        BallFilm(tmp_path / "film.mp4")

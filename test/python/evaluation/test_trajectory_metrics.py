@@ -1,0 +1,297 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Against closed forms, other implementations, and what evo says of the same files (test/data/evo)."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+from scipy.stats import chi2
+
+import sextant
+from sextant.evaluation.trajectory import summarize, trajectory_errors
+from sextant.evaluation.trajectory_files import read_trajectory
+from sextant.evaluation.trajectory_metrics import (
+    aligned,
+    aligned_covariances,
+    alignment,
+    interpolated_truth,
+    nearest_truth,
+    nees,
+    nees_band,
+    relative_errors,
+)
+
+EVO = Path(__file__).resolve().parents[2] / "data" / "evo"
+SECOND = 10**9
+
+
+def pose(x=0.0, y=0.0, z=0.0, rotvec=(0.0, 0.0, 0.0)):
+    T = np.eye(4)
+    T[:3, :3] = Rotation.from_rotvec(rotvec).as_matrix()
+    T[:3, 3] = x, y, z
+    return T
+
+
+def random_drive(random, count, step=SECOND // 10):
+    position = np.cumsum(random.normal(0.0, 0.1, (count, 3)), axis=0)
+    rotvec = np.cumsum(random.normal(0.0, 0.1, (count, 3)), axis=0)
+    return {i * step: pose(*position[i], rotvec=rotvec[i]) for i in range(count)}
+
+
+@pytest.fixture(scope="module")
+def golden():
+    truth, estimate = (read_trajectory(EVO / name) for name in ("truth.tum", "estimate.tum"))
+    return nearest_truth(truth, estimate), estimate, json.loads((EVO / "evo.json").read_text())
+
+
+def check(values, said):
+    mine = summarize(values)
+    assert len(values) == said["count"]
+    assert [mine.rmse, mine.mean, mine.median, mine.worst] == pytest.approx(
+        [said[name] for name in ("rmse", "mean", "median", "max")], rel=1e-9
+    )
+
+
+def test_absolute_errors_are_those_of_evo(golden):
+    truth, estimate, said = golden
+    T = alignment(truth, estimate)
+    assert pytest.approx(np.array(said["T_truth_estimate"]), abs=1e-9) == T
+    for name, trajectory in (("raw", estimate), ("aligned", aligned(T, estimate))):
+        errors = trajectory_errors(truth, trajectory)
+        check(errors.position, said["ape"][name]["position"])
+        check(errors.angle, said["ape"][name]["angle"])
+
+
+@pytest.mark.parametrize("unit, delta", [("frames", 5), ("metres", 0.5)])
+@pytest.mark.parametrize("all_pairs", [True, False])
+def test_relative_errors_are_those_of_evo(golden, unit, delta, all_pairs):
+    truth, estimate, said = golden
+    of_evo = said["rpe"][f"{unit.replace('metres', 'meters')} {delta} {'all' if all_pairs else 'chained'}"]
+    errors = relative_errors(truth, estimate, delta, unit, all_pairs)
+    check(errors.position, of_evo["position"])
+    check(errors.angle, of_evo["angle"])
+
+
+def associate(truths, poses, tolerance):
+    """The TUM benchmark's associate.py: all differences, the smallest first."""
+    matches = sorted((abs(a - b), a, b) for a in truths for b in poses if abs(a - b) <= tolerance)
+    pairs, truths, poses = {}, set(truths), set(poses)
+    for _, a, b in matches:
+        if a in truths and b in poses:
+            truths.remove(a), poses.remove(b)
+            pairs[b] = a
+    return pairs
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_association_is_that_of_the_tum_benchmark(seed):
+    random = np.random.default_rng(seed)
+    truths, poses = (random.choice(100000, random.integers(1, 40), replace=False).tolist() for _ in range(2))
+    tolerance = float(random.choice([100, 3000, 100000]))
+    truth = {stamp: pose(stamp) for stamp in truths}
+    mine = nearest_truth(truth, {stamp: pose() for stamp in poses}, tolerance * 1e-9)
+    assert {stamp: int(T[0, 3]) for stamp, T in mine.items()} == associate(truths, poses, tolerance)
+    assert list(mine) == sorted(mine)
+
+
+def test_a_truth_is_used_once():
+    truth = {1000: pose(1.0)}
+    assert list(nearest_truth(truth, {900: pose(), 1010: pose(), 1100: pose()})) == [1010]
+    assert nearest_truth(truth, {}) == {} == nearest_truth({}, {5: pose()})
+    assert nearest_truth(truth, {1001: pose()}, tolerance=0.0) == {}
+    assert list(nearest_truth(truth, {1000: pose()}, tolerance=0.0)) == [1000]
+    with pytest.raises(ValueError, match="the tolerance is -1 s"):
+        nearest_truth(truth, truth, -1)
+
+
+def test_a_wide_tolerance_and_thousands_of_poses():
+    truth, estimate = ({i * 1000 + shift: np.eye(4) for i in range(5000)} for shift in (0, 300))
+    assert len(nearest_truth(truth, estimate, 100.0)) == 5000
+
+
+def test_interpolation_between_two_truths():
+    truth = {0: pose(0.0, 1.0), SECOND // 5: pose(2.0, 1.0, 4.0, (0.0, 0.0, 1.0)), 2 * SECOND: pose()}
+    stamps = [0, SECOND // 20, SECOND // 5, SECOND, 2 * SECOND, 3 * SECOND, -1]
+    result = interpolated_truth(truth, stamps)
+    assert list(result) == [0, SECOND // 20, SECOND // 5, 2 * SECOND]
+    assert pytest.approx(pose(0.5, 1.0, 1.0, (0.0, 0.0, 0.25))) == result[SECOND // 20]
+    np.testing.assert_array_equal(result[0], truth[0])
+    assert len(interpolated_truth(truth, stamps, longest_gap=2.0)) == 5
+    around = {0: pose(rotvec=(0, 0, 3.0)), 100: pose(rotvec=(0, 0, -3.0))}
+    assert interpolated_truth(around, [50])[50] == pytest.approx(pose(rotvec=(0, 0, np.pi)), abs=1e-12)
+
+
+def test_interpolation_without_truths():
+    assert interpolated_truth({}, [1, 2]) == {}
+    assert list(interpolated_truth({1: pose()}, [0, 1, 2])) == [1]
+    assert interpolated_truth({1: pose(), 3: pose()}, []) == {}
+    with pytest.raises(ValueError, match="the longest gap is nan s"):
+        interpolated_truth({1: pose()}, [1], np.nan)
+
+
+def test_alignment_finds_the_frame():
+    truth = random_drive(np.random.default_rng(1), 30)
+    T = pose(3.0, -1.0, 2.0, (0.3, -2.0, 1.0))
+    estimate = aligned(np.linalg.inv(T), truth)
+    assert alignment(truth, estimate) == pytest.approx(T)
+    assert np.max(trajectory_errors(truth, aligned(T, estimate)).position) < 1e-12
+
+
+def test_alignment_of_a_flat_drive_is_no_mirror():
+    random = np.random.default_rng(2)
+    truth = {i: pose(*random.normal(size=2)) for i in range(20)}
+    estimate = {i: pose(*(T[:3, 3] + random.normal(0.0, 0.01, 3))) for i, T in truth.items()}
+    T = alignment(truth, estimate)
+    assert np.linalg.det(T[:3, :3]) == pytest.approx(1.0)
+    expected, _ = Rotation.align_vectors(*(centred(each) for each in (truth, estimate)))
+    assert T[:3, :3] == pytest.approx(expected.as_matrix())
+
+
+def centred(trajectory):
+    positions = np.array([trajectory[stamp][:3, 3] for stamp in sorted(trajectory)])
+    return positions - positions.mean(axis=0)
+
+
+@pytest.mark.parametrize(
+    "truth, reason",
+    [
+        ({0: pose(), 1: pose(1.0)}, "2 poses with a truth"),
+        ({i: pose(i, 2.0 * i) for i in range(9)}, "the poses lie on a line"),
+        ({i: pose(1.0) for i in range(9)}, "the poses lie on a line, or do not move"),
+        ({i: pose(np.nan if i == 4 else i, i**2) for i in range(9)}, "the pose at 4 ns is not finite"),
+    ],
+)
+def test_what_cannot_be_aligned(truth, reason):
+    with pytest.raises(ValueError, match=reason):
+        alignment(truth, truth)
+
+
+def test_relative_errors_of_a_constant_drift():
+    """A robot drives straight at 1 m/s; its odometry believes in 2 % more, or that it turns by 0.01 rad/s."""
+    stamps = [i * SECOND // 10 for i in range(101)]
+    truth = {stamp: pose(stamp / SECOND) for stamp in stamps}
+    estimate = {t: pose(1.02 * t / SECOND) for t in stamps}
+    for delta, unit in ((20, "frames"), (2.0, "seconds"), (2.0, "metres")):
+        errors = relative_errors(truth, estimate, delta, unit, tolerance=0.01)
+        assert len(errors.position) == 81
+        assert errors.stamps[0].tolist() == [0, 2 * SECOND]
+        assert errors.position == pytest.approx(np.full(81, 0.04))
+        chained = relative_errors(truth, estimate, delta, unit, all_pairs=False)
+        assert chained.stamps[:, 0].tolist() == [2 * i * SECOND for i in range(5)]
+        assert chained.position == pytest.approx(np.full(5, 0.04))
+    turning = {t: pose(t / SECOND, rotvec=(0, 0, 0.01 * t / SECOND)) for t in stamps}
+    angle = relative_errors(truth, turning, 3.0, "seconds", tolerance=0.0).angle
+    assert angle == pytest.approx(np.full(71, 0.03))
+
+
+def test_relative_errors_do_not_depend_on_frames():
+    random = np.random.default_rng(3)
+    truth = random_drive(random, 40)
+    estimate = {stamp: T @ pose(*random.normal(0.0, 0.1, 3)) for stamp, T in truth.items()}
+    first = relative_errors(truth, estimate, 0.7, "metres")
+    moved = relative_errors(truth, aligned(pose(1.0, 2.0, 3.0, (1.0, 2.0, 0.5)), estimate), 0.7, "metres")
+    assert len(first.position) > 10
+    assert moved.position == pytest.approx(first.position)
+    assert moved.angle == pytest.approx(first.angle, abs=1e-7)
+
+
+def test_pairs_far_from_delta_are_left_out():
+    truth = {stamp * SECOND: pose(stamp) for stamp in (0, 1, 2, 10, 11)}
+    pairs = relative_errors(truth, truth, 2.0, "seconds").stamps // SECOND
+    assert pairs.tolist() == [[0, 2]]
+    wider = relative_errors(truth, truth, 2.0, "seconds", tolerance=0.5).stamps // SECOND
+    assert wider.tolist() == [[0, 2], [1, 2], [10, 11]]
+
+
+def test_pauses_of_the_robot():
+    truth = {i: pose(x) for i, x in enumerate([0.0, 0.0, 1.0, 1.0, 1.0, 2.0, 2.0])}
+    pairs = relative_errors(truth, truth, 1.0, "metres").stamps.tolist()
+    assert pairs == [[0, 2], [1, 2], [2, 5], [3, 5], [4, 5]]
+    assert relative_errors(truth, truth, 1.0, "metres", all_pairs=False).stamps.tolist() == [[0, 2], [2, 5]]
+
+
+@pytest.mark.parametrize("all_pairs", [True, False])
+@pytest.mark.parametrize("unit", ["frames", "seconds", "metres"])
+@pytest.mark.parametrize("count", [0, 1, 2])
+def test_a_drive_that_is_too_short_has_no_relative_errors(unit, count, all_pairs):
+    truth = {i: pose(i) for i in range(count)}
+    errors = relative_errors(truth, truth, 5, unit, all_pairs)
+    assert errors.stamps.shape == (0, 2) and len(errors.position) == len(errors.angle) == 0
+    assert np.isnan(summarize(errors.position).rmse)
+
+
+@pytest.mark.parametrize(
+    "arguments, reason",
+    [
+        ((1, "miles"), "the unit is 'miles', allowed are frames, seconds, metres"),
+        ((0, "frames"), "delta is 0 frames"),
+        ((1.5, "frames"), "delta is 1.5 frames, not a whole number"),
+        ((np.nan, "metres"), "delta is nan metres"),
+        ((1, "metres", True, 1.0), "the tolerance is 1.0"),
+    ],
+)
+def test_relative_errors_of_nothing_that_is_known(arguments, reason):
+    with pytest.raises(ValueError, match=reason):
+        relative_errors({0: pose()}, {0: pose()}, *arguments)
+
+
+def test_a_tiny_delta_ends():
+    truth = {i: pose(1e6 + i % 2) for i in range(50)}
+    assert len(relative_errors(truth, truth, 1e-300, "metres", all_pairs=False).stamps) == 49
+
+
+def perturbed_drive(seed, count, scale):
+    """Poses whose errors have the covariance that is told, times scale."""
+    random = np.random.default_rng(seed)
+    truth = random_drive(random, count)
+    estimate, covariances = {}, {}
+    for stamp, T in truth.items():
+        root = random.normal(0.0, 0.02, (6, 6))
+        covariances[stamp] = root @ root.T + 1e-6 * np.eye(6)
+        xi = np.linalg.cholesky(scale * covariances[stamp]) @ random.normal(size=6)
+        estimate[stamp] = sextant.perturbed(T, -xi)
+    return truth, estimate, covariances
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_honest_covariances_are_consistent(seed):
+    truth, estimate, covariances = perturbed_drive(seed, 200, 1.0)
+    found = nees(truth, estimate, covariances, confidence=0.999)
+    assert found.values.shape == (200,)
+    assert found.consistent
+    assert found.mean == pytest.approx(6.0, abs=1.0)
+    assert not nees(*perturbed_drive(seed, 200, 2.0)).consistent
+    assert not nees(*perturbed_drive(seed, 200, 0.5)).consistent
+
+
+def test_nees_of_known_errors():
+    truth = {1: pose(1.0), 2: pose(rotvec=(0.0, 0.0, 0.3)), 3: pose()}
+    estimate = {1: pose(0.8), 2: pose(), 3: pose(9.0), 4: pose()}
+    covariances = {1: np.diag([0.01] * 6), 2: np.diag([1.0] * 5 + [0.04]), 4: np.eye(6)}
+    assert nees(truth, estimate, covariances).values == pytest.approx([4.0, 2.25])
+    nothing = nees({}, {}, {})
+    assert np.isnan([nothing.mean, *nothing.band]).all() and not nothing.consistent
+
+
+def test_nees_does_not_depend_on_the_frame():
+    truth, estimate, covariances = perturbed_drive(5, 20, 1.0)
+    T = pose(1.0, 2.0, 3.0, (0.4, -1.0, 2.0))
+    moved = nees(aligned(T, truth), aligned(T, estimate), aligned_covariances(T, covariances))
+    assert moved.values == pytest.approx(nees(truth, estimate, covariances).values)
+
+
+@pytest.mark.parametrize("covariance", [np.zeros((6, 6)), -np.eye(6), np.full((6, 6), np.nan)])
+def test_nees_of_no_covariance(covariance):
+    with pytest.raises(ValueError, match="the covariance at 7 ns is not positive"):
+        nees({7: pose()}, {7: pose()}, {7: covariance})
+
+
+def test_band():
+    assert nees_band(1) == pytest.approx((chi2.ppf(0.025, 6), chi2.ppf(0.975, 6)))
+    low, high = nees_band(50, freedom=3, confidence=0.99)
+    assert chi2.cdf(50 * high, 150) - chi2.cdf(50 * low, 150) == pytest.approx(0.99)
+    with pytest.raises(ValueError, match="the confidence is 1"):
+        nees_band(5, confidence=1)

@@ -1,0 +1,57 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+import numpy as np
+import pytest
+
+from sextant.geometry.pinhole_camera import PinholeCamera
+from sextant.objects.ball_look import BallLook
+from sextant.objects.ball_tracker import BallTracker, BallTrackerSettings
+from sextant.objects.ball_view import BallView
+from sextant.objects.object_kinds import KINDS
+from sextant.objects.object_locator import LocatedObject
+
+CAMERA = PinholeCamera(
+    np.array([[600.0, 0.0, 320.0], [0.0, 600.0, 240.0], [0.0, 0.0, 1.0]]), np.zeros(0), (640, 480)
+)
+VIEW = BallView(CAMERA, 0.05, 0.3, 4.0)
+T_BASE_CAMERA = np.array(
+    [[0.0, 0.0, 1.0, 0.1], [-1.0, 0.0, 0.0, 0.0], [0.0, -1.0, 0.0, 0.3], [0.0, 0.0, 0.0, 1.0]]
+)
+POSE = np.array([2.0, 1.0, 0.5 * np.pi])  # of the robot, which looks along y
+
+
+def place(x, y):
+    return LocatedObject(np.array([x, y]), np.diag([1e-4, 4e-4]))
+
+
+def look(*seen):
+    return BallLook.of(seen, T_BASE_CAMERA, VIEW)
+
+
+def followed(*looks):
+    """After looks 0.1 s apart."""
+    tracker = BallTracker(BallTrackerSettings())
+    for number, each in enumerate(looks):
+        each.tell(tracker, 0.1 * number, POSE)
+    return tracker.at(0.1 * (len(looks) - 1))
+
+
+def test_balls_and_pillars_are_told_apart_by_their_shape():
+    told = look((KINDS["ball"], place(1.0, 0.2)), (KINDS["red_pillar"], place(2.0, -0.3)))
+    assert [each.position.tolist() for each in told.balls] == [[1.0, 0.2]]
+    np.testing.assert_allclose(told.pillars, [[2.0, -0.3, 0.05]])
+
+
+def test_the_ball_is_where_the_robots_pose_says():
+    ball = followed(*[look((KINDS["ball"], place(1.0, 0.2)))] * 5)
+    # 1 m ahead along y, 0.2 m to the left along -x.
+    np.testing.assert_allclose(ball.position, [1.8, 2.0], atol=1e-3)
+    assert ball.covariance[0, 0] > ball.covariance[1, 1]  # across the robot's sight it is told less well
+    assert ball.seen == pytest.approx(0.4)
+
+
+def test_a_ball_that_should_be_seen_and_is_not_is_forgotten_but_not_one_behind_a_pillar():
+    seen, nothing = [look((KINDS["ball"], place(1.5, 0.0)))] * 5, [look()] * 20
+    hidden = [look((KINDS["red_pillar"], place(0.8, 0.0)))] * 20
+    assert followed(*seen, *nothing) is None
+    assert followed(*seen, *hidden) is not None

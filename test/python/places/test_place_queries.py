@@ -1,0 +1,104 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Which places are right answers to pictures whose truth is known."""
+
+import pytest
+
+from sextant.place_maps.place_map import GeoCorners, MetricFrame, Overview, Photo, PlaceMap
+from sextant.places.place_queries import (
+    default_tolerance,
+    left_out_queries,
+    places_near,
+    queries_of_map,
+    queries_of_table,
+)
+
+OVERVIEW = Overview("park.png", 1000, 500)
+
+
+def row_of_places(folder, *x, georeference=None):
+    photos = tuple(Photo(i, f"{i}.png", float(at), 50.0) for i, at in enumerate(x))
+    return PlaceMap(folder, OVERVIEW, photos, georeference)
+
+
+def test_the_tolerance_is_in_metres_where_the_map_has_a_scale(tmp_path):
+    pixels = row_of_places(tmp_path, 0, 10, 20, 40)
+    metric = pixels._replace(georeference=MetricFrame("map", 0.5, (3.0, 4.0, 1.0)))
+    assert (default_tolerance(pixels), default_tolerance(metric)) == (20.0, 10.0)
+    assert places_near(pixels, (10.0, 50.0), 10.0) == {(0.0, 50.0), (10.0, 50.0), (20.0, 50.0)}
+    assert places_near(metric, (10.0, 50.0), 10.0) == {(0.0, 50.0), (10.0, 50.0), (20.0, 50.0)}
+    assert places_near(metric, (10.0, 50.0), 15.0) == {(x, 50.0) for x in (0.0, 10.0, 20.0, 40.0)}
+    assert places_near(metric, (10.0, 56.0), 3.0) == {(10.0, 50.0)}
+
+
+def test_a_pixel_of_corners_on_the_earth_is_not_square(tmp_path):
+    corners = GeoCorners((0.01, 0.0), (-0.01, 0.01))  # 2226 m up, 1113 m across: 4.45 and 1.11 m a pixel
+    place_map = row_of_places(tmp_path, 500, georeference=corners)
+    assert places_near(place_map, (502.0, 50.0), 2.3) and not places_near(place_map, (502.0, 50.0), 2.2)
+    assert places_near(place_map, (500.0, 52.0), 9.0) and not places_near(place_map, (500.0, 52.0), 8.8)
+
+
+def test_photos_of_another_map_are_queries_in_its_order(tmp_path):
+    other = row_of_places(tmp_path / "walk", 400, 18)
+    far, near = queries_of_map(row_of_places(tmp_path, 0, 10, 20), other, 5.0)
+    assert (far.path, far.right, far.position) == (tmp_path / "walk/0.png", frozenset(), (400.0, 50.0))
+    assert (near.path, near.right) == (tmp_path / "walk/1.png", {(20.0, 50.0)})
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"overview": Overview("park.png", 999, 500)},
+        {"georeference": MetricFrame("map", 0.5, (0.0, 0.0, 0.0))},
+    ],
+)
+def test_another_overview_is_refused(change, tmp_path):
+    place_map = row_of_places(tmp_path, 0, 10)
+    with pytest.raises(ValueError, match="another overview"):
+        queries_of_map(place_map, place_map._replace(**change), 5.0)
+
+
+def test_a_table_names_the_right_photos(tmp_path):
+    (tmp_path / "truth.csv").write_text("query,right_refs\na.jpg,0.png 2.png\nb.jpg,\n")
+    one, nowhere = queries_of_table(
+        row_of_places(tmp_path, 0, 10, 20), tmp_path / "truth.csv", tmp_path / "q"
+    )
+    assert (one.path, one.right, one.position) == (tmp_path / "q/a.jpg", {(0.0, 50.0), (20.0, 50.0)}, None)
+    assert (nowhere.path, nowhere.right) == (tmp_path / "q/b.jpg", frozenset())
+
+
+@pytest.mark.parametrize(
+    "text, reason",
+    [
+        ("", ":1: the columns"),
+        ("query,photo\na,b\n", ":1: the columns"),
+        ("query,right_refs\na.jpg,0.png\nb.jpg,0.png 7.png\n", ":3: 7.png is no photo"),
+        ("query,right_refs\n,0.png\n", ":2: there is no query"),
+    ],
+)
+def test_a_table_that_cannot_be_is_refused_with_its_line(text, reason, tmp_path):
+    (tmp_path / "truth.csv").write_text(text)
+    with pytest.raises(ValueError, match=reason):
+        queries_of_table(row_of_places(tmp_path, 0), tmp_path / "truth.csv", tmp_path)
+
+
+@pytest.mark.parametrize("content", [b"", b"\x89PNG\r\n\xff", b"query,right_refs\n" + 200_000 * b"a"])
+def test_what_is_no_table_is_named(content, tmp_path):
+    (tmp_path / "truth.csv").write_bytes(content)
+    with pytest.raises(ValueError, match=r"truth.csv:\d: "):
+        queries_of_table(row_of_places(tmp_path, 0), tmp_path / "truth.csv", tmp_path)
+
+
+def test_a_photo_that_is_left_out_is_right_at_its_neighbours_only(tmp_path):
+    found = list(left_out_queries(row_of_places(tmp_path, 0, 10, 40), 15.0))
+    assert [(photo.id, query.right) for photo, _, query in found] == [
+        (0, {(10.0, 50.0)}),
+        (1, {(0.0, 50.0)}),
+        (2, frozenset()),
+    ]
+    assert [[photo.id for photo in others.photos] for _, others, _ in found] == [[1, 2], [0, 2], [0, 1]]
+
+
+def test_another_picture_of_the_same_place_is_right(tmp_path):
+    found = list(left_out_queries(row_of_places(tmp_path, 10, 10), 0.0))
+    assert [query.right for _, _, query in found] == [{(10.0, 50.0)}] * 2

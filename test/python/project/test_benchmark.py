@@ -1,0 +1,276 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""The benchmarks as their caller sees them: exit status, table, JSON, pictures."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+BENCHMARK = Path(__file__).resolve().parents[3] / "benchmark"
+sys.path.insert(0, str(BENCHMARK))
+
+from real_data import EXTERNAL  # noqa: E402
+from tables import Table, Value  # noqa: E402
+
+from landmarks.landmark_kidnap import Told, outcome  # noqa: E402
+from markers.chain import Run, numbered  # noqa: E402
+from markers.chain_frames import PlayedDrive  # noqa: E402
+
+
+def run(*arguments):
+    command = [sys.executable, str(BENCHMARK / "markers.py"), *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, timeout=300)
+
+
+def test_quick_run_of_a_simulated_drive(tmp_path):
+    done = run("--quick", "--only", "simulated", "--json", tmp_path / "figures.json", "--plots", tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "joint, seed 1" in done.stdout and "every bar holds" in done.stdout
+    figures = json.loads((tmp_path / "figures.json").read_text())
+    assert (figures["holds"], figures["quick"], list(figures["topics"])) == (True, True, ["simulated"])
+    for table in figures["topics"]["simulated"]:
+        rows = {row["name"]: row for row in table["rows"]}
+        assert set(rows) == {f"{mode}, seed 1" for mode in ("nearest", "average", "joint")}
+        assert 0.0 < rows["joint, seed 1"]["mean"]["value"] < 20.0  # cm
+    assert (tmp_path / "simulated.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_json_alone_is_on_standard_output():
+    done = run("--quick", "--only", "simulated", "--json", "-")
+    assert json.loads(done.stdout)["holds"]
+    assert "joint, seed 1" in done.stderr
+
+
+def test_absent_data_is_said_and_is_no_success(tmp_path):
+    done = run("--only", "photos", "--data", tmp_path)
+    assert done.returncode == 2
+    assert str(tmp_path) in done.stderr and "Traceback" not in done.stderr
+
+
+@pytest.mark.parametrize(
+    "options, reason",
+    [
+        (["--only", "photos,nonsense"], "no topic nonsense"),
+        (["--json", "/nowhere/figures.json"], "--json: there is no folder /nowhere"),
+        (["--plots", "/dev/null/plots"], "--plots: /dev/null/plots: Not a directory"),
+    ],
+)
+def test_what_cannot_be_is_refused_before_anything_is_measured(options, reason):
+    done = run(*options)
+    assert done.returncode == 2
+    assert reason in done.stderr and "Traceback" not in done.stderr and not done.stdout
+
+
+@pytest.mark.parametrize(
+    "value, text, holds",
+    [
+        (Value(1.234), "1.23", True),
+        (Value(1.0, at_most=1.0), "1.00 (<= 1)", True),
+        (Value(1.01, at_most=1.0), "1.01 (<= 1) FAILS", False),
+        (Value(2.0, at_least=2.5), "2.00 (>= 2.5) FAILS", False),
+        (Value(float("nan"), at_most=1.0), "nan (<= 1) FAILS", False),
+        (Value(float("inf"), at_least=1.0), "inf (>= 1)", True),
+    ],
+)
+def test_a_figure_and_its_bar(value, text, holds):
+    assert (str(value), value.holds, value.as_json()["holds"]) == (text, holds, holds)
+
+
+def test_one_failing_bar_fails_the_table():
+    good, bad = ("a", [Value(1.0, at_most=2.0)]), ("bb", [Value(3.0, at_most=2.0)])
+    assert Table("title", ["figure"], [good]).holds
+    table = Table("title", ["figure"], [good, bad])
+    assert not table.holds
+    assert str(table).splitlines() == ["title", "    figure", "a   1.00 (<= 2)", "bb  3.00 (<= 2) FAILS"]
+    assert table.as_json()["rows"][1]["figure"]["holds"] is False
+
+
+def run_trust(topic, folder):
+    """Its tables; the picture of the topic lies in the folder."""
+    script = str(BENCHMARK / "marker_trust.py")
+    command = [sys.executable, script, "--quick", "--only", topic, "--json", "-", "--plots", str(folder)]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stderr
+    assert (folder / f"{topic}.png").read_bytes().startswith(b"\x89PNG")
+    return json.loads(done.stdout)["topics"][topic]
+
+
+@pytest.mark.parametrize("topic, column", [("consistency", "published"), ("head_on", "published")])
+def test_quick_run_of_trust_publishes(topic, column, tmp_path):
+    for table in run_trust(topic, tmp_path):
+        assert min(row[column]["value"] for row in table["rows"]) >= 0.5
+
+
+def test_quick_run_of_a_wrong_map_entry_leaves_it_out(tmp_path):
+    for table in run_trust("moved_marker", tmp_path):
+        assert all(row["left out, %"]["value"] > 0 for row in table["rows"][1:])
+
+
+def test_quick_run_of_the_searches_finds_the_same_markers(tmp_path):
+    for table in run_trust("speed", tmp_path):
+        plain, full, tracking = table["rows"]
+        assert tracking["markers"]["value"] == full["markers"]["value"] >= plain["markers"]["value"] > 0
+        assert full["wrong"]["value"] == tracking["wrong"]["value"] == 0
+
+
+@pytest.mark.parametrize("lost", [set(), {0}, {0, 1, 7}])
+def test_images_that_are_lost_leave_the_others_their_numbers(lost):
+    played = PlayedDrive(None, {}, truth=list(range(10)), locatable=[0, 1, 2, 6, 7, 8])
+    seen = {lap * 10 + number for lap in range(2) for number in played.locatable} - lost
+    late = [0.0, 0.004, 0.0, 0.014]  # seconds: less than half a period
+    poses = {int(1e9 * (1600000000.0 + number / 30.0 + late[number % 4])): number for number in seen}
+    found = numbered(Run(poses=poses), played, 2)
+    assert found and all(number == pose for number, pose in found.items()) and set(found) == seen
+
+
+def test_quick_run_of_the_chain(tmp_path):
+    tables = run_trust("chain", tmp_path)
+    sizes = [table for table in tables if table["title"].startswith("Chain")]
+    assert len(sizes) == 2
+    for row in (row for table in sizes for row in table["rows"]):
+        assert row["poses, %"]["value"] > 0 and row["of plain"]["value"] > 0
+    stages = {row["name"] for table in tables if table not in sizes for row in table["rows"]}
+    assert "localization: localization" in stages
+
+
+def test_quick_run_of_the_maps(tmp_path):
+    command = [sys.executable, str(BENCHMARK / "marker_maps.py"), "--quick"]
+    command += ["--only", "simulated,taped,series,bags"]
+    done = subprocess.run(
+        [*command, "--json", "-", "--plots", str(tmp_path)], capture_output=True, text=True, timeout=300
+    )
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "simulated.png").read_bytes().startswith(b"\x89PNG")
+    topics = json.loads(done.stdout)["topics"]
+    assert all(row["seen, not in it"]["value"] == 0 for row in topics["simulated"][0]["rows"])
+    assert topics["taped"][0]["rows"][0]["exactly the two named, % of maps"]["value"] == 100
+    for row in topics["series"][0]["rows"][:8]:  # of simulated corners, whose noise is known
+        assert 0.5 < row["z: least"]["value"] <= row["z: largest"]["value"] < 2.0
+    assert [row["differs"]["value"] for row in topics["bags"][0]["rows"]] == [0, 0, 0]
+
+
+def run_places(topic, folder):
+    """Its tables."""
+    command = [sys.executable, str(BENCHMARK / "places.py"), "--quick", "--only", topic, "--json", "-"]
+    done = subprocess.run([*command, "--plots", str(folder)], capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)["topics"][topic]
+
+
+def test_quick_run_of_the_seasons(tmp_path):
+    (table,) = run_places("seasons", tmp_path)
+    rows = {row["name"]: row for row in table["rows"]}
+    assert rows["summer -> autumn, filter"]["recall@1"]["value"] > 0.8
+
+
+@pytest.mark.skipif(not (EXTERNAL / "places").is_dir(), reason="external test data")
+def test_quick_run_of_recall(tmp_path):
+    corridor, nowhere, lund = run_places("recall", tmp_path)
+    modes = {row["name"]: row["recall@1"]["value"] for row in corridor["rows"]}
+    assert modes["single"] > modes["votes"] > 0
+    assert nowhere["rows"][0]["nowhere in the map"]["value"] == lund["rows"][0]["placed"]["value"] == 8
+    for name in ("recall", "reliability_single"):
+        assert (tmp_path / f"{name}.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.skipif(not (EXTERNAL / "places").is_dir(), reason="external test data")
+def test_quick_run_of_the_calibration(tmp_path):
+    probabilities, weights = run_places("calibration", tmp_path)
+    assert {row["queries"]["value"] for row in probabilities["rows"]} == {96}
+    fitted, shipped = weights["rows"]
+    assert fitted["score"]["value"] > 0 < shipped["score"]["value"]
+
+
+def test_quick_run_of_speed_and_size(tmp_path):
+    (speed,) = run_places("speed", tmp_path)
+    votes, ours = speed["rows"]
+    assert ours["right, %"]["value"] >= 25 < votes["right, %"]["value"]  # the photos are 30 m apart
+    assert ours["index, MB"]["value"] < votes["index, MB"]["value"]
+    (size,) = run_places("size", tmp_path)
+    few, many = size["rows"]
+    assert few["right, %"]["value"] == many["right, %"]["value"] == 100
+    assert few["index, MB"]["value"] < many["index, MB"]["value"]
+
+
+def run_landmarks(topic, folder):
+    """Its tables; the pictures of the topic lie in the folder."""
+    command = [sys.executable, str(BENCHMARK / "landmarks.py"), "--quick", "--only", topic, "--json", "-"]
+    done = subprocess.run([*command, "--plots", str(folder)], capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)["topics"][topic]
+
+
+def test_quick_run_of_the_accuracy_of_landmarks(tmp_path):
+    (table,) = run_landmarks("accuracy", tmp_path)
+    for row in table["rows"]:
+        assert 0.3 < row["pose NEES"]["value"] < 3 and 0.3 < row["map NEES"]["value"] < 3
+    assert (tmp_path / "accuracy.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_quick_run_of_the_association_of_landmarks(tmp_path):
+    (table,) = run_landmarks("association", tmp_path)
+    assert all(row["wrong associations"]["value"] == 0 for row in table["rows"])
+
+
+def test_quick_run_of_the_cost_of_landmarks(tmp_path):
+    cost, same = run_landmarks("cost", tmp_path)
+    assert cost["rows"][-1]["of the textbook's"]["value"] < 1
+    for row in same["rows"]:
+        assert max(row[column]["value"] for column in row if column != "name") < 1e3  # 1e-9
+
+
+def test_quick_run_of_late_sightings(tmp_path):
+    late, clock = run_landmarks("delay", tmp_path)
+    at_stamp, at_arrival = (row["of no delay"]["value"] for row in late["rows"][1:])
+    assert at_stamp < 1.1 < at_arrival
+    assert all(30 < row["offset, ms"]["value"] < 70 for row in clock["rows"][1:])
+
+
+@pytest.mark.skipif(not (EXTERNAL / "landmarks").is_dir(), reason="external test data")
+def test_quick_run_of_victoria_park(tmp_path):
+    optimum, known, unknown = run_landmarks("victoria_park", tmp_path)
+    assert all(row["cost"]["value"] > 0 for row in optimum["rows"])
+    assert known["rows"][0]["trajectory, m"]["value"] < known["rows"][1]["trajectory, m"]["value"] + 1
+    assert unknown["rows"][0]["landmarks"]["value"] > 10
+    assert (tmp_path / "victoria_park.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_quick_run_of_odometry_and_markers(tmp_path):
+    (table,) = run_landmarks("fusion", tmp_path)
+    for row in table["rows"]:
+        assert row["off after the first marker, m"]["value"] < row["off before, m"]["value"]
+
+
+def test_quick_run_of_carried_robots(tmp_path):
+    (table,) = run_landmarks("kidnap", tmp_path)
+    for row in table["rows"]:
+        assert row["found, %"]["value"] == 100 and row["after, s (median)"]["value"] < 60
+
+
+LOST, RIGHT, FAR = (
+    (True, False, False),
+    (False, True, True),
+    (False, False, True),
+)  # lost, near, within 3 sigma
+WRONG, TOO_SURE = (False, False, False), (False, True, False)
+
+
+@pytest.mark.parametrize(
+    "looks, expected",
+    [
+        ([LOST] * 5, (None, False)),
+        ([WRONG] * 5, (None, False)),  # it did not notice
+        ([WRONG, LOST, LOST, RIGHT], (30, False)),
+        ([WRONG, LOST, FAR, TOO_SURE, RIGHT], (40, False)),
+        ([LOST, RIGHT, FAR, TOO_SURE, LOST, FAR], (None, False)),
+        ([LOST, RIGHT, WRONG, RIGHT], (30, True)),
+        ([LOST, WRONG], (None, True)),
+        ([LOST, RIGHT, FAR, FAR, FAR, WRONG], (10, False)),  # found long before
+    ],
+)
+def test_when_a_carried_robot_is_found(looks, expected):
+    """A look every 10 s, the first at once."""
+    assert outcome(Told(10 * number, *look) for number, look in enumerate(looks)) == expected

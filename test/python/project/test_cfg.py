@@ -1,0 +1,73 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""What cfg/*.cfg offers is what the nodes' parameters are: their names, types, defaults and ranges."""
+
+import importlib
+import re
+from pathlib import Path
+
+import pytest
+from test_doc import NODES_PAGE, read_by_nodelet, section, table_of
+
+ROOT = Path(__file__).resolve().parents[3]
+CFGS = sorted(path.stem for path in (ROOT / "cfg").glob("*.cfg"))
+TYPES = {"bool": bool, "int": int, "double": float, "str": str}
+
+
+def node_of(cfg):
+    """MarkerDetector: marker_detector."""
+    return re.sub(r"(?<!^)([A-Z])", r"_\1", cfg).lower()
+
+
+def offered(cfg):
+    """{name: description} of the generated configuration."""
+    config = importlib.import_module(f"sextant.cfg.{cfg}Config")
+    return {each["name"]: each for each in config.config_description["parameters"]}
+
+
+def range_of(node, name):
+    """(whether the low end belongs to it, low, high) as the page has it."""
+    row = re.search(rf"^\| `{name}` \|[^|]*\| ([^|]*)\|", section(NODES_PAGE, node), re.M).group(1)
+    bracket, low, high = re.match(r"([\[(])([\d.e]+), ([\d.e]+)\]", row.strip()).groups()
+    return bracket == "[", float(low), float(high)
+
+
+def test_there_is_one_for_each_nodelet_that_can():
+    assert CFGS == ["MarkerDetector", "MarkerLocator"]
+
+
+@pytest.mark.parametrize("cfg", CFGS)
+def test_defaults_are_those_of_the_structs(cfg):
+    defaults, descriptions = read_by_nodelet(node_of(cfg)), offered(cfg)
+    assert set(descriptions) < set(defaults)
+    for name, description in descriptions.items():
+        assert description["default"] == defaults[name], name
+        assert isinstance(defaults[name], TYPES[description["type"]]), name
+
+
+@pytest.mark.parametrize("cfg", CFGS)
+def test_ranges_are_those_of_the_parameters(cfg):
+    for name, description in offered(cfg).items():
+        if description["type"] not in ("int", "double"):
+            continue
+        closed, low, high = range_of(node_of(cfg), name)
+        assert description["max"] == high, name
+        # Nothing is the least of what is more than 0: what is offered begins so low that nobody wants less.
+        assert description["min"] == low if closed else low < description["min"] <= 1e-3 * high, name
+
+
+@pytest.mark.parametrize("cfg", CFGS)
+def test_words_to_choose_from_are_those_that_are_allowed(cfg):
+    for name, description in offered(cfg).items():
+        if description["type"] != "str":
+            continue
+        choices = [each["value"] for each in eval(description["edit_method"])["enum"]]
+        row = re.search(rf"^\| `{name}` \|[^|]*\| ([^|]*)\|", section(NODES_PAGE, node_of(cfg)), re.M)
+        assert choices == [word.strip() for word in row.group(1).split(",")]
+
+
+@pytest.mark.parametrize("cfg", CFGS)
+def test_page_says_what_may_change(cfg):
+    """The sentence below the table of a node names them all, and no other."""
+    text = section(NODES_PAGE, node_of(cfg)).partition("dynamic_reconfigure")[2].partition("\n\n")[0]
+    assert set(re.findall(r"`(\w+)`", text)) == set(offered(cfg)) <= set(table_of(node_of(cfg)))

@@ -1,0 +1,276 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Every launch, configuration and map file that is shipped is loaded, by roslaunch's own loader."""
+
+import functools
+import re
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+
+import numpy as np
+import pytest
+import roslaunch.config
+import roslib.packages
+import yaml
+
+import sextant
+from sextant.base.strict_params import parse_params
+from sextant.nodes.ball.ball_task_node_params import BallTaskNodeParams
+from sextant.nodes.evaluation.drive_recorder import RecorderParams
+from sextant.nodes.images.publish_image import PublisherParams
+from sextant.nodes.markers.marker_broadcaster import BroadcasterParams
+from sextant.nodes.objects.object_locator_params import ObjectLocatorParams
+from sextant.nodes.places.place_localizer_params import PlaceLocalizerParams
+from sextant.nodes.places.place_visualizer import VisualizerParams
+from sextant.nodes.simulation.ball_simulator import BallSimulatorParams
+from sextant.nodes.simulation.landmark_simulator import LandmarkSimulatorParams
+from sextant.nodes.simulation.simulator import SimulatorParams
+from sextant.nodes.simulation.street_simulator import StreetParams
+from sextant.simulation.rgbd_camera import RgbdParams
+from sextant.simulation.room import default_map
+
+ROOT = Path(__file__).resolve().parents[3]
+LAUNCH_FILES = sorted((ROOT / "launch").glob("*.launch"))
+ROOM = str(ROOT / "config" / "room.txt")
+
+NEEDED = {"places.launch": ["map:=park.txt"], "amcl.launch": ["places:=park.txt"]}
+# Packages that Debian does not have, and one that only a Kobuki needs.
+FOREIGN = {"robot_localization", "amcl", "map_server", "topic_tools"}
+
+# Arguments that, all together, enter every <... if=...> of the shipped files.
+BRANCHES = {
+    "robot.launch": [["map:=" + ROOM, "camera:=true", "camera_info:=calibration"], ["start_manager:=false"]],
+    "markers.launch": [["map:=" + ROOM, "camera_info:=calibration"], ["start_manager:=false"]],
+    "demo.launch": [["rviz:=true", "mode:=nearest"], ["mode:=average"]],
+    "calibrate.launch": [
+        ["fisheye:=true", "commit:=false"],
+        ["start_camera:=false", "camera:=front", "image:=front/image_raw"],
+    ],
+    "landmarks.launch": [["manager:=sextant_manager", "markers:=[markers]", "start_pose:=[1, 2.5, 0]"]],
+    "landmarks_demo.launch": [["rviz:=true"]],
+    "ball_task.launch": [["rviz:=true", "task:=3", "detector:=colour"]],
+    "turtlebot.launch": [
+        ["mount:=0.1 0 0.3 0 0.25 0", "rviz:=true"],
+        ["kobuki_bumper:=none", "autostart:=false"],
+    ],
+    "robot_localization.launch": [["odom:=wheels/odom"]],
+    "amcl.launch": [["floor:=floor.yaml"]],
+    "places.launch": [["camera:=true", "rviz:=true"], ["visualizer:=false"]],
+    "places_demo.launch": [["rviz:=true", "season:=[dusk]"]],
+    "view.launch": [["hostname:=laptop", "master:=http://robot:11311"], ["rviz:=false"]],
+}
+RUNS = [
+    (path, [*NEEDED.get(path.name, []), *args])
+    for path in LAUNCH_FILES
+    for args in [[], *BRANCHES.get(path.name, [])]
+]
+
+# Parameters of the rospy nodes; those of a nodelet are in the source that reads them.
+RECORDS = {
+    "ball_simulator": BallSimulatorParams,
+    "marker_broadcaster": BroadcasterParams,
+    "ball_task": BallTaskNodeParams,
+    "drive_recorder": RecorderParams,
+    "landmark_simulator": LandmarkSimulatorParams,
+    "object_locator": ObjectLocatorParams,
+    "place_localizer": PlaceLocalizerParams,
+    "place_visualizer": VisualizerParams,
+    "publish_image": PublisherParams,
+    "simulator": SimulatorParams,
+    "street_simulator": StreetParams,
+}
+
+
+def load(path, args=()):
+    argv = [str(path), *args]
+    return roslaunch.config.load_config_default(
+        [(str(path), argv[1:])], 11311, verbose=False, assign_machines=False
+    )
+
+
+@functools.lru_cache(maxsize=None)
+def is_there(package, node_type):
+    return bool(roslib.packages.find_node(package, node_type))
+
+
+def tag_of(run):
+    path, args = run
+    return " ".join([path.name, *args]).replace(str(ROOT), ".")
+
+
+def loaded_classes(config):
+    """Names of nodes to the nodelets that they load."""
+    loads = [(node, re.match(r"load (\S+)", node.args or "")) for node in config.nodes]
+    return {node.name: match.group(1) for node, match in loads if match}
+
+
+def params_of(config, name):
+    """Private parameters of a node, nested ones as dictionaries."""
+    prefix, result = f"/{name}/", {}
+    for key, param in config.params.items():
+        if key.startswith(prefix):
+            first, _, rest = key[len(prefix) :].partition("/")
+            if rest:
+                result.setdefault(first, {})[rest] = param.value
+            else:
+                result[first] = param.value
+    return result
+
+
+def read_by_nodelet(name):
+    """Parameters that a nodelet's fromRos() asks for."""
+    stem = re.sub(r"(?<!^)(?=[A-Z])", "_", name).lower()
+    source = (ROOT / "src" / "ros" / f"{stem}_params.cpp").read_text()
+    return set(re.findall(r'reader\.read\w*\("(\w+)"', source))
+
+
+def declared(path):
+    """Arguments that a user of the file may set."""
+    return [each for each in ElementTree.parse(path).getroot().iter("arg") if each.get("value") is None]
+
+
+def own_declared(path):
+    return {each.get("name"): (each.get("default"), each.get("doc")) for each in declared(path)}
+
+
+def test_there_are_launch_files():
+    assert {*BRANCHES, "webcam.launch"} == {path.name for path in LAUNCH_FILES}
+
+
+@pytest.mark.parametrize("run", RUNS, ids=tag_of)
+def test_loads_and_every_node_exists(run):
+    config = load(*run)
+    assert config.nodes and not config.config_errors
+    for node in config.nodes:
+        assert node.package in FOREIGN or is_there(node.package, node.type), f"{node.package}/{node.type}"
+    plugins = ElementTree.parse(ROOT / "nodelet_plugins.xml").getroot()
+    assert set(loaded_classes(config).values()) <= {each.get("name") for each in plugins.iter("class")}
+
+
+@pytest.mark.parametrize("run", RUNS, ids=tag_of)
+def test_nodes_know_their_parameters(run):
+    config = load(*run)
+    for node in config.nodes:
+        if node.type in RECORDS:
+            parse_params(RECORDS[node.type], params_of(config, node.name), node.name)
+    for node, nodelet in loaded_classes(config).items():
+        assert set(params_of(config, node)) <= read_by_nodelet(nodelet.split("/")[1]), node
+
+
+@pytest.mark.parametrize("path", LAUNCH_FILES, ids=lambda path: path.name)
+def test_every_argument_is_documented(path):
+    assert [each.get("name") for each in declared(path) if not each.get("doc")] == []
+
+
+@pytest.mark.parametrize("path", LAUNCH_FILES, ids=lambda path: path.name)
+def test_what_is_not_empty_by_default_is_not_switched_off_by_emptiness(path):
+    """roslaunch drops an argument without a value from its command line."""
+    args = own_declared(path)
+    assert [name for name, (default, doc) in args.items() if default and "empty:" in doc] == []
+
+
+@pytest.mark.parametrize("path", LAUNCH_FILES, ids=lambda path: path.name)
+def test_the_word_none_switches_off(path):
+    args = own_declared(path)
+    words = {name for name, (_, doc) in args.items() if "; none: " in doc}
+    given = {"map": ROOM, **dict.fromkeys(words, "none")}
+    taken = [f"{name}:={given[name]}" for name in args if name in given]
+    config = load(path, [*NEEDED.get(path.name, []), *taken])
+    values = [param.value for key, param in config.params.items() if key.rpartition("/")[2] in words]
+    assert values == [""] * len(words & {"base_frame", "fourcc", "picture"})  # the others are no parameters
+    assert not words & {node.name for node in config.nodes}
+
+
+def test_robot_launch_passes_every_argument_of_markers_launch():
+    robot, markers = own_declared(ROOT / "launch/robot.launch"), own_declared(ROOT / "launch/markers.launch")
+    assert {name: robot.get(name) for name in markers} == markers
+
+
+def test_defaults_are_those_of_the_core():
+    args = {name: default for name, (default, _) in own_declared(ROOT / "launch/markers.launch").items()}
+    detector, locator, text = sextant.DetectorParams(), sextant.LocatorParams(), sextant.TextMapParams()
+    assert yaml.safe_load(args["families"]) == list(detector.families)
+    assert float(args["decimate"]) == detector.decimate
+    assert int(args["threads"]) == detector.threads
+    assert args["mode"] == locator.mode
+    assert float(args["corner_sigma"]) == locator.corner_sigma
+    assert (args["map_frame"], args["map_family"], float(args["map_size"])) == (
+        text.frame,
+        text.family,
+        text.size,
+    )
+
+
+def test_defaults_of_places_launch_are_those_of_its_nodes():
+    path = ROOT / "launch/places.launch"
+    config = load(path, NEEDED[path.name])
+    for name in ("place_localizer", "place_visualizer"):
+        taken = params_of(config, name)
+        defaults = parse_params(RECORDS[name], {"map_file": "park.txt"}, name)
+        assert {key: getattr(defaults, key) for key in taken} == taken
+
+
+def test_defaults_of_landmarks_launch_are_those_of_its_node():
+    args = {name: default for name, (default, _) in own_declared(ROOT / "launch/landmarks.launch").items()}
+    sensor = sextant.LandmarkSlamParams().sensor
+    for name in ("max_range", "min_range", "field_of_view"):
+        assert float(args[name]) == getattr(sensor, name)
+
+
+def test_the_demo_of_landmarks_tells_what_its_sensor_sees():
+    config = load(ROOT / "launch/landmarks_demo.launch")
+    simulated, told = LandmarkSimulatorParams(), params_of(config, "landmark_slam")
+    assert (told["max_range"], told["field_of_view"]) == (simulated.max_range, simulated.field_of_view)
+
+
+def test_the_ball_task_knows_the_simulated_camera():
+    config, camera = load(ROOT / "launch/ball_task.launch"), RgbdParams()
+    for name, parameter in (("object_locator", "scale"), ("ball_task", "depth_scale")):
+        assert params_of(config, name)[parameter] * camera.depth_scale == pytest.approx(1.0)
+    assert 0.7 * camera.colour_fov < params_of(config, "landmark_slam")["field_of_view"] < camera.colour_fov
+
+
+def test_filter_of_robot_localization_is_whole():
+    """15 flags an input: position, rotation, their speeds, acceleration; and a covariance of them all."""
+    config = params_of(load(ROOT / "launch/robot_localization.launch"), "ekf_map")
+    flags = {key: np.flatnonzero(value).tolist() for key, value in config.items() if key.endswith("_config")}
+    assert [len(value) for key, value in config.items() if key.endswith("_config")] == [15, 15]
+    assert flags == {"odom0_config": [6, 7, 11], "pose0_config": [0, 1, 5]}
+    covariance = np.reshape(config["initial_estimate_covariance"], (15, 15))
+    assert np.count_nonzero(covariance) == 15 and covariance[0, 0] >= 1000.0
+    assert (config["world_frame"], config["map_frame"]) == ("map", "map")
+
+
+def test_the_demo_of_places_has_a_folder_for_every_map():
+    def folder(*args):
+        config = load(ROOT / "launch/places_demo.launch", args)
+        return params_of(config, "street_simulator")["map_folder"]
+
+    others = ["seed:=2", "spacing:=4.0", "parts:=9", "width:=640", "height:=240"]
+    others += ["map_season:=[summer, winter]", "map_season:=[winter]"]
+    folders = [folder(), *map(folder, others)]
+    assert len(set(folders)) == len(folders) and not any(mark in "".join(folders) for mark in " [],")
+    assert folder("season:=[dusk]", "speed:=1.0", "rate:=5.0", "mode:=votes") == folder()
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "config").glob("*.yaml")), ids=lambda path: path.name)
+def test_yaml_is_a_table(path):
+    assert isinstance(yaml.safe_load(path.read_text()), dict)
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "config").glob("*.rviz")), ids=lambda path: path.name)
+def test_rviz_topics_are_relative(path):
+    """So that the launch files can remap them and a namespace holds them."""
+    manager = yaml.safe_load(path.read_text())["Visualization Manager"]
+    topics = [display[key] for display in manager["Displays"] for key in display if key.endswith("Topic")]
+    assert len(topics) >= 5
+    assert [topic for topic in topics if topic.startswith("/")] == []
+
+
+def test_room_file_is_the_simulated_room():
+    room, expected = sextant.read_marker_map(ROOM), default_map()
+    assert [(each.family, each.id, each.size) for each in room.markers] == [
+        (each.family, each.id, each.size) for each in expected.markers
+    ]
+    for marker, truth in zip(room.markers, expected.markers):
+        np.testing.assert_allclose(marker.T_map_marker, truth.T_map_marker, atol=1e-12)

@@ -1,0 +1,138 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""A simulated robot among landmarks: what it measures is the truth with the noise that is told."""
+
+import itertools
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from sextant.geometry.plane_poses import composed, in_frame, relative
+from sextant.simulation.landmark_world import LandmarkDrive, LandmarkWorld, LandmarkWorldParams, class_name
+from sextant.simulation.odometry import SteppedOdometry
+
+EXACT = dict(turn_by_turn=0.0, turn_by_way=0.0, way_by_way=0.0, way_by_turn=0.0, aside_by_way=0.0)
+
+
+def drive_of(**params):
+    world = LandmarkWorld(LandmarkWorldParams(**params))
+    return world, LandmarkDrive(world)
+
+
+def moments_of(drive, seconds, rate=20.0, command=None):
+    return [drive.advance(command) for _ in range(round(seconds * rate))]
+
+
+def in_band(squares, width):
+    """Whether the sum of squares of so many standard normal numbers is likely (99.8 %)."""
+    return stats.chi2.ppf(0.001, width) < np.sum(squares) < stats.chi2.ppf(0.999, width)
+
+
+def test_a_command_leads_around_a_circle():
+    world, drive = drive_of(odometry_rate=1000.0, **EXACT)
+    moments = moments_of(drive, 2.0, 1000.0, command=(0.4, 0.8))
+    x, y, turn = relative(world.start, moments[-1].pose)
+    np.testing.assert_allclose([x, y, turn], [0.5 * np.sin(1.6), 0.5 * (1 - np.cos(1.6)), 1.6], atol=1e-3)
+    assert (moments[-1].speed, moments[-1].turn_rate) == (0.4, 0.8)
+
+
+def test_a_drive_without_commands_is_that_of_the_world_and_stays_in_it():
+    world, drive = drive_of(seed=3, duration=200.0)
+    for moment, expected in itertools.zip_longest(moments_of(drive, 200.0), world.moments()):
+        np.testing.assert_array_equal(moment.pose, expected.pose)
+        np.testing.assert_array_equal(moment.step, expected.step)
+        assert np.hypot(*moment.pose[:2]) < 8.0
+
+
+def test_odometry_without_noise_is_the_way_times_its_scale():
+    _, drive = drive_of(scale=1.25, **EXACT)
+    for moment in moments_of(drive, 5.0, command=(0.4, -0.2)):
+        np.testing.assert_allclose(moment.step, [1.25 * 0.4 / 20, 0.0, -0.2 / 20], atol=1e-12)
+
+
+@pytest.mark.parametrize("command, variances", [((1, 0), [0.09, 0.01, 0.04]), ((0, 1), [0.16, 0, 0.25])])
+def test_odometry_errs_by_way_and_by_turn(command, variances):
+    """One metre, or one radian, many times: every number alone, with the variance that it names."""
+    noise = dict(way_by_way=0.3, aside_by_way=0.1, turn_by_way=0.2, way_by_turn=0.4, turn_by_turn=0.5)
+    _, drive = drive_of(odometry_rate=1.0, sensor_rate=1.0, landmarks=0, **noise)
+    true = np.array([command[0], 0.0, command[1]], float)
+    moments = moments_of(drive, 500, 1.0, command)
+    np.testing.assert_allclose(moments[0].noise, np.diag(variances), atol=1e-12)
+    back = relative(true, np.zeros(3))  # the step's inverse
+    felt = np.array([composed(moment.step, back) for moment in moments])
+    for values, variance in zip(felt.T, variances):
+        assert in_band(values**2 / variance, 500) if variance else np.allclose(values, 0.0)
+
+
+def test_sightings_err_as_they_say():
+    world, drive = drive_of(seed=1, field_of_view=6.0)
+    squares = []
+    for moment in moments_of(drive, 60.0):
+        for seen in moment.look.sightings if moment.look else []:
+            off = seen.position - in_frame(moment.pose, world.positions[seen.truth])
+            squares.append(off @ np.linalg.solve(seen.covariance, off))
+            assert seen.class_name == world.classes[seen.truth]
+    assert len(squares) > 500 and in_band(squares, 2 * len(squares))
+
+
+def test_some_are_missed_and_some_are_of_nothing():
+    world, drive = drive_of(missed=0.3, phantoms=0.2, field_of_view=6.2832, max_range=100.0)
+    looks = [moment.look.sightings for moment in moments_of(drive, 60.0) if moment.look]
+    true = sum(seen.truth is not None for look in looks for seen in look)
+    assert stats.binomtest(true, len(looks) * len(world.positions), 0.7).pvalue > 0.001
+    assert stats.binomtest(sum(map(len, looks)) - true, true, 0.2).pvalue > 0.001
+
+
+@pytest.mark.parametrize("delay, offset", [(0.0, 0.0), (0.3, 0.0), (0.25, 0.15), (0.1, -0.4)])
+def test_looks_come_late_with_the_stamp_of_their_clock(delay, offset):
+    world, drive = drive_of(delay=delay, clock_offset=offset, bearing_noise=1e-9, range_noise=(1e-9, 0.0))
+    poses, looks = {}, 0
+    for moment in moments_of(drive, 20.0):
+        poses[round(moment.stamp, 3)] = moment.pose
+        if moment.look:
+            looks, taken = looks + 1, moment.look.stamp + offset
+            assert moment.stamp == pytest.approx(taken + delay)
+            for seen in moment.look.sightings:
+                expected = in_frame(poses[round(taken, 3)], world.positions[seen.truth])
+                np.testing.assert_allclose(seen.position, expected, atol=1e-6)
+    assert looks == 20 * 5 - np.ceil(delay * 5)
+
+
+def test_who_is_carried_away_does_not_feel_it():
+    _, drive = drive_of(seed=2, **EXACT)
+    before = moments_of(drive, 1.0)[-1].pose
+    distance = drive.carry()
+    after = drive.advance((0.0, 0.0))
+    assert distance == pytest.approx(np.hypot(*(after.pose - before)[:2]), abs=1e-9) and distance > 0.5
+    np.testing.assert_array_equal(after.step, np.zeros(3))
+
+
+def test_odometry_in_its_frame_is_as_uncertain_as_it_says():
+    """Of many drives along one bent way, each with noise of its own."""
+    noise = dict(way_by_way=0.05, aside_by_way=0.03, turn_by_way=0.03, way_by_turn=0.02, turn_by_turn=0.05)
+    command, distances = (0.5, 0.4), []
+    true = np.array([0.5 / 0.4 * np.sin(1.6), 0.5 / 0.4 * (1 - np.cos(1.6)), 1.6])  # after 4 s
+    for seed in range(150):
+        _, drive = drive_of(seed=seed, landmarks=0, odometry_rate=50.0, **noise)
+        odometry = SteppedOdometry()
+        for moment in moments_of(drive, 4.0, 50.0, command):
+            reading = odometry.add(moment.step, moment.noise, 0.02)
+        off = np.array([reading.motion.x, reading.motion.y, reading.motion.yaw]) - true
+        distances.append(off @ np.linalg.solve(reading.covariance, off))
+    assert in_band(distances, 3 * len(distances))
+    assert reading.motion.speed == pytest.approx(moment.step[0] / 0.02)
+    assert reading.turn_rate_variance == pytest.approx(moment.noise[2, 2] / 0.02**2)
+
+
+def test_classes_have_names_of_their_own():
+    names = [class_name(number) for number in range(30)]
+    assert len(set(names)) == 30 and names[:3] == ["blue_pillar", "red_pillar", "yellow_pillar"]
+    assert set(LandmarkWorld(LandmarkWorldParams(landmarks=9, classes=2)).classes) == set(names[:2])
+
+
+def test_what_cannot_be_is_refused():
+    with pytest.raises(ValueError, match=r"way_by_turn is -0.1, allowed is \[0, 1\]"):
+        LandmarkWorldParams(way_by_turn=-0.1).validate()
+    with pytest.raises(ValueError, match="find no room in a square of 2 m"):
+        LandmarkWorld(LandmarkWorldParams(landmarks=50, half_side=1.0))

@@ -1,0 +1,179 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sextant/ros/images/image_player.hpp"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <stdexcept>
+#include <vector>
+
+namespace sextant {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using std::chrono::milliseconds;
+
+constexpr milliseconds kWait{10000};
+
+/// What a camera does, one open() or grab() after another, told by letters: o opens, x does not open,
+/// p has a picture, b has one that cannot be decoded, - has none. After the last letter pictures come for
+/// ever.
+class ScriptedSource : public ImageSource {
+ public:
+  ScriptedSource(std::string script, bool live) : script_(std::move(script)), live_(live) {}
+
+  void open() override {
+    if (next() != 'o') throw std::runtime_error("does not open");
+  }
+  bool grab() override {
+    std::this_thread::sleep_for(milliseconds(1));
+    letter_ = next();
+    return letter_ != '-';
+  }
+  cv::Mat retrieve() override {
+    if (letter_ == 'b') throw std::runtime_error("cannot be decoded");
+    return cv::Mat(2, 3, CV_8UC1, cv::Scalar(++decoded_));
+  }
+  bool isLive() const override { return live_; }
+  double recordedRate() const override { return live_ ? 0.0 : 50.0; }
+
+ private:
+  char next() { return at_ < script_.size() ? script_[at_++] : 'p'; }
+
+  std::string script_;
+  bool live_;
+  size_t at_ = 0;
+  char letter_ = '-';
+  int decoded_ = 0;
+};
+
+class Player : public ::testing::Test {
+ protected:
+  void SetUp() override { ros::Time::init(); }
+
+  void play(const std::string& script, bool live, const ImagePlayerParams& params) {
+    player_ = std::make_unique<ImagePlayer>(
+        std::make_unique<ScriptedSource>(script, live), params,
+        ImagePlayer::Outlet{[this] { return heard_.load(); }, [this] { return heard_.load(); },
+                            [this](const cv::Mat& picture, const ros::Time& stamp) {
+                              const std::lock_guard<std::mutex> lock(mutex_);
+                              values_.push_back(picture.at<uchar>(0, 0));
+                              stamps_.push_back(stamp.toSec());
+                            }},
+        trouble_);
+  }
+
+  template <typename Condition>
+  static bool waitUntil(Condition condition) {
+    const auto end = Clock::now() + kWait;
+    while (!condition() && Clock::now() < end) std::this_thread::sleep_for(milliseconds(2));
+    return condition();
+  }
+
+  bool waitForEnd() {
+    return waitUntil([this] { return player_->counts().finished; });
+  }
+
+  std::string summary() const {
+    diagnostic_updater::DiagnosticStatusWrapper status;
+    trouble_.fill(status);
+    std::string text = status.message;
+    for (const auto& row : status.values) text += "; " + row.key + "=" + row.value;
+    return text;
+  }
+
+  std::atomic<bool> heard_{true};
+  std::mutex mutex_;
+  std::vector<int> values_;
+  std::vector<double> stamps_;
+  TroubleLog trouble_{"test"};
+  std::unique_ptr<ImagePlayer> player_;
+};
+
+ImagePlayerParams frames(int number, double rate = 0.0) {
+  ImagePlayerParams params;
+  params.frames = number;
+  params.rate = rate;
+  return params;
+}
+
+TEST_F(Player, ALostCameraIsOpenedAgainAndGoesOn) {
+  play("opp-xopp", true, frames(4));
+  ASSERT_TRUE(waitForEnd());
+  EXPECT_EQ(values_, (std::vector<int>{1, 2, 3, 4}));
+  EXPECT_GT(stamps_[2] - stamps_[1], 1.9);  // a second after the loss, another after it did not open
+  EXPECT_EQ(player_->counts().opened, 2u);
+  EXPECT_EQ(summary(), "working; not used: camera lost=1; not used: source=1");
+}
+
+TEST_F(Player, ACameraThatIsNotThereYetIsWaitedFor) {
+  play("xo", true, frames(1));
+  ASSERT_TRUE(waitForEnd());
+  EXPECT_EQ(values_.size(), 1u);
+}
+
+TEST_F(Player, APictureThatCannotBeDecodedIsSkippedAndCounted) {
+  play("opbbp-", false, frames(0));
+  ASSERT_TRUE(waitForEnd());
+  EXPECT_EQ(values_, (std::vector<int>{1, 2}));
+  EXPECT_EQ(summary(), "working; not used: picture=2");
+}
+
+TEST_F(Player, AFileEndsOrBeginsAnew) {
+  play("opp-", false, frames(0));
+  ASSERT_TRUE(waitForEnd());
+  EXPECT_EQ(values_.size(), 2u);
+  ImagePlayerParams loop = frames(5);
+  loop.loop = true;
+  play("opp-opp-opp-", false, loop);
+  ASSERT_TRUE(waitForEnd());
+  EXPECT_EQ(values_.size(), 7u);
+  EXPECT_EQ(player_->counts().opened, 3u);
+}
+
+TEST_F(Player, AFileIsPlayedAtItsOwnRateOrAtTheGivenOne) {
+  play("o", false, frames(20));  // recorded at 50 Hz
+  ASSERT_TRUE(waitForEnd());
+  EXPECT_NEAR(stamps_.back() - stamps_.front(), 19 / 50.0, 0.1);
+  stamps_.clear();
+  play("o", false, frames(20, 100.0));
+  ASSERT_TRUE(waitForEnd());
+  EXPECT_NEAR(stamps_.back() - stamps_.front(), 19 / 100.0, 0.1);
+}
+
+TEST_F(Player, ACameraThatIsFasterThanTheRateIsThinned) {
+  play("o", true, frames(20, 50.0));  // it gives nearly 1000 pictures a second
+  ASSERT_TRUE(waitForEnd());
+  EXPECT_NEAR(stamps_.back() - stamps_.front(), 19 / 50.0, 0.1);
+  EXPECT_GT(player_->counts().skipped, 100u);
+}
+
+TEST_F(Player, AFileWaitsForAListenerWhileACameraIsKeptFresh) {
+  heard_ = false;
+  play("o", false, frames(3));
+  std::this_thread::sleep_for(milliseconds(200));
+  EXPECT_EQ(player_->counts().opened, 0u);
+  heard_ = true;
+  ASSERT_TRUE(waitForEnd());
+  EXPECT_EQ(values_, (std::vector<int>{1, 2, 3}));
+
+  heard_ = false;
+  play("o", true, frames(1));
+  ASSERT_TRUE(waitUntil([this] { return player_->counts().skipped > 20; }));
+  heard_ = true;
+  ASSERT_TRUE(waitForEnd());
+  EXPECT_EQ(values_.back(), 1);  // the first that was decoded
+}
+
+TEST_F(Player, StopsAtOnceWhileItWaits) {
+  play("xxxxxxxxxxxxxxxxxxxx", true, frames(0));
+  ASSERT_TRUE(waitUntil([this] { return summary().find("source") != std::string::npos; }));
+  const auto begin = Clock::now();
+  player_.reset();
+  EXPECT_LT(Clock::now() - begin, milliseconds(500));
+}
+
+}  // namespace
+}  // namespace sextant

@@ -1,0 +1,63 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+import rostest
+from made_photos import written_photos
+
+WAIT = 60.0  # s: all nodes start at once, perhaps on a cold and busy machine
+PHOTOS = [f"{number};{number}.png;1;1" for number in range(3)]
+
+
+class PlaceLocalizerStartTest(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+        written_photos(self.folder, len(PHOTOS))
+        (self.folder / "text.png").write_text("text")
+
+    def write(self, name, *rows, fields=""):
+        (self.folder / name).write_text("\n".join([f"overview.png;1000;100{fields}", *PHOTOS, *rows]))
+        return f"_map_file:={self.folder / name}"
+
+    def start(self, name, given):
+        node = subprocess.Popen(
+            ["rosrun", "sextant", "place_localizer", f"__name:={name}", *given],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+        )
+        self.addCleanup(node.communicate)
+        self.addCleanup(node.kill)
+        return node
+
+    def test_what_stops_the_start_up_is_named(self):
+        good, broken = self.write("good.txt"), self.write("broken.txt", fields=";frame=town")
+        lacking = self.write("lacking.txt", "3;13.png;1;1", "4;14.png;1;1")
+        spoilt, outside = (
+            self.write("spoilt.txt", "3;text.png;1;1"),
+            self.write("outside.txt", "3;../out.png;1;1"),
+        )
+        refused = [
+            ([broken], "broken.txt:1: after the size come all of frame, resolution, origin"),
+            ([lacking], "lacking.txt: photos that are not there: 13.png, 14.png"),
+            ([spoilt], "text.png: is no picture"),
+            ([outside], "outside.txt:5: image '../out.png' lies outside the map's folder"),
+            ([good, "_modus:=votes"], "/refused4/modus: unknown parameter; did you mean mode?"),
+            ([good, "_matcher:=BruteForce-Hamming"], "/refused5: matcher"),
+        ]
+        nodes = [self.start(f"refused{i}", given) for i, (given, _) in enumerate(refused)]
+        for node, (_, reason) in zip(nodes, refused):
+            said, _ = node.communicate(timeout=WAIT)
+            self.assertEqual(node.returncode, 1, said)
+            self.assertIn(reason, said)
+            self.assertNotIn("Traceback", said)
+
+
+if __name__ == "__main__":
+    rostest.rosrun("sextant", "place_localizer_start", PlaceLocalizerStartTest)

@@ -1,0 +1,276 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+import math
+import re
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+import cv2
+import numpy as np
+import rospy
+import rostest
+from geometry_msgs.msg import PoseWithCovarianceStamped
+from made_photos import picture, shifted
+from nav_msgs.msg import Odometry
+from ros_probe import Diagnostics, Recorder, stamps, subscribers_of, until
+from sensor_msgs.msg import CompressedImage, Image, NavSatFix
+from std_msgs.msg import Header
+from std_srvs.srv import Trigger
+
+from sextant.msg import PlaceHypotheses, Places
+
+WAIT, COUNT = 60.0, 12  # s: two nodes start at once, perhaps on a cold and busy machine
+# 10 pixels from photo to photo are 1 m; the frame is turned by a quarter to the left
+METRIC = "frame=town;resolution=0.1;origin=7,3," + repr(math.pi / 2)
+CORNERS = "north_west=55.01,13.0;south_east=55.0,13.02"  # of 1000 x 100 pixels
+DIAGNOSTICS = "robot/robot: places"
+
+
+class PlaceLocalizerTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        folder = tempfile.TemporaryDirectory(prefix="a town ")
+        cls.addClassCleanup(folder.cleanup)
+        cls.folder, cls.stamps = Path(folder.name), stamps()
+        for number in range(COUNT + 1):
+            cv2.imwrite(str(cls.folder / f"{number}.png"), picture(number))
+        cls.images = rospy.Publisher("/robot/image", Image, queue_size=10)
+        cls.jpegs = rospy.Publisher("/walker/image/compressed", CompressedImage, queue_size=10)
+        cls.odometry = rospy.Publisher("/robot/odom", Odometry, queue_size=100)
+        cls.diagnostics = Diagnostics()
+        cls.start("robot", cls.write("town.txt", METRIC), "_use_odometry:=true", "_initialpose:=found_again")
+        (cls.folder / "earth.txt.index").write_bytes(b"SEXTANT PLACES\n\0\1\0\0\0 of long ago")
+        cls.start("walker", cls.write("earth.txt", CORNERS), "_mode:=single", "_compressed:=true")
+        for name in ("robot", "walker"):
+            rospy.wait_for_service(f"/{name}/{name}/tell_initialpose", WAIT)  # the last that it offers
+
+    @classmethod
+    def write(cls, name, *fields, count=COUNT):
+        lines = [";".join(["overview.png;1000;100", *fields])]
+        lines += [f"{number};{number}.png;{10 * number};50;yaw=0.5" for number in range(count)]
+        (cls.folder / name).write_text("\n".join(lines) + "\n")
+        return f"_map_file:={cls.folder / name}"
+
+    @classmethod
+    def start(cls, name, *given):
+        """A localizer in a namespace of its own; its log is NAME.log in the folder."""
+        log = open(cls.folder / f"{name}.log", "w")  # noqa: SIM115
+        command = ["rosrun", "sextant", "place_localizer", f"__ns:=/{name}", f"__name:={name}", *given]
+        node = subprocess.Popen(command, stdout=log, stderr=log)
+        cls.addClassCleanup(cls.stop, node, log)
+
+    @staticmethod
+    def stop(node, log):
+        node.terminate()
+        node.wait(WAIT)
+        log.close()
+
+    def setUp(self):
+        self.call("/robot/reset")
+
+    def call(self, service):
+        return rospy.ServiceProxy(service, Trigger)()
+
+    def hear(self, topic, kind):
+        """What is said from now on; pictures reach the node."""
+        heard = Recorder(topic, kind)
+        self.addCleanup(heard.close)
+        self.assertTrue(heard.connected())
+        publisher = self.jpegs if topic.startswith("/walker") else self.images
+        self.assertTrue(until(lambda: publisher.get_num_connections() == 1))
+        return heard
+
+    def said(self, words, name="robot"):
+        """Whether the log of a node says what is searched, soon."""
+        return until(lambda: re.search(words, (self.folder / f"{name}.log").read_text()))
+
+    def show(self, pixels, stamp=None, height=None):
+        stamp = stamp or next(self.stamps)
+        rows, columns = pixels.shape
+        header = Header(stamp=stamp, frame_id="camera")
+        self.images.publish(Image(header, height or rows, columns, "mono8", 0, columns, pixels.tobytes()))
+        return stamp
+
+    def walk(self, heard, places):
+        """Messages about pictures of places, one after another."""
+        return [heard.at(self.show(shifted(picture(place), 6, 2))) for place in places]
+
+    def test_a_picture_is_told_as_place_hypotheses_and_pose(self):
+        places, hypotheses = (
+            self.hear("/robot/places", Places),
+            self.hear("/robot/hypotheses", PlaceHypotheses),
+        )
+        poses = self.hear("/robot/pose", PoseWithCovarianceStamped)
+        self.walk(places, (3, 4, 5))
+        stamp = self.show(shifted(picture(6), 6, 2))
+        told, full, pose = places.at(stamp), hypotheses.at(stamp), poses.at(stamp)
+        self.assertEqual((told.header.frame_id, told.poses[0]), ("camera", 6))
+        self.assertEqual([each.id for each in full.places], list(told.poses))
+        self.assertEqual((full.status, full.frame), (PlaceHypotheses.LOCALIZED, "town"))
+        self.assertLess(sum(told.probabilities) + full.nowhere, 1 + 1e-5)
+        best = full.places[0]
+        self.assertEqual((best.image, best.x, best.y), ("6.png", 60, 50))
+        # 6 m to the right and 5 m up, turned by a quarter
+        np.testing.assert_allclose([best.position.x, best.position.y], [7 - 5, 3 + 6], atol=1e-6)
+        self.assertEqual(pose.header.frame_id, "town")
+        where = pose.pose.pose.position
+        np.testing.assert_allclose([where.x, where.y], [2, 9], atol=0.7)
+        yaw = 2 * math.atan2(pose.pose.pose.orientation.z, pose.pose.pose.orientation.w)
+        self.assertAlmostEqual(yaw, 0.5 + math.pi / 2, places=4)
+        self.assertLess(abs(where.y - 9), 3 * math.sqrt(pose.pose.covariance[7]))
+        self.assertTrue(until(lambda: self.diagnostics.row(DIAGNOSTICS, "place") == "6"))
+        self.assertGreater(self.diagnostics.count(DIAGNOSTICS, "keypoints"), 100)
+        self.assertTrue(self.diagnostics.row(DIAGNOSTICS, "time").endswith(" ms"))
+
+    def test_elsewhere_is_nowhere(self):
+        full = self.hear("/robot/hypotheses", PlaceHypotheses)
+        poses = self.hear("/robot/pose", PoseWithCovarianceStamped)
+        stamps_told = [self.show_heard(full, picture(300 + i)) for i in range(3)]
+        self.assertEqual(full.at(stamps_told[-1]).status, PlaceHypotheses.NOWHERE)
+        self.assertGreater(full.at(stamps_told[-1]).nowhere, 0.5)
+        self.assertFalse(any(poses.has(stamp) for stamp in stamps_told))
+
+    def show_heard(self, heard, pixels):
+        stamp = self.show(pixels)
+        self.assertIsNotNone(heard.at(stamp))
+        return stamp
+
+    def test_a_damaged_picture_is_counted_and_an_empty_one_told(self):
+        places = self.hear("/robot/places", Places)
+        before = self.diagnostics.count(DIAGNOSTICS, "damaged pictures")
+        damaged = self.show(picture(3), height=999)
+        # a picture that follows at once could take its place
+        self.assertTrue(self.diagnostics.reaches(DIAGNOSTICS, "damaged pictures", before + 1))
+        empty = places.at(self.show(np.full((240, 320), 80, np.uint8)))
+        self.assertEqual((list(empty.poses), list(empty.probabilities)), ([0], [0.0]))
+        self.assertFalse(places.has(damaged))
+        self.assertTrue(self.said("a picture of /robot/image is left out: the image is cut short"))
+        self.assertEqual(self.walk(places, (3,))[0].poses[0], 3)
+
+    def test_compressed_pictures_in_a_georeferenced_map_are_a_fix(self):
+        fixes, places = self.hear("/walker/fix", NavSatFix), self.hear("/walker/places", Places)
+        stamp = next(self.stamps)
+        header = Header(stamp=stamp, frame_id="camera")
+        self.jpegs.publish(CompressedImage(header, "jpeg", b"\xff\xd8\xff"))
+        jpeg = cv2.imencode(".jpg", shifted(picture(8), 6, 2))[1].tobytes()
+        self.assertTrue(self.said("cannot be decoded", "walker"))
+        self.jpegs.publish(CompressedImage(header, "jpeg", jpeg))
+        self.assertEqual(places.at(stamp).poses[0], 8)
+        fix = fixes.at(stamp)
+        # 80 of 1000 pixels to the right, half of the way down; 0.02 degrees are 1276 m there
+        np.testing.assert_allclose([fix.latitude, fix.longitude], [55.005, 13.0016], atol=2e-4)
+        self.assertEqual(fix.position_covariance_type, NavSatFix.COVARIANCE_TYPE_KNOWN)
+        deviations = np.sqrt(np.array(fix.position_covariance)[[0, 4]])  # half of 12.76 m between places
+        np.testing.assert_allclose(deviations, 6.4, atol=0.3)
+        self.assertTrue(math.isnan(fix.altitude))
+
+    def test_a_clock_that_is_set_back_is_a_new_beginning(self):
+        places = self.hear("/robot/places", Places)
+        self.walk(places, (2, 3, 4))
+        told = places.at(self.show(shifted(picture(9), 6, 2), rospy.Time(100)))
+        self.assertEqual(told.poses[0], 9)
+        self.assertTrue(self.said("the pictures' clock was set back"))
+
+    def test_a_picture_that_comes_late_is_left_out(self):
+        places = self.hear("/robot/places", Places)
+        first, *_, last = self.walk(places, (2, 3, 4))
+        before = self.diagnostics.count(DIAGNOSTICS, "late pictures")
+        late = self.show(shifted(picture(9), 6, 2), last.header.stamp - rospy.Duration(0.9))
+        self.assertTrue(self.diagnostics.reaches(DIAGNOSTICS, "late pictures", before + 1))
+        told = self.walk(places, (5,))[0]
+        self.assertFalse(places.has(late))
+        self.assertEqual(told.poses[0], 5)
+        self.assertGreater(told.probabilities[0], first.probabilities[0])  # nothing was forgotten
+
+    def test_odometry_carries_the_robot_on(self):
+        """4 m on, the picture alone says nothing."""
+        full = self.hear("/robot/hypotheses", PlaceHypotheses)
+        self.assertTrue(until(lambda: self.odometry.get_num_connections() == 1))
+        before = self.diagnostics.count(DIAGNOSTICS, "odometry messages")
+        way = [(next(self.stamps), x) for x in (0.0, 1.0, 2.0, 6.0)]
+        for stamp, x in way:
+            odometry = Odometry(header=Header(stamp=stamp, frame_id="odom"))
+            odometry.pose.pose.position.x = x
+            self.odometry.publish(odometry)
+        # it has another connection than the pictures
+        self.assertTrue(self.diagnostics.reaches(DIAGNOSTICS, "odometry messages", before + len(way)))
+        pixels = [*(shifted(picture(place), 6, 2) for place in range(3)), np.full((240, 320), 80, np.uint8)]
+        for (stamp, _), seen in zip(way, pixels):
+            told = full.at(self.show(seen, stamp))
+        self.assertEqual(told.status, PlaceHypotheses.UNUSABLE)
+        self.assertLessEqual(abs(told.places[0].id - 6), 1)
+        self.assertGreater(told.places[0].probability, 0.5)
+        self.assertTrue(until(lambda: self.diagnostics.row(DIAGNOSTICS, "gone by odometry") == "4.00 m"))
+
+    def test_initialpose_comes_when_found_again_and_on_request(self):
+        places = self.hear("/robot/places", Places)
+        poses = self.hear("/robot/initialpose", PoseWithCovarianceStamped)
+        answer = self.call("/robot/robot/tell_initialpose")
+        self.assertFalse(answer.success)
+        self.assertIn("not localized", answer.message)
+        last = self.walk(places, (0, 1, 2, 3))[-1].header.stamp
+        self.assertTrue(until(lambda: len(poses.all()) == 1))
+        self.assertTrue(self.call("/robot/robot/tell_initialpose").success)
+        self.assertIsNotNone(poses.at(last))
+        self.assertEqual(len(poses.all()), 2)
+
+    def test_a_changed_map_is_read_again_but_not_a_broken_one(self):
+        places = self.hear("/robot/places", Places)
+        self.addCleanup(self.call, "/robot/reload")
+        self.addCleanup(self.write, "town.txt", METRIC)
+        self.write("town.txt", METRIC, count=COUNT + 1)
+        answer = self.call("/robot/reload")
+        self.assertTrue(answer.success)
+        self.assertIn("13 photos of 13 places", answer.message)
+        self.assertEqual(self.walk(places, (COUNT - 1, COUNT))[-1].poses[0], COUNT)
+        self.write("town.txt", METRIC + ";origin=3")
+        answer = self.call("/robot/reload")
+        self.assertFalse(answer.success)
+        self.assertIn("town.txt:1: origin is there twice", answer.message)
+        self.assertEqual(self.walk(places, (COUNT,))[-1].poses[0], COUNT)
+
+    def test_matches_are_drawn_while_somebody_looks(self):
+        places = self.hear("/robot/places", Places)
+        self.walk(places, (4,))
+        matches = self.hear("/robot/matches/image", Image)
+        stamp = self.show(shifted(picture(4), 6, 2))
+        drawn = matches.at(stamp)
+        self.assertEqual((drawn.encoding, drawn.width, drawn.height), ("rgb8", 2 * 640 + 8, 480 + 36))
+        matches.close()
+        places.close()
+        self.assertTrue(until(lambda: self.images.get_num_connections() == 1))  # initialpose is wanted, still
+        self.assertTrue(until(lambda: subscribers_of("/walker/image/compressed") == []))
+
+    def test_a_cache_of_another_version_is_built_anew(self):
+        """walker's; the other tests show that it works."""
+        line = "earth.txt.index: is of version 1, this program's is "
+        self.assertTrue(self.said(f"{line}.; building it anew", "walker"))
+
+    def test_a_photo_that_is_changed_behind_its_back_harms_nothing(self):
+        places, matches = self.hear("/robot/places", Places), self.hear("/robot/matches/image", Image)
+        photo = self.folder / "5.png"
+        self.addCleanup(self.call, "/robot/reload")
+        self.addCleanup(photo.write_bytes, photo.read_bytes())
+        self.walk(places, (4, 5))
+        cv2.imwrite(str(photo), picture(99, (200, 320)))
+        self.assertIsNotNone(matches.at(self.show(shifted(picture(5), 6, 2))))
+        for change, reason in (
+            (lambda: photo.write_bytes(photo.read_bytes()[:2000]), "5.png: the picture is damaged"),
+            (lambda: photo.write_text("text"), "5.png: is no picture"),
+            (photo.unlink, "town.txt: photos that are not there: 5.png"),
+        ):
+            change()
+            self.assertEqual(self.walk(places, (5,))[0].poses[0], 5)
+            answer = self.call("/robot/reload")
+            self.assertFalse(answer.success)
+            self.assertIn(reason, answer.message)
+            self.assertEqual(self.walk(places, (5,))[0].poses[0], 5)
+        self.assertTrue(self.said("no picture of matches: "))
+
+
+if __name__ == "__main__":
+    rospy.init_node("place_localizer_test")
+    rostest.rosrun("sextant", "place_localizer", PlaceLocalizerTest)

@@ -1,0 +1,98 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+import signal
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+import numpy as np
+import rospy
+import rostest
+from geometry_msgs.msg import PoseWithCovarianceStamped
+from nav_msgs.msg import Odometry
+from ros_probe import Recorder, until
+from sensor_msgs.msg import Image
+from std_srvs.srv import Trigger
+
+from sextant.place_maps.place_map_file import read_place_map
+
+PATIENCE = 120.0  # seconds, from nothing to the first pose
+SPACING = 6.0  # metres
+ARGS = {
+    "season": "[autumn]",
+    "spacing": SPACING,
+    "parts": 5,
+    "width": 320,
+    "height": 240,
+    "rate": 5.0,
+    "speed": 10.0,
+    "seed": 2,
+}
+
+
+class PlacesDemoTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        folder = tempfile.TemporaryDirectory(prefix="a street ")
+        cls.addClassCleanup(folder.cleanup)
+        cls.folder = Path(folder.name) / "map"
+        args = [f"{name}:={value}" for name, value in ARGS.items()]
+        command = ["roslaunch", "sextant", "places_demo.launch", f"folder:={cls.folder}", *args]
+        cls.truth, cls.poses = Recorder("ground_truth", Odometry), Recorder("pose", PoseWithCovarianceStamped)
+        cls.log = Path(folder.name) / "log"
+        with open(cls.log, "w") as log:
+            cls.demo = subprocess.Popen(command, stdout=log, stderr=subprocess.STDOUT)
+        cls.addClassCleanup(cls.stop)
+
+    @classmethod
+    def stop(cls):
+        cls.demo.send_signal(signal.SIGINT)
+        cls.demo.wait(40)
+        said = cls.log.read_text()
+        assert "SIGKILL" not in said and "Traceback" not in said, said
+
+    def errors(self, count):
+        """Metres from the truth, of so many further poses."""
+        self.poses.forget()
+        self.assertTrue(until(lambda: len(self.poses.all()) >= count, PATIENCE), "there is no pose")
+        stamps = sorted(pose.header.stamp for pose in self.poses.all())
+        return np.array([self.error(stamp) for stamp in stamps])
+
+    def error(self, stamp):
+        told, true = self.poses.at(stamp), self.truth.at(stamp)
+        self.assertEqual(told.header.frame_id, true.header.frame_id)
+        told, true = told.pose.pose.position, true.pose.pose.position
+        return np.hypot(told.x - true.x, told.y - true.y)
+
+    def test_the_walker_is_followed_and_found_again_after_it_was_carried_away(self):
+        self.assertLess(np.median(self.errors(12)), SPACING, self.log.read_text())
+        self.assertLess(self.errors(12).max(), 2 * SPACING)
+        answer = rospy.ServiceProxy("street_simulator/kidnap", Trigger)()
+        self.assertTrue(answer.success, answer.message)
+        self.assertTrue(until(lambda: self.errors(5).max() < 2 * SPACING, PATIENCE))
+        self.check_maps()
+        for topic in ("places/image", "clusters/image", "matches/image"):
+            picture = rospy.wait_for_message(topic, Image, PATIENCE)
+            self.assertEqual(picture.encoding, "rgb8")
+
+    def check_maps(self):
+        """Both have the same photos, one has exact positions and the other parts of the walk."""
+        exact, clusters = (read_place_map(self.folder / name) for name in ("map.txt", "clusters.txt"))
+        self.assertEqual([each[:2] for each in exact.photos], [each[:2] for each in clusters.photos])
+        self.assertEqual(len(exact.places()), len(exact.photos))
+        self.assertEqual(len(clusters.places()), ARGS["parts"])
+
+    def test_a_season_that_is_none_stops_the_simulator(self):
+        command = ["rosrun", "sextant", "street_simulator", "__name:=refused", "_seasons:=[spring]"]
+        ended = subprocess.run(
+            command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=PATIENCE
+        )
+        self.assertEqual(ended.returncode, 1, ended.stdout)
+        self.assertIn("seasons is 'spring', allowed are summer, evening, autumn", ended.stdout)
+
+
+if __name__ == "__main__":
+    rospy.init_node("places_demo_test")
+    rostest.rosrun("sextant", "places_demo", PlacesDemoTest)

@@ -1,0 +1,109 @@
+# shellcheck shell=bash
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+#
+# Sourced by the other scripts: installs what apt must, builds this package in a workspace of its own (build/ of the
+# checkout), and is not misled by what the caller's shell has sourced.
+
+script=$(realpath "$0")
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd -P)
+build=$root/build         # rosrun looks for executables everywhere in a package, but not in its build/
+source=$build/src/sextant  # links to what is in the checkout, without build/: else rosrun would find everything twice
+binary=$build/cmake
+
+# Debian's own tools, Python and ROS: no pyenv, conda, virtual environment or other workspace.
+export PATH=/usr/sbin:/usr/bin:/sbin:/bin PYTHONNOUSERSITE=1
+unset PYTHONPATH PYTHONHOME LD_LIBRARY_PATH PKG_CONFIG_PATH
+unset CMAKE_PREFIX_PATH ROS_PACKAGE_PATH ROS_NAMESPACE ROS_IP ROS_IPV6
+export ROS_HOSTNAME=localhost ROS_HOME=$build/ros
+
+say() { echo "sextant: $*" >&2; }
+die() { say "$*"; exit 1; }
+
+if [[ $root =~ [^[:alnum:]/._+@-] ]]; then
+  die "catkin cannot build in '$root': move it to a path without blanks and special characters"
+fi
+
+# missing_packages LIST...: the names in the lists that dpkg does not know as installed.
+missing_packages() {
+  LC_ALL=C comm -23 \
+    <(sed 's/#.*//; /^[[:space:]]*$/d' "$@" | LC_ALL=C sort -u) \
+    <(dpkg-query -W -f='${db:Status-Status} ${Package}\n' | sed -n 's/^installed //p' | LC_ALL=C sort -u)
+}
+
+# install_packages LIST...: asks apt only for what is missing; needs root or sudo only then.
+install_packages() {
+  command -v dpkg-query >/dev/null || die "this is not Debian (no dpkg); install by hand what $* name"
+  local missing log sudo=()
+  mapfile -t missing < <(missing_packages "$@")
+  ((${#missing[@]})) || return 0
+  if ((EUID)); then
+    command -v sudo >/dev/null || die "let root do first: apt-get install --no-install-recommends ${missing[*]}"
+    sudo=(sudo)
+  fi
+  say "installing ${#missing[@]} packages with apt; on a bare system this takes some minutes"
+  log=$(mktemp)
+  apt_get() { "${sudo[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -qq -o DPkg::Lock::Timeout=300 "$@"; }
+  apt_get update >"$log" || say "apt-get update failed; trying with the package lists that are there"
+  if ! apt_get install -y --no-install-recommends "${missing[@]}" >>"$log"; then
+    cat "$log" >&2
+    die "apt could not install ${missing[*]} (made for Debian 12; this is $(. /etc/os-release && echo "$PRETTY_NAME"))"
+  fi
+  rm -f "$log"
+}
+
+# continue_as_owner ARGUMENT...: when root works in a user's checkout, the rest of the calling script runs as that user,
+# so that no file of root's is left in somebody's home.
+continue_as_owner() {
+  local owner group home groups=--clear-groups entry
+  owner=$(stat -c %u "$root")
+  ((EUID == 0 && owner != 0)) || return 0
+  group=$(stat -c %g "$root") home=$build/home
+  if entry=$(getent passwd "$owner"); then
+    groups=--init-groups
+    IFS=: read -r _ _ _ group _ home _ <<<"$entry"
+  fi
+  local -a as_owner=(setpriv "--reuid=$owner" "--regid=$group" "$groups" env "HOME=$home")
+  "${as_owner[@]}" test -w "$root" || return 0
+  "${as_owner[@]}" test -w . || cd "$root" || return
+  exec "${as_owner[@]}" bash "$script" "$@"
+}
+
+# Compilers of Eigen, OpenCV and pybind11 code take up to 1.5 GB each.
+make_jobs() {
+  awk -v cores="$(nproc)" '/^MemAvailable/ {n = int($2 / 1.5e6); print n < 1 ? 1 : n < cores ? n : cores}' /proc/meminfo
+}
+
+link_sources() {
+  local entry
+  mkdir -p "$source"
+  find "$source" -maxdepth 1 -xtype l -delete  # what the checkout no longer has
+  for entry in "$root"/*; do
+    [[ $entry == "$build" ]] || ln -sfn "$entry" "$source/${entry##*/}"
+  done
+}
+
+configure() {
+  if [[ -f $binary/CMakeCache.txt ]] && ! grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=$source" "$binary/CMakeCache.txt"; then
+    say "the checkout has moved: building anew"
+    rm -rf "$build"
+  fi
+  if ! { mkdir -p "$build" && touch "$build/CATKIN_IGNORE"; }; then die "cannot write $build (left by another user? remove it)"; fi
+  link_sources
+  [[ $build/configured -nt ${BASH_SOURCE[0]} && -f $binary/Makefile ]] && return
+  # Debug information of lines and functions, for backtraces: the whole of it takes a third more of the compiler's time.
+  cmake -S "$source" -B "$binary" -DCATKIN_DEVEL_PREFIX="$build/devel" -DCATKIN_TEST_RESULTS_DIR="$build/test_results" \
+    -DPYTHON_EXECUTABLE=/usr/bin/python3 -DCATKIN_ENABLE_TESTING=ON \
+    -DCMAKE_CXX_FLAGS_RELWITHDEBINFO="-O2 -g1 -DNDEBUG" -DCMAKE_EXPORT_COMPILE_COMMANDS=ON -DCMAKE_TARGET_MESSAGES=OFF
+  touch "$build/configured"
+}
+
+# build_package [TARGET...]: builds the targets (everything but the tests when none is named) and sources the result.
+build_package() {
+  configure
+  flock "$build/lock" make -C "$binary" --no-print-directory -j"$(make_jobs)" "${@:-all}"
+  set +u
+  # shellcheck disable=SC1091
+  . "$build/devel/setup.bash"
+  set -u
+}
