@@ -11,7 +11,7 @@ set -euo pipefail
 
 install_packages "$root/tools/apt_packages.txt"
 continue_as_owner "$@"
-build_package
+build_package demo  # what the demo needs, a third of everything: scripts/build.sh builds the rest
 
 if [[ $* == --* ]]; then exec roslaunch sextant demo.launch "$@"; fi
 

@@ -69,9 +69,9 @@ continue_as_owner() {
   exec "${as_owner[@]}" bash "$script" "$@"
 }
 
-# Compilers of Eigen, OpenCV and pybind11 code take up to 1.5 GB each.
+# A compiler process takes up to 1 GB.
 make_jobs() {
-  awk -v cores="$(nproc)" '/^MemAvailable/ {n = int($2 / 1.5e6); print n < 1 ? 1 : n < cores ? n : cores}' /proc/meminfo
+  awk -v cores="$(nproc)" '/^MemAvailable/ {n = int($2 / 1e6); print n < 1 ? 1 : n < cores ? n : cores}' /proc/meminfo
 }
 
 link_sources() {
@@ -92,16 +92,21 @@ configure() {
   link_sources
   [[ $build/configured -nt ${BASH_SOURCE[0]} && -f $binary/Makefile ]] && return
   # Debug information of lines and functions, for backtraces: the whole of it takes a third more of the compiler's time.
-  cmake -S "$source" -B "$binary" -DCATKIN_DEVEL_PREFIX="$build/devel" -DCATKIN_TEST_RESULTS_DIR="$build/test_results" \
+  cmake -S "$source" -B "$binary" >"$build/configure.log" 2>&1 -DCATKIN_DEVEL_PREFIX="$build/devel" -DCATKIN_TEST_RESULTS_DIR="$build/test_results" \
     -DPYTHON_EXECUTABLE=/usr/bin/python3 -DCATKIN_ENABLE_TESTING=ON \
-    -DCMAKE_CXX_FLAGS_RELWITHDEBINFO="-O2 -g1 -DNDEBUG" -DCMAKE_EXPORT_COMPILE_COMMANDS=ON -DCMAKE_TARGET_MESSAGES=OFF
+    -DCMAKE_CXX_FLAGS_RELWITHDEBINFO="-O2 -g1 -DNDEBUG" -DCMAKE_EXPORT_COMPILE_COMMANDS=ON -DCMAKE_TARGET_MESSAGES=OFF ||
+    { cat "$build/configure.log" >&2; die "cmake failed, see above"; }
   touch "$build/configured"
 }
 
 # build_package [TARGET...]: builds the targets (everything but the tests when none is named) and sources the result.
+# The compiler's own output goes to $build/build.log.
 build_package() {
+  local status=0
   configure
-  flock "$build/lock" make -C "$binary" --no-print-directory -j"$(make_jobs)" "${@:-all}"
+  flock "$build/lock" make -C "$binary" --no-print-directory -j"$(make_jobs)" "${@:-all}" 2>&1 |
+    python3 "$root/tools/build_progress.py" "$build/build.log" || status=$?
+  ((status == 0)) || die "the build failed; all that the compiler printed is in $build/build.log"
   set +u
   # shellcheck disable=SC1091
   . "$build/devel/setup.bash"

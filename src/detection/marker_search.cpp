@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace sextant {
 namespace {
@@ -29,22 +28,6 @@ bool inside(const Corners& corners, const Eigen::Vector2d& pixel) {
 }
 
 }  // namespace
-
-Eigen::Vector2d centre(const Corners& corners) {
-  return 0.25 * (corners[0] + corners[1] + corners[2] + corners[3]);
-}
-
-double perimeter(const Corners& corners) {
-  double sum = 0;
-  for (int i = 0; i < 4; ++i) sum += (corners[i] - corners[(i + 1) % 4]).norm();
-  return sum;
-}
-
-double shortestSide(const Corners& corners) {
-  double least = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < 4; ++i) least = std::min(least, (corners[i] - corners[(i + 1) % 4]).norm());
-  return least;
-}
 
 cv::Rect widened(const cv::Rect& box, double margin, const cv::Size& image) {
   const int pixels = static_cast<int>(std::ceil(margin));

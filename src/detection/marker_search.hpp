@@ -47,9 +47,6 @@ class MarkerSearch {
   virtual BorderSquare border(const MarkerKey& key) const = 0;
 };
 
-Eigen::Vector2d centre(const Corners& corners);
-double perimeter(const Corners& corners);
-double shortestSide(const Corners& corners);
 /// The part of the box, wider by margin pixels on all sides, that lies in the image.
 cv::Rect widened(const cv::Rect& box, double margin, const cv::Size& image);
 /// The quad with what is white about a marker.

@@ -10,7 +10,6 @@
 
 #include "sextant/localization/mapped_sighting.hpp"
 #include "marker_innovation.hpp"
-#include "marker_search.hpp"
 #include "sextant/markers/marker_pose.hpp"
 #include "sextant/localization/pose_posterior.hpp"
 #include "sextant/base/range.hpp"

@@ -14,7 +14,7 @@
 #include <pluginlib/class_list_macros.hpp>
 
 #include "sextant/MarkerMapEntries.h"
-#include "sextant/ros/markers/conversions.hpp"
+#include "sextant/ros/markers/marker_conversions.hpp"
 #include "sextant/ros/landmarks/landmark_conversions.hpp"
 #include "sextant/ros/landmarks/landmark_services.hpp"
 #include "sextant/ros/landmarks/landmark_session.hpp"

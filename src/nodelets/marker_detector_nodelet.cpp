@@ -14,7 +14,7 @@
 
 #include "sextant/MarkerArray.h"
 #include "sextant/markers/marker_picture.hpp"
-#include "sextant/ros/markers/conversions.hpp"
+#include "sextant/ros/markers/marker_conversions.hpp"
 #include "sextant/ros/detection/detector_report.hpp"
 #include "sextant/ros/detection/image_bridge.hpp"
 #include "sextant/ros/detection/marker_detector_config.hpp"

@@ -16,7 +16,7 @@
 #include "sextant/MarkerMapEntries.h"
 #include "sextant/localization/marker_localization.hpp"
 #include "sextant/localization/stamp_groups.hpp"
-#include "sextant/ros/markers/conversions.hpp"
+#include "sextant/ros/markers/marker_conversions.hpp"
 #include "sextant/ros/localization/locator_report.hpp"
 #include "sextant/ros/localization/locator_visualization.hpp"
 #include "sextant/ros/geometry/map_transform.hpp"

@@ -1,5 +1,41 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Sextant without ROS: what its nodes compute, on arrays, files and bags."""
+"""Sextant without ROS: what its nodes compute, on arrays, files and bags.
 
-from sextant._core import *  # noqa: F401,F403
+The C++ core is one compiled module for each room, sextant._core.ROOM; its classes and functions are found here, and
+a room's module and libraries are loaded when one of its names is used first.
+"""
+
+import importlib
+from typing import Any, List
+
+_ROOMS = (
+    "geometry",
+    "markers",
+    "detection",
+    "localization",
+    "mapping",
+    "landmarks",
+    "fusion",
+    "places",
+    "simulation",
+)
+
+
+def __getattr__(name: str) -> Any:
+    absent = []
+    for room in () if name.startswith("_") else _ROOMS:
+        try:
+            core = importlib.import_module(f"sextant._core.{room}")
+        except ModuleNotFoundError:
+            absent.append(room)
+            continue
+        if hasattr(core, name):
+            return globals().setdefault(name, getattr(core, name))
+    reason = f" (not built: {', '.join(absent)}; scripts/build.sh builds everything)" if absent else ""
+    raise AttributeError(f"module 'sextant' has no attribute '{name}'{reason}")
+
+
+def __dir__() -> List[str]:
+    cores = [importlib.import_module(f"sextant._core.{room}") for room in _ROOMS]
+    return sorted({*globals(), *(name for core in cores for name in dir(core) if not name.startswith("_"))})

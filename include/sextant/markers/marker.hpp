@@ -43,9 +43,11 @@ struct Detection {
 
 /// The corners of a marker of this edge length (metres) in its own frame: origin in the centre, x right and y
 /// up as one looks at the print, z out of the wall toward the viewer.
-inline std::array<Eigen::Vector3d, 4> markerCorners(double size) {
-  const double h = 0.5 * size;
-  return {Eigen::Vector3d(-h, h, 0), {h, h, 0}, {h, -h, 0}, {-h, -h, 0}};
-}
+std::array<Eigen::Vector3d, 4> markerCorners(double size);
+
+/// Of a marker in an image: pixels.
+Eigen::Vector2d centre(const Corners& corners);
+double perimeter(const Corners& corners);
+double shortestSide(const Corners& corners);
 
 }  // namespace sextant

@@ -9,7 +9,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
 
-#include "sextant/detection/grey_image.hpp"
+#include "sextant/images/grey_image.hpp"
 
 namespace sextant {
 namespace {

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sextant/ros/geometry/map_transform.hpp"
 
-#include "sextant/ros/markers/conversions.hpp"
+#include "sextant/ros/geometry/pose_conversions.hpp"
 #include "sextant/ros/geometry/tf_bridge.hpp"
 
 namespace sextant {

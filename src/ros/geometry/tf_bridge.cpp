@@ -4,7 +4,7 @@
 
 #include <stdexcept>
 
-#include "sextant/ros/markers/conversions.hpp"
+#include "sextant/ros/geometry/pose_conversions.hpp"
 
 namespace sextant {
 

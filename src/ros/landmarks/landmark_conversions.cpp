@@ -9,7 +9,7 @@
 #include <string>
 
 #include "sextant/markers/marker_family.hpp"
-#include "sextant/ros/markers/conversions.hpp"
+#include "sextant/ros/markers/marker_conversions.hpp"
 
 namespace sextant {
 namespace {

@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "sextant/ros/markers/conversions.hpp"
+#include "sextant/ros/markers/marker_conversions.hpp"
 #include "sextant/ros/landmarks/landmark_conversions.hpp"
 
 namespace sextant {

@@ -26,7 +26,7 @@ def _listed(value: Any) -> Any:
 
 def camera_from_info(info: Any, rectified: bool) -> DriveCamera:
     """The camera of the image as it is published: binning and region of interest of a
-    sensor_msgs/CameraInfo are applied (src/ros/markers/conversions.cpp). Its mount is left at identity.
+    sensor_msgs/CameraInfo are applied (src/ros/geometry/pose_conversions.cpp). Its mount is left at identity.
 
     :raises ValueError: it is no calibration; names the field
     """

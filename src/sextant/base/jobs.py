@@ -225,7 +225,7 @@ def as_children_need_it() -> Iterator[None]:
 
 def package_folder() -> str:
     """The folder that has to come first in sys.path for `import sextant` to find all of it."""
-    return os.path.dirname(os.path.dirname(sextant._core.__file__))
+    return os.path.dirname(os.path.dirname(next(iter(sextant._core.__path__))))
 
 
 @contextlib.contextmanager

@@ -8,7 +8,7 @@ from typing import Any, List, Optional, Sequence
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-NORM_TOLERANCE = 0.01  # of a unit quaternion, as src/ros/markers/conversions.cpp
+NORM_TOLERANCE = 0.01  # of a unit quaternion, as src/ros/geometry/pose_conversions.cpp
 LONGEST_GAP = 0.5  # seconds between two poses, over which it is still known how a robot moved
 SMALLEST_NORM = 1e-6  # below it the direction is what rounding left over
 

@@ -23,7 +23,7 @@ ROOT = Path(__file__).resolve().parents[3]
 
 
 def test_the_names_are_those_that_the_nodelet_reads():
-    source = (ROOT / "src/ros/landmark_slam_params.cpp").read_text()
+    source = (ROOT / "src/ros/landmarks/landmark_slam_params.cpp").read_text()
     read = re.findall(r'reader\.read\("(\w+)", params\.([\w.]+)\)', source)
     assert sorted(name for name, _ in read) == sorted(NAMES)
     fields = {name: path.replace("filter.points.", "filter.") for name, path in read}
@@ -31,7 +31,7 @@ def test_the_names_are_those_that_the_nodelet_reads():
 
 
 def test_the_defaults_are_the_nodelets():
-    header = (ROOT / "include/sextant/ros/landmark_slam_params.hpp").read_text()
+    header = (ROOT / "include/sextant/ros/landmarks/landmark_slam_params.hpp").read_text()
     for field in dataclasses.fields(NodeletParams):
         default = getattr(NodeletParams(), field.name)
         told = re.search(rf" {field.name}(?: = ([^;]+))?;", header)
@@ -40,7 +40,7 @@ def test_the_defaults_are_the_nodelets():
 
 
 def test_the_colours_are_those_in_rviz():
-    source = (ROOT / "src/ros/landmark_visualization.cpp").read_text()
+    source = (ROOT / "src/ros/landmarks/landmark_visualization.cpp").read_text()
     found = re.findall(r'\{"(\w+)", colour\(([\d.f, ]+)\)\}', source)
     assert {
         name: tuple(float(value.strip("f ")) for value in values.split(",")) for name, values in found

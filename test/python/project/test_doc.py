@@ -18,10 +18,12 @@ ROOT = Path(__file__).resolve().parents[3]
 NODES_PAGE = (ROOT / "doc/nodes.md").read_text()
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "doc").rglob("*.md"), *(ROOT / "test").rglob("*.md")])
 HEADERS = "\n".join(path.read_text() for path in sorted((ROOT / "include").rglob("*.hpp")))
-NODELETS = {path.stem[: -len("_params")]: path for path in (ROOT / "src/ros").glob("*_params.cpp")}
-SCRIPTS = sorted(
-    path.stem for path in (ROOT / "src/sextant/nodes").glob("*.py") if (ROOT / "scripts" / path.stem).exists()
-)
+NODELETS = {path.stem[: -len("_params")]: path for path in (ROOT / "src/ros").rglob("*_params.cpp")}
+SCRIPTS = {
+    path.stem: path
+    for path in sorted((ROOT / "src/sextant/nodes").rglob("*.py"))
+    if (ROOT / "scripts" / path.stem).exists()
+}
 
 NEEDED = "needed"  # where the table has a default
 
@@ -82,11 +84,11 @@ def read_by_nodelet(name):
 
 def read_by_script(name):
     """{parameter: default} of the dataclass that a rospy node reads."""
-    source = (ROOT / "src/sextant/nodes" / (name + ".py")).read_text()
+    source = SCRIPTS[name].read_text()
     found = re.search(r"\bread_params\((\w+)\)", source)
     if not found:
         return {}
-    record = getattr(importlib.import_module("sextant.nodes." + name), found.group(1))
+    record = getattr(importlib.import_module(f"sextant.nodes.{SCRIPTS[name].parent.name}.{name}"), found.group(1))
     return {field.name: default_of(field) for field in dataclasses.fields(record)}
 
 
@@ -99,7 +101,7 @@ def default_of(field):
 @pytest.mark.parametrize("node", [*sorted(NODELETS), *SCRIPTS])
 def test_parameters_and_defaults_are_those_of_the_code(node):
     read = read_by_nodelet(node) if node in NODELETS else read_by_script(node)
-    assert read or "read_params" not in (ROOT / f"src/sextant/nodes/{node}.py").read_text()
+    assert read or "read_params" not in SCRIPTS[node].read_text()
     assert table_of(node) == read
 
 
@@ -114,7 +116,7 @@ def test_a_parameter_that_is_read_twice_is_found_where_it_is_declared():
 def source_of(node):
     if node in NODELETS:
         return (ROOT / f"src/nodelets/{node}_nodelet.cpp").read_text()
-    return (ROOT / f"src/sextant/nodes/{node}.py").read_text()
+    return SCRIPTS[node].read_text()
 
 
 @pytest.mark.parametrize("node", [*sorted(NODELETS), *SCRIPTS])

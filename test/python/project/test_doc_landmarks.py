@@ -57,9 +57,9 @@ def test_the_example_of_a_map_is_read(tmp_path):
 
 
 def test_rows_of_diagnostics_are_those_of_the_report():
-    report = (ROOT / "src/ros/landmark_slam_report.cpp").read_text()
+    report = (ROOT / "src/ros/landmarks/landmark_slam_report.cpp").read_text()
     section = PAGE.partition("## What it says")[2].partition("\n## ")[0]
     cells = re.findall(r"^\| (`.*?) \|", section, re.M)[1:]  # the first is put together of words
     parts = [part.strip() for name in re.findall(r"`([^`]+)`", " ".join(cells)) for part in name.split("…")]
-    said = report + (ROOT / "src/ros/trouble_log.cpp").read_text()
+    said = report + (ROOT / "src/ros/base/trouble_log.cpp").read_text()
     assert len(parts) > 12 and [part for part in parts if part not in said] == []

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[3]
-SCRIPTS = ROOT / "scripts"
+TOOLS = ROOT / "tools"
 
 JUNIT = {
     "gtest.xml": """<testsuites><testsuite>
@@ -30,7 +30,7 @@ def totals_of(folder, **files):
         path = folder / name
         path.parent.mkdir(exist_ok=True)
         path.write_text(text)
-    command = [sys.executable, str(SCRIPTS / "test_totals.py"), str(folder)]
+    command = [sys.executable, str(TOOLS / "test_totals.py"), str(folder)]
     done = subprocess.run(command, stdout=subprocess.PIPE, text=True)
     return done.returncode, done.stdout.splitlines()[-1]
 
@@ -88,8 +88,8 @@ def test_only_missing_packages_are_asked_for(tmp_path):
 
 def test_a_path_that_catkin_cannot_build_in_is_refused(tmp_path):
     checkout = tmp_path / "my robot"
-    (checkout / "scripts").mkdir(parents=True)
-    (checkout / "tools/environment.sh").write_text((SCRIPTS / "environment.sh").read_text())
+    (checkout / "tools").mkdir(parents=True)
+    (checkout / "tools/environment.sh").write_text((TOOLS / "environment.sh").read_text())
     done = in_environment(checkout, "install_packages; build_package")
     assert done.returncode == 1
     assert str(checkout) in done.stdout and "without blanks" in done.stdout

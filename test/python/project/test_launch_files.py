@@ -120,8 +120,8 @@ def params_of(config, name):
 def read_by_nodelet(name):
     """Parameters that a nodelet's fromRos() asks for."""
     stem = re.sub(r"(?<!^)(?=[A-Z])", "_", name).lower()
-    source = (ROOT / "src" / "ros" / f"{stem}_params.cpp").read_text()
-    return set(re.findall(r'reader\.read\w*\("(\w+)"', source))
+    (path,) = (ROOT / "src/ros").rglob(f"{stem}_params.cpp")
+    return set(re.findall(r'reader\.read\w*\("(\w+)"', path.read_text()))
 
 
 def declared(path):

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "sextant/ros/markers/conversions.hpp"
+#include "sextant/ros/markers/marker_conversions.hpp"
 #include "sextant/ros/landmarks/landmark_visualization.hpp"
 
 namespace sextant {

@@ -19,7 +19,7 @@
 #include "sextant/MarkerMapEntries.h"
 #include "sextant/markers/marker_map_file.hpp"
 #include "sextant/simulation/room_renderer.hpp"
-#include "sextant/ros/markers/conversions.hpp"
+#include "sextant/ros/markers/marker_conversions.hpp"
 #include "storm.hpp"
 
 namespace sextant {

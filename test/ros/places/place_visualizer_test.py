@@ -20,7 +20,7 @@ from std_srvs.srv import Trigger
 from visualization_msgs.msg import Marker, MarkerArray
 
 from sextant.msg import Places
-from sextant.place_maps.place_picture import PLACE
+from sextant.places.place_picture import PLACE
 from sextant.places.probability_scale import probability_colour
 
 WAIT = 20.0

@@ -12,7 +12,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from sextant.msg import Places
 from sextant.place_maps.place_map import MetricFrame, Photo, PlaceMap
-from sextant.place_maps.place_picture import INK, LABELLED, LABELS, PLACE, Hypothesis, Radii, trail_colours
+from sextant.places.place_picture import INK, LABELLED, LABELS, PLACE, Hypothesis, Radii, trail_colours
 from sextant.places.probability_scale import Colour, probability_colour
 
 

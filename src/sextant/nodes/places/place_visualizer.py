@@ -27,7 +27,7 @@ from sextant.nodes.places.place_map_messages import PlaceMarkers, answer_from_me
 from sextant.place_maps.overview_mesh import write_overview_mesh
 from sextant.place_maps.place_map import MetricFrame
 from sextant.place_maps.place_map_file import read_place_map
-from sextant.place_maps.place_picture import Hypothesis, PlacePicture
+from sextant.places.place_picture import Hypothesis, PlacePicture
 
 WARN_EVERY = 60.0  # seconds
 

@@ -1,0 +1,63 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <pybind11/stl.h>
+
+#include "image_arrays.hpp"
+#include "marker_casters.hpp"
+#include "sextant/detection/corner_refiner.hpp"
+#include "sextant/detection/marker_detector.hpp"
+
+namespace py = pybind11;
+using namespace py::literals;
+
+namespace sextant {
+namespace {
+
+void bindMarkerDetector(py::module_& module) {
+  py::class_<DetectorParams>(module, "DetectorParams")
+      .def(py::init<>())
+      .def_readwrite("families", &DetectorParams::families)
+      .def_readwrite("search", &DetectorParams::search)
+      .def_readwrite("threads", &DetectorParams::threads)
+      .def_readwrite("decimate", &DetectorParams::decimate)
+      .def_readwrite("max_hamming", &DetectorParams::max_hamming)
+      .def_readwrite("min_decision_margin", &DetectorParams::min_decision_margin)
+      .def_readwrite("error_correction", &DetectorParams::error_correction)
+      .def_readwrite("min_perimeter", &DetectorParams::min_perimeter)
+      .def_readwrite("refine_corners", &DetectorParams::refine_corners)
+      .def("validate", &DetectorParams::validate);
+  py::class_<MarkerDetector>(module, "MarkerDetector", "Finds markers in an image.")
+      .def(py::init(&makeMarkerDetector), "params"_a)
+      .def(
+          "detect",
+          [](MarkerDetector& detector, const ImageArray& array, const CameraModel* camera) {
+            const cv::Mat image = imageFromArray(array);
+            py::gil_scoped_release release;
+            return detector.detect(image, camera);
+          },
+          "image"_a, "camera"_a = nullptr,
+          "List of Detection; image: uint8, (height, width) grey or (height, width, 3) BGR; camera: the one "
+          "that "
+          "took it, so that corners are those of straight edges seen through its lens.");
+  module.def(
+      "refine_corners",
+      [](const ImageArray& image, const Corners& corners, int modules, bool white_inside, double start_sigma,
+         const CameraModel* camera) {
+        const BorderSquare square{modules, white_inside, start_sigma};
+        const RefinedCorners refined = refineCorners(imageFromArray(image), corners, square, camera);
+        return py::make_tuple(refined.corners, refined.sigmas);
+      },
+      "image"_a, "corners"_a, "modules"_a, "white_inside"_a = false,
+      "start_sigma"_a = BorderSquare().start_sigma, "camera"_a = nullptr,
+      "(corners (4 x 2) at subpixel, four standard deviations of their coordinates in pixels).");
+}
+
+}  // namespace
+}  // namespace sextant
+
+PYBIND11_MODULE(detection, module) {
+  module.doc() = "Finds printed markers in images.";
+  py::module_::import("sextant._core.geometry");
+  py::module_::import("sextant._core.markers");
+  sextant::bindMarkerDetector(module);
+}

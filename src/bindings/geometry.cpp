@@ -1,0 +1,63 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <pybind11/stl.h>
+
+#include "pose_casters.hpp"
+#include "sextant/geometry/camera.hpp"
+#include "sextant/geometry/pose.hpp"
+
+namespace py = pybind11;
+using namespace py::literals;
+
+namespace sextant {
+namespace {
+
+void bindPose(py::module_& module) {
+  module.def(
+      "pose_from_xyz_rpy", &poseFromXyzRpy, "xyz"_a, "rpy"_a,
+      "4 x 4 pose from metres and fixed-axis roll, pitch, yaw in radians: R = Rz(yaw) Ry(pitch) Rx(roll).");
+  module.def("rpy_from_rotation", &rpyFromRotation, "rotation"_a,
+             "Roll, pitch, yaw (radians) of a 3 x 3 rotation.");
+  module.def("exp_so3", &expSO3, "delta"_a, "Rotation by |delta| radians about delta.");
+  module.def("log_so3", &logSO3, "rotation"_a, "Inverse of exp_so3, angle in [0, pi].");
+  module.def("perturbed", &perturbed, "pose"_a, "xi"_a,
+             "p + xi[:3], Exp(xi[3:]) R: moved in the parent's axes.");
+  module.def("pose_error", &poseError, "truth"_a, "estimate"_a,
+             "xi (6) with truth = perturbed(estimate, xi): what NEES is computed from.");
+  module.def("mean_pose", &meanPose, "poses"_a,
+             "Mean translation, eigenvector mean of the quaternions (Markley 2007).");
+}
+
+void bindCamera(py::module_& module) {
+  py::class_<CameraCalibration>(module, "CameraCalibration",
+                                "The fields and conventions of sensor_msgs/CameraInfo.")
+      .def(py::init<>())
+      .def_readwrite("width", &CameraCalibration::width)
+      .def_readwrite("height", &CameraCalibration::height)
+      .def_readwrite("distortion_model", &CameraCalibration::distortion_model)
+      .def_readwrite("D", &CameraCalibration::D)
+      .def_readwrite("K", &CameraCalibration::K)
+      .def_readwrite("R", &CameraCalibration::R)
+      .def_readwrite("P", &CameraCalibration::P);
+  py::class_<CameraModel>(module, "CameraModel",
+                          "Projection of a calibrated camera, optical frame to pixels.")
+      .def(py::init([](const CameraCalibration& calibration, bool rectified) {
+             return CameraModel(calibration,
+                                rectified ? CameraModel::Image::rectified : CameraModel::Image::raw);
+           }),
+           "calibration"_a, "rectified"_a = false)
+      .def_property_readonly("width", &CameraModel::width)
+      .def_property_readonly("height", &CameraModel::height)
+      .def_property_readonly("focal_length", &CameraModel::focalLength)
+      .def("project", &CameraModel::project, "p_camera"_a, "Pixel (2) of a point (3, metres), or None.")
+      .def("unproject", &CameraModel::unproject, "pixel"_a, "Unit vector (3) toward a pixel (2), or None.");
+}
+
+}  // namespace
+}  // namespace sextant
+
+PYBIND11_MODULE(geometry, module) {
+  module.doc() = "Poses and cameras.";
+  sextant::bindPose(module);
+  sextant::bindCamera(module);
+}

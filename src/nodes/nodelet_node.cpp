@@ -1,0 +1,13 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// A nodelet as a node of its own: CMakeLists.txt builds this file once for each, with its NODE and NODELET.
+#include <nodelet/loader.h>
+#include <ros/ros.h>
+
+int main(int argc, char** argv) {
+  ros::init(argc, argv, NODE);
+  nodelet::Loader loader(false);
+  if (!loader.load(ros::this_node::getName(), NODELET, ros::names::getRemappings(), {})) return 1;
+  ros::spin();
+}
