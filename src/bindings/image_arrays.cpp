@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: Sextant authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <cstring>
-
 #include "image_arrays.hpp"
+
+#include <cstring>
 
 #include "sextant/images/grey_image.hpp"
 

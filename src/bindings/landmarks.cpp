@@ -65,7 +65,6 @@ void bindLabels(py::module_& module) {
       .def_readonly("begins", &LabelledSighting::begins);
 }
 
-
 void bindPlaneSighting(py::module_& module) {
   bindPlane(module);
   bindLabels(module);
@@ -118,7 +117,6 @@ void bindLandmarkFilterParams(py::module_& module) {
       .def_readwrite("clock_sigma", &LandmarkFilterParams::clock_sigma)
       .def("validate", &LandmarkFilterParams::validate);
 }
-
 
 void bindLandmarkFilter(py::module_& module) {
   bindLandmarkFilterParams(module);
@@ -230,7 +228,6 @@ void bindLandmarkSlamReport(py::module_& module) {
       .def_readonly("keys", &LandmarkReport::keys, "key of each sighting's landmark, or None");
 }
 
-
 void bindLandmarkSlam(py::module_& module) {
   bindLandmarkSlamParams(module);
   bindSensorParams(module);
@@ -282,7 +279,6 @@ void bindLandmarkTimelineParts(py::module_& module) {
       .def_readonly("covariance", &LandmarkTimeline::Now::covariance, "(3, 3) of x, y, heading, map's axes")
       .def_readonly("T_map_odom", &LandmarkTimeline::Now::T_map_odom);
 }
-
 
 void bindLandmarkTimeline(py::module_& module) {
   bindLandmarkTimelineParts(module);
@@ -358,7 +354,6 @@ std::vector<DriveMoment> driveOf(const std::vector<Pose2>& steps, const std::vec
   }
   return drive;
 }
-
 
 void bindLandmarkSmoother(py::module_& module) {
   module.def(

@@ -28,7 +28,6 @@ void bindMarkerLocatorResult(py::module_& module) {
       .def_property_readonly("repeated", [](const LocatorResult& result) { return pairs(result.repeated); });
 }
 
-
 void bindMarkerLocator(py::module_& module) {
   bindMarkerLocatorResult(module);
   py::class_<MarkerView>(module, "MarkerView", "What one camera saw at one instant.")

@@ -70,7 +70,6 @@ void bindFindings(py::module_& module) {
       .def_property_readonly("witnesses", [](const SecondPlace& self) { return pairs(self.witnesses); });
 }
 
-
 void bindMapMaker(py::module_& module) {
   bindRecording(module);
   bindMappingParams(module);

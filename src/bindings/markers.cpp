@@ -101,7 +101,6 @@ void bindMarkerMapEntries(py::module_& module) {
       .def_readonly("T_parent_frame", &MappedFrame::T_parent_frame);
 }
 
-
 void bindMarkerMap(py::module_& module) {
   bindMarkerMapEntries(module);
   py::class_<MarkerMap>(module, "MarkerMap", "Markers by family and id, in one frame.")

@@ -22,7 +22,6 @@ py::array_t<float> keypointArray(const std::vector<cv::KeyPoint>& keypoints) {
   return array;
 }
 
-
 void bindLocalFeatures(py::module_& module) {
   py::class_<FeatureParams>(module, "FeatureParams")
       .def(py::init<>())
@@ -78,7 +77,6 @@ py::tuple search(const DescriptorIndex& index, const py::array& descriptors, int
   }
   return py::make_tuple(table(found.distances, k), table(found.owners, k), table(found.rows, k));
 }
-
 
 void bindDescriptorIndex(py::module_& module) {
   py::class_<DescriptorIndex>(module, "DescriptorIndex",

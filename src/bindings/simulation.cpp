@@ -51,7 +51,6 @@ void bindRoomRendererScene(py::module_& module) {
       .def("contains", &RoomScene::contains, "p_map"_a);
 }
 
-
 void bindRoomRenderer(py::module_& module) {
   bindRoomRendererScene(module);
   py::class_<RoomRendererParams>(module, "RoomRendererParams", "Units and ranges: room_renderer.hpp.")
@@ -143,7 +142,6 @@ void bindArenaParams(py::module_& module) {
       .def_readwrite("seed", &DepthCameraParams::seed)
       .def("validate", &DepthCameraParams::validate);
 }
-
 
 void bindArena(py::module_& module) {
   bindArenaScene(module);

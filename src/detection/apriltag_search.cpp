@@ -11,12 +11,12 @@
 namespace sextant {
 namespace {
 
-constexpr double kRawSigma = 0.3;  // pixels, of a coordinate of libapriltag's corner where nothing is hidden
+constexpr double kQuadSigma = 0.3;  // pixels, of a coordinate of libapriltag's corner where nothing is hidden
 constexpr double kMaxTableBytes = 1e9;
 constexpr double kBytesPerCode = 3 * 16;  // libapriltag's hash table has three 16-byte slots a code
 
-constexpr double kMinModule = 2;  // pixels of the decimated image; no module can be read in fewer
-constexpr double kLarge = 64;     // pixels; quads with a larger side are searched in half the resolution
+constexpr double kMinTagModule = 2;  // pixels of the decimated image; no module can be read in fewer
+constexpr double kLarge = 64;        // pixels; quads with a larger side are searched in half the resolution
 
 // libapriltag keeps every code with up to `corrected` flipped bits.
 void checkTable(const std::string& name, const apriltag_family_t& family, int corrected) {
@@ -66,7 +66,7 @@ class AprilTagSearch : public MarkerSearch {
   double minSide(const cv::Size&) const override {
     double modules = 0;
     for (const auto& family : families_) modules = std::max(modules, 1.0 * family->width_at_border);
-    return kMinModule * modules * params_.decimate;
+    return kMinTagModule * modules * params_.decimate;
   }
 
   BorderSquare border(const MarkerKey& key) const override {
@@ -99,7 +99,7 @@ class AprilTagSearch : public MarkerSearch {
     found.key = {tag.family->name, tag.id};
     for (int i = 0; i < 4; ++i)
       found.corners[i] = {origin.x + tag.p[3 - i][0] - 0.5, origin.y + tag.p[3 - i][1] - 0.5};
-    found.corner_sigmas.fill(kRawSigma);
+    found.corner_sigmas.fill(kQuadSigma);
     found.hamming = tag.hamming;
     found.decision_margin = tag.decision_margin;
     return found;

@@ -6,16 +6,16 @@
 #include <opencv2/aruco.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "sextant/markers/aruco_dictionary.hpp"
 #include "code_reader.hpp"
+#include "sextant/markers/aruco_dictionary.hpp"
 #include "sextant/markers/marker_family.hpp"
 
 namespace sextant {
 namespace {
 
-constexpr double kRawSigma = 0.75;    // pixels, of a coordinate of a contour's corner
-constexpr int kMinWindow = 16;        // pixels; no marker can be read in a smaller image
-constexpr double kMinModule = 1.4;    // pixels; no module can be read in fewer
+constexpr double kContourSigma = 0.75;   // pixels, of a coordinate of a contour's corner
+constexpr int kMinWindow = 16;           // pixels; no marker can be read in a smaller image
+constexpr double kMinArucoModule = 1.4;  // pixels; no module can be read in fewer
 constexpr double kEnough = 10;        // pixels a module; with them, half the image tells as much as the whole
 constexpr double kEnoughQuickly = 6;  // and with them, nearly
 constexpr double kSmoothing = 0.6;    // pixels; less noise makes fewer contours
@@ -77,7 +77,7 @@ class ArucoSearch : public MarkerSearch {
 
   double minSide(const cv::Size& image) const override {
     return std::max(0.25 * min_perimeter_ * std::max(image.width, image.height),
-                    kMinModule * (dictionary_->markerSize + 2));
+                    kMinArucoModule * (dictionary_->markerSize + 2));
   }
 
   BorderSquare border(const MarkerKey&) const override { return {dictionary_->markerSize + 2, false}; }
@@ -107,7 +107,7 @@ class ArucoSearch : public MarkerSearch {
   Detection detection(int id, const std::vector<cv::Point2f>& quad, const cv::Point& origin) const {
     Detection found;
     found.key = {family_, id};
-    found.corner_sigmas.fill(kRawSigma);
+    found.corner_sigmas.fill(kContourSigma);
     for (int i = 0; i < 4; ++i) {
       const cv::Point2f& corner = quad[(i + turn_) % 4];
       found.corners[i] = {origin.x + corner.x, origin.y + corner.y};

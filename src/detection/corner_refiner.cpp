@@ -17,13 +17,13 @@ namespace sextant {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kStart = 5;            // deviations of the start within which edges are looked for
-constexpr double kLeastReach = 1.5;     // pixels
+constexpr double kSearchDeviations = 5;  // deviations of the start within which edges are looked for
+constexpr double kLeastReach = 1.5;      // pixels
 constexpr double kStartReach = 6;       // pixels, at least, as far as a module goes: a contour may lie inside
-constexpr double kFarthest = 3;         // such reaches that a corner may lie from its start
+constexpr double kFarthestCorner = 3;   // such reaches that a corner may lie from its start
 constexpr double kMinLength = 8;        // pixels of an edge
 constexpr double kCurvedEdge = 60;      // pixels from which an edge is long enough to show a lens's curvature
-constexpr double kSettled = 0.1;        // pixels; the next step would be a tenth of this one
+constexpr double kSettledStep = 0.1;    // pixels; the next step would be a tenth of this one
 constexpr double kFloor = 0.015;        // pixels: deviation of what the scatter does not show
 constexpr double kCutScatter = 0.97;    // share of a normal variance that the fit's outlier limit leaves
 constexpr double kNeighbours = 0.3;     // blurs that the next module's step pulls an edge where it touches it
@@ -72,7 +72,7 @@ class SquareFit {
     meet();
     for (const int samples : {24, 100, 100}) {
       for (Edge& edge : edges_) fit(edge, samples);
-      if (meet() < kSettled && samples == 100) break;
+      if (meet() < kSettledStep && samples == 100) break;
     }
     const RefinedCorners refined = completed();
     return compareWithBits(refined.corners) ? refined : completed();
@@ -89,7 +89,8 @@ class SquareFit {
   }
 
   double startReach(const Edge& edge) const {
-    return std::clamp(0.9 * edge.module, kLeastReach, std::max(kStartReach, kStart * square_.start_sigma));
+    return std::clamp(0.9 * edge.module, kLeastReach,
+                      std::max(kStartReach, kSearchDeviations * square_.start_sigma));
   }
 
   void search(Edge& edge) {
@@ -124,7 +125,7 @@ class SquareFit {
     if (!before.found || !after.found) return std::nullopt;
     const auto met = intersect(before.fit->curve, after.fit->curve);
     const double reach = std::max(startReach(before), startReach(after));
-    return met && (*met - start_[i]).norm() < kFarthest * reach ? met : std::nullopt;
+    return met && (*met - start_[i]).norm() < kFarthestCorner * reach ? met : std::nullopt;
   }
 
   // Takes every edge to its corners, and returns how far the farthest of these has moved.

@@ -13,8 +13,9 @@ namespace sextant {
 namespace {
 
 constexpr int kMostSteps = 40;
-constexpr double kTilt = 0.5;      // radians
-constexpr double kSettled = 1e-3;  // deviations by which a step still changes what the equations miss
+constexpr double kTilt = 0.5;  // radians
+constexpr double kSettledDeviations =
+    1e-3;                      // deviations by which a step still changes what the equations miss
 constexpr double kSolved = 4;  // deviations that they may miss: head-on, noise leaves them without a solution
 
 // What the equations miss, over their deviations, and its derivative by the pose.
@@ -88,7 +89,7 @@ class Solver {
       const double gain = then ? now->residual.norm() - then->residual.norm() : -1;
       damping *= gain > 0 ? 0.1 : 100;
       if (gain > 0) pose = next, now = then;
-      if (gain >= 0 && gain < kSettled) break;
+      if (gain >= 0 && gain < kSettledDeviations) break;
     }
     return Solution{pose, now->residual.norm()};
   }

@@ -8,8 +8,8 @@
 #include "apriltag_search.hpp"
 #include "aruco_search.hpp"
 #include "marker_tracker.hpp"
-#include "sextant/markers/marker_family.hpp"
 #include "sextant/base/range.hpp"
+#include "sextant/markers/marker_family.hpp"
 
 namespace sextant {
 namespace {

@@ -9,16 +9,16 @@
 namespace sextant {
 namespace {
 
-constexpr int kPatience = 2;          // images for which a missed marker is expected on
-constexpr double kQuiet = 0.15;       // of a side: the white about a marker, and how it may change
-constexpr double kUnsteady = 0.3;     // of a velocity, which may change
-constexpr double kStart = 0.03;       // of the image's width: a marker seen once only may move by it
-constexpr double kEntrance = 1.15;    // depth of an entrance over the largest marker's side
-constexpr int kBorder = 8;            // pixels, likewise: a marker must be in the image with its white
-constexpr double kGrowth = 0.3;       // of its size, by which what comes in grows and moves aside meanwhile
-constexpr double kStill = 2.0;        // pixels an image
-constexpr double kFast = 12.0;        // likewise; between two sweeps, a narrow marker can come in unseen
-constexpr double kLeastMargin = 6.0;  // pixels
+constexpr int kPatience = 2;           // images for which a missed marker is expected on
+constexpr double kQuietZone = 0.15;    // of a side: the white about a marker, and how it may change
+constexpr double kUnsteady = 0.3;      // of a velocity, which may change
+constexpr double kFirstMotion = 0.03;  // of the image's width: a marker seen once only may move by it
+constexpr double kEntrance = 1.15;     // depth of an entrance over the largest marker's side
+constexpr int kBorder = 8;             // pixels, likewise: a marker must be in the image with its white
+constexpr double kGrowth = 0.3;        // of its size, by which what comes in grows and moves aside meanwhile
+constexpr double kStill = 2.0;         // pixels an image
+constexpr double kFast = 12.0;         // likewise; between two sweeps, a narrow marker can come in unseen
+constexpr double kTrackMargin = 6.0;   // pixels
 
 Corners shifted(Corners corners, const Eigen::Vector2d& by) {
   for (auto& corner : corners) corner += by;
@@ -38,8 +38,8 @@ std::vector<MarkerTracks::Expected> MarkerTracks::expect(const cv::Size& image) 
     const Eigen::Vector2d middle = centre(next.corners);
     if (middle.x() < 0 || middle.y() < 0 || middle.x() >= image.width || middle.y() >= image.height) continue;
     const double speed =
-        track.moved ? centre(track.velocity).norm() : kStart * image.width + velocity_.norm();
-    next.margin = kLeastMargin + kQuiet * perimeter(next.corners) / 4 + images * kUnsteady * speed;
+        track.moved ? centre(track.velocity).norm() : kFirstMotion * image.width + velocity_.norm();
+    next.margin = kTrackMargin + kQuietZone * perimeter(next.corners) / 4 + images * kUnsteady * speed;
     expected.push_back(next);
   }
   return expected;

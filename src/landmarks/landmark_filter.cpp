@@ -27,8 +27,8 @@ constexpr int kMostParts = 50;
 // Seconds per root of a second. A clock's offset is constant; how fast what is seen moves, by which it is
 // found, is as noisy as odometry, and without this the filter would be surer of it than it can be.
 constexpr double kClockDrift = 1e-3;
-constexpr double kRounding = 1e-12;  // of the largest variance: the least that a repaired one has
-constexpr double kLeast = 1e-12;     // and where all are zero, squared metres and radians
+constexpr double kRounding = 1e-12;       // of the largest variance: the least that a repaired one has
+constexpr double kLeastVariance = 1e-12;  // and where all are zero, squared metres and radians
 
 }  // namespace
 
@@ -102,7 +102,7 @@ MatrixXd LandmarkFilter::factor(const Indices& which) {
     ++repairs_;
     const VectorXd variances = Eigen::SelfAdjointEigenSolver<MatrixXd>(P_.block(which)).eigenvalues();
     const double largest = variances.maxCoeff(), least = std::min(variances.minCoeff(), 0.0);
-    const double lacking = (largest > 0 ? kRounding * largest : kLeast) - least;
+    const double lacking = (largest > 0 ? kRounding * largest : kLeastVariance) - least;
     MatrixXd more = MatrixXd::Zero(P_.size(), which.size());
     for (size_t k = 0; k < which.size(); ++k) more(which[k], k) = std::sqrt(lacking);
     P_.addSquare(more);

@@ -5,8 +5,8 @@
 #include <map>
 #include <stdexcept>
 
-#include "sextant/landmarks/landmark_filter.hpp"
 #include "sextant/base/range.hpp"
+#include "sextant/landmarks/landmark_filter.hpp"
 
 namespace sextant {
 

@@ -19,7 +19,7 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-constexpr double kRounding = 1e-9;  // of the largest value, that a variance may be below zero
+constexpr double kNegativeVariance = 1e-9;  // of the largest value, that a variance may be below zero
 
 Index widthOf(const std::vector<PlaneLandmark>& landmarks) {
   Index width = 3;
@@ -107,7 +107,7 @@ void LandmarkMap::validate() const {
                                 " rows and columns");
   if (!covariance.allFinite()) throw std::invalid_argument("the covariance has a number that is not finite");
   if (!isFinite(*this)) throw std::invalid_argument("a position or a heading is not finite");
-  const double little = kRounding * covariance.cwiseAbs().maxCoeff();
+  const double little = kNegativeVariance * covariance.cwiseAbs().maxCoeff();
   const MatrixXd more = covariance + little * MatrixXd::Identity(covariance.rows(), covariance.cols());
   if (little > 0 && more.llt().info() != Eigen::Success)
     throw std::invalid_argument("the covariance is none: it has a negative variance in a direction");

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sextant/landmarks/landmark_sensor.hpp"
 #include "sextant/base/range.hpp"
+#include "sextant/landmarks/landmark_sensor.hpp"
 
 namespace sextant {
 namespace {
@@ -15,9 +15,9 @@ namespace {
 using Eigen::Matrix2d;
 using Eigen::Vector2d;
 
-constexpr double kDeviations = 3.0;  // that a distance may be off by
-constexpr double kMargin = 1.0;      // metres about the map, in which landmarks may be as well
-constexpr double kLeast = 1e-3;      // metres, of a distance's deviation
+constexpr double kDistanceDeviations = 3.0;  // that a distance may be off by
+constexpr double kMargin = 1.0;              // metres about the map, in which landmarks may be as well
+constexpr double kLeastDeviation = 1e-3;     // metres, of a distance's deviation
 constexpr double kNever = -1e9;
 constexpr size_t kNeighbours = 5;
 constexpr double kMisread = 1e-3;      // how often an id is another one's
@@ -120,12 +120,12 @@ class Matcher {
 
   void tryPair(size_t i, size_t j) {
     const Vector2d &a = local_[i].landmark.position, &b = local_[j].landmark.position;
-    const double apart = (a - b).norm(), off = off_[i] + off_[j] + kLeast;
+    const double apart = (a - b).norm(), off = off_[i] + off_[j] + kLeastDeviation;
     for (const size_t k : alike_[i]) {
       const Vector2d& A = map_[k].landmark.position;
       for (const size_t l : alike_[j]) {
         const Vector2d& B = map_[l].landmark.position;
-        const double most = kDeviations * (off + map_off_[k] + map_off_[l]);
+        const double most = kDistanceDeviations * (off + map_off_[k] + map_off_[l]);
         if (l != k && std::abs((A - B).norm() - apart) < most) weigh(poseOfPairs(a, b, A, B));
       }
     }
@@ -149,7 +149,7 @@ class Matcher {
       const Vector2d expected = T_map_local.position + R * local_[i].landmark.position;
       double best = std::log(1 - params_.present);
       std::optional<size_t> of;
-      const double reach = std::sqrt(gate_) * (off_[i] + most_off_ + kLeast);
+      const double reach = std::sqrt(gate_) * (off_[i] + most_off_ + kLeastDeviation);
       for (auto at = firstFrom(i, expected.x() - reach);
            at != alike_[i].end() && x(*at) <= expected.x() + reach; ++at) {
         const size_t j = *at;
@@ -178,7 +178,8 @@ class Matcher {
 
   /// log of the density of a landmark that is this one of the map, over that of any.
   double evidenceOf(const Vector2d& off, const Matrix2d& covariance, size_t i, size_t j) const {
-    const Matrix2d S = covariance + map_[j].covariance + kLeast * kLeast * Matrix2d::Identity();
+    const Matrix2d S =
+        covariance + map_[j].covariance + kLeastDeviation * kLeastDeviation * Matrix2d::Identity();
     const double distance = off.dot(S.inverse() * off);
     if (distance > gate_) return kNever;
     const double density = static_cast<double>(alike_[i].size()) / area_;

@@ -15,14 +15,14 @@ using Eigen::Vector2d;
 
 namespace {
 
-constexpr double kDeviations = 3.0;  // that robot and landmarks may be off
+constexpr double kViewDeviations = 3.0;  // that robot and landmarks may be off
 
 Vector2d positionOf(const SightingPrediction& expected, Index which) {
   return expected.positions.segment<2>(2 * which);
 }
 
 double offOf(const SightingPrediction& expected, Index which) {
-  return kDeviations * largestDeviation(expected.covariance.block<2, 2>(2 * which, 2 * which));
+  return kViewDeviations * largestDeviation(expected.covariance.block<2, 2>(2 * which, 2 * which));
 }
 
 }  // namespace

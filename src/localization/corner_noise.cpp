@@ -10,11 +10,11 @@
 namespace sextant {
 namespace {
 
-constexpr size_t kEnough = 25;   // images before which nothing is said
-constexpr size_t kMemory = 200;  // images after which the past is forgotten
+constexpr size_t kNoiseImages = 25;  // images before which nothing is said
+constexpr size_t kMemory = 200;      // images after which the past is forgotten
 constexpr double kOutside = 1.0 / 400;
 constexpr double kMany = 1e6;  // degrees of freedom of what is a Gaussian
-constexpr double kLeast = 0.05, kMost = 10.0;
+constexpr double kLeastNoise = 0.05, kMostNoise = 10.0;
 
 double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<long>(values.size() / 2);
@@ -42,7 +42,7 @@ double tail(double freedoms) {
   return 3 * quantile(complement(t, kOutside)) / quantile(complement(gaussian, kOutside));
 }
 
-double limited(double variance) { return std::clamp(std::sqrt(variance), kLeast, kMost); }
+double limited(double variance) { return std::clamp(std::sqrt(variance), kLeastNoise, kMostNoise); }
 
 }  // namespace
 
@@ -76,7 +76,7 @@ void CornerNoise::add(size_t index, const ImageNoise& image) {
   camera.logarithms[camera.next] = std::log(std::max(image.squares / image.freedoms, 1e-6));
   camera.freedoms[camera.next] = image.freedoms;
   camera.next = (camera.next + 1) % kMemory;
-  if (camera.logarithms.size() >= kEnough) learn(camera);
+  if (camera.logarithms.size() >= kNoiseImages) learn(camera);
 }
 
 void CornerNoise::learn(Camera& camera) {
@@ -93,7 +93,8 @@ void CornerNoise::learn(Camera& camera) {
   const double freedoms = freedomsOf(excess);
   camera.distribution_freedoms = freedoms;
   camera.tail = tail(freedoms);
-  camera.variance = std::clamp(std::exp(middle + medianLogarithm(freedoms)), kLeast * kLeast, kMost * kMost);
+  camera.variance = std::clamp(std::exp(middle + medianLogarithm(freedoms)), kLeastNoise * kLeastNoise,
+                               kMostNoise * kMostNoise);
 }
 
 double CornerNoise::typical(size_t camera) const {

@@ -8,11 +8,11 @@
 #include <stdexcept>
 #include <utility>
 
-#include "sextant/localization/mapped_sighting.hpp"
 #include "marker_innovation.hpp"
-#include "sextant/markers/marker_pose.hpp"
-#include "sextant/localization/pose_posterior.hpp"
 #include "sextant/base/range.hpp"
+#include "sextant/localization/mapped_sighting.hpp"
+#include "sextant/localization/pose_posterior.hpp"
+#include "sextant/markers/marker_pose.hpp"
 #include "sextant/markers/reprojection.hpp"
 
 namespace sextant {

@@ -10,15 +10,15 @@
 namespace sextant {
 namespace {
 
-constexpr double kFade = 0.96;    // an image: 25 of them are remembered
-constexpr double kEnough = 7.0;   // images of late
-constexpr double kMost = 60.0;    // that one image counts
-constexpr double kFar = 26.1;     // chi-square, 8 degrees of freedom: one of 1000 lies beyond
-constexpr double kMoved = 20.0;   // mean of a marker that stands elsewhere; 8 where the map is right
-constexpr double kBack = 12.0;    // and of one that was put back
-constexpr double kTimes = 2.5;    // of what is typical of the others
-constexpr double kOffset = 0.02;  // metres; less is what maps have
-constexpr double kTurned = 50.0;  // mean of one whose entry is wrong in another way
+constexpr double kFade = 0.96;          // an image: 25 of them are remembered
+constexpr double kWatchedImages = 7.0;  // images of late
+constexpr double kMostWatched = 60.0;   // that one image counts
+constexpr double kFar = 26.1;           // chi-square, 8 degrees of freedom: one of 1000 lies beyond
+constexpr double kMoved = 20.0;         // mean of a marker that stands elsewhere; 8 where the map is right
+constexpr double kBack = 12.0;          // and of one that was put back
+constexpr double kTimes = 2.5;          // of what is typical of the others
+constexpr double kOffset = 0.02;        // metres; less is what maps have
+constexpr double kTurned = 50.0;        // mean of one whose entry is wrong in another way
 
 }  // namespace
 
@@ -33,7 +33,7 @@ void MarkerWatch::add(const LocatedPose& pose, const MarkerMap& map) {
     const Eigen::Matrix3d information = innovation.p_covariance.ldlt().solve(Eigen::Matrix3d::Identity());
     Seen& seen = seen_[marker.key];
     seen.images = kFade * seen.images + 1;
-    seen.squares = kFade * seen.squares + std::min(innovation.squared, kMost);
+    seen.squares = kFade * seen.squares + std::min(innovation.squared, kMostWatched);
     seen.elsewhere += innovation.squared > kFar;
     seen.information = kFade * seen.information + information;
     seen.weighted =
@@ -54,7 +54,7 @@ double MarkerWatch::typical(const MarkerKey& but) const {
 
 // Whether a marker that is still trusted stands elsewhere.
 bool MarkerWatch::isMoved(const MarkerKey& key, const Seen& seen) const {
-  if (seen.images < kEnough || seen.mean() < std::max(kMoved, kTimes * typical(key))) return false;
+  if (seen.images < kWatchedImages || seen.mean() < std::max(kMoved, kTimes * typical(key))) return false;
   return seen.offset().norm() > kOffset || seen.mean() > kTurned;
 }
 
@@ -62,7 +62,7 @@ void MarkerWatch::judge() {
   std::map<double, MarkerKey> moved;  // by mean
   for (const auto& [key, seen] : seen_) {
     if (distrusted_.count(key) == 0 && isMoved(key, seen)) moved[seen.mean()] = key;
-    if (seen.images >= kEnough && seen.mean() < kBack) distrusted_.erase(key);
+    if (seen.images >= kWatchedImages && seen.mean() < kBack) distrusted_.erase(key);
   }
   if (moved.empty()) return;
   distrusted_.insert(moved.rbegin()->second);

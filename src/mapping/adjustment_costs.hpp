@@ -8,9 +8,9 @@
 #include <memory>
 
 #include "sextant/geometry/camera.hpp"
-#include "sextant/markers/marker.hpp"
 #include "sextant/geometry/pose.hpp"
 #include "sextant/localization/pose_hypotheses.hpp"
+#include "sextant/markers/marker.hpp"
 #include "sextant/markers/reprojection.hpp"
 
 namespace sextant {

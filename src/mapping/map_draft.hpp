@@ -8,9 +8,9 @@
 
 #include "map_fit.hpp"
 #include "sextant/mapping/map_maker.hpp"
+#include "sextant/mapping/recorded_path.hpp"
 #include "sextant/markers/marker_map.hpp"
 #include "sextant/markers/observed_marker.hpp"
-#include "sextant/mapping/recorded_path.hpp"
 
 namespace sextant {
 

@@ -5,8 +5,8 @@
 #include <set>
 
 #include "sextant/mapping/map_adjustment.hpp"
-#include "sextant/markers/marker_map.hpp"
 #include "sextant/mapping/marker_recording.hpp"
+#include "sextant/markers/marker_map.hpp"
 #include "sextant/markers/observed_marker.hpp"
 
 namespace sextant {

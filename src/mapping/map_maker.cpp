@@ -9,8 +9,8 @@
 
 #include "known_markers.hpp"
 #include "map_draft.hpp"
-#include "sextant/mapping/map_adjustment.hpp"
 #include "sextant/base/range.hpp"
+#include "sextant/mapping/map_adjustment.hpp"
 
 namespace sextant {
 namespace {

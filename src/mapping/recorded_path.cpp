@@ -11,8 +11,8 @@
 namespace sextant {
 namespace {
 
-constexpr double kImprobable = 1e-3;  // hypotheses below are forgotten
-constexpr double kLost = 1.0;         // metres of deviation beyond which odometry tells nothing any more
+constexpr double kImprobable = 1e-3;    // hypotheses below are forgotten
+constexpr double kLostDeviation = 1.0;  // metres of deviation beyond which odometry tells nothing any more
 
 // What the mapped markers of an instant say.
 struct InSight {
@@ -46,7 +46,7 @@ std::optional<PosePrior> carried(const std::optional<PosePrior>& pose, const Rec
                                  const RecordedInstant& to, const OdometryParams& params) {
   if (!pose || from.drive != to.drive || !from.T_odom_base || !to.T_odom_base) return std::nullopt;
   const PosePrior moved = movedByOdometry(*pose, from.T_odom_base->inverse() * *to.T_odom_base, params);
-  if (moved.covariance.topLeftCorner<3, 3>().trace() > kLost * kLost) return std::nullopt;
+  if (moved.covariance.topLeftCorner<3, 3>().trace() > kLostDeviation * kLostDeviation) return std::nullopt;
   return moved;
 }
 

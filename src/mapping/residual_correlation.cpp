@@ -8,8 +8,8 @@ namespace sextant {
 namespace {
 
 constexpr size_t kMaxLag = 300;
-constexpr double kLost = 0.05;  // correlation below which there is none
-constexpr int kFewest = 50;     // pairs that tell a correlation
+constexpr double kNoCorrelation = 0.05;  // correlation below which there is none
+constexpr int kFewest = 50;              // pairs that tell a correlation
 
 struct Products {
   double sum = 0.0;
@@ -38,7 +38,7 @@ double correlatedImages(const std::vector<ResidualSeries>& all) {
     const Products products = productsAt(all, lag);
     if (products.pairs < kFewest || !(squares.sum > 0)) break;
     const double correlation = products.sum / products.pairs / (squares.sum / squares.pairs);
-    if (correlation < kLost) break;
+    if (correlation < kNoCorrelation) break;
     time += 2 * correlation;
   }
   return time;

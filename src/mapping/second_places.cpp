@@ -13,9 +13,10 @@
 namespace sextant {
 namespace {
 
-constexpr size_t kImages = 5;
-constexpr double kAgreement = 0.5;  // share of the contradicting images that the other place must explain
-constexpr double kFarOff = 0.5;     // sizes of a marker between two places
+constexpr size_t kSecondImages = 5;
+constexpr double kSecondAgreement =
+    0.5;                         // share of the contradicting images that the other place must explain
+constexpr double kFarOff = 0.5;  // sizes of a marker between two places
 
 // The markers by which the images were located that a place explains.
 std::vector<MarkerKey> witnesses(const MarkerRecording& recording,
@@ -33,7 +34,7 @@ std::vector<MarkerKey> witnesses(const MarkerRecording& recording,
 
 bool isElsewhere(const MarkerPlace& place, const MappedMarker& marker) {
   const Eigen::Vector3d offset = place.T_map_marker.translation() - marker.T_map_marker.translation();
-  return place.explained.size() >= kImages && place.agreement >= kAgreement &&
+  return place.explained.size() >= kSecondImages && place.agreement >= kSecondAgreement &&
          offset.norm() >= kFarOff * marker.size;
 }
 
@@ -51,7 +52,7 @@ std::optional<SecondPlace> secondPlace(const MarkerRecording& recording,
         distanceFromPlace(recording, each, path[each.instant], marker.size, marker.T_map_marker, params);
     if (distance && *distance > params.hypotheses.gate) contradicting.push_back(each);
   }
-  if (contradicting.size() < kImages) return std::nullopt;
+  if (contradicting.size() < kSecondImages) return std::nullopt;
   const auto places = placeMarker(recording, contradicting, path, marker.size, params);
   if (places.empty() || !isElsewhere(places[0], marker)) return std::nullopt;
   return SecondPlace{marker.key, places[0].T_map_marker, contradicting.size(),

@@ -7,7 +7,7 @@
 namespace sextant {
 namespace {
 
-const std::map<std::string, cv::aruco::PREDEFINED_DICTIONARY_NAME>& table() {
+const std::map<std::string, cv::aruco::PREDEFINED_DICTIONARY_NAME>& dictionaries() {
   using namespace cv::aruco;
   static const std::map<std::string, PREDEFINED_DICTIONARY_NAME> names = {
       {"DICT_4X4_50", DICT_4X4_50},
@@ -38,12 +38,12 @@ const std::map<std::string, cv::aruco::PREDEFINED_DICTIONARY_NAME>& table() {
 
 std::vector<std::string> arucoDictionaries() {
   std::vector<std::string> names;
-  for (const auto& entry : table()) names.push_back(entry.first);
+  for (const auto& entry : dictionaries()) names.push_back(entry.first);
   return names;
 }
 
 cv::Ptr<cv::aruco::Dictionary> makeArucoDictionary(const std::string& name) {
-  return cv::aruco::getPredefinedDictionary(table().at(name));
+  return cv::aruco::getPredefinedDictionary(dictionaries().at(name));
 }
 
 }  // namespace sextant

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "sextant/markers/marker_family.hpp"
 #include "sextant/base/range.hpp"
+#include "sextant/markers/marker_family.hpp"
 
 namespace sextant {
 namespace {

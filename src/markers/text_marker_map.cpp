@@ -9,8 +9,8 @@
 #include <stdexcept>
 
 #include "sextant/base/atomic_file.hpp"
-#include "sextant/markers/marker_family.hpp"
 #include "sextant/base/range.hpp"
+#include "sextant/markers/marker_family.hpp"
 
 namespace sextant {
 namespace {
@@ -27,7 +27,7 @@ std::optional<int> trailingId(const std::string& name) {
   return std::stoi(name.substr(begin));
 }
 
-double number(const std::string& text) {
+double parsedNumber(const std::string& text) {
   char* end = nullptr;
   const double value = std::strtod(text.c_str(), &end);
   if (end == text.c_str() || *end != 0) throw std::invalid_argument("'" + text + "' is not a number");
@@ -57,7 +57,7 @@ void addLine(const std::vector<std::string>& words, const TextMapParams& params,
     throw std::invalid_argument("has " + std::to_string(words.size()) +
                                 " fields, needs 'name Tx Ty Tz Rx Ry Rz'");
   double v[6];
-  for (int i = 0; i < 6; ++i) v[i] = number(words[i + 1]);
+  for (int i = 0; i < 6; ++i) v[i] = parsedNumber(words[i + 1]);
   const Pose pose = poseFromXyzRpy({v[0], v[1], v[2]}, {v[3], v[4], v[5]});
   const std::string& name = words[0];
   if (const auto id = trailingId(name)) {

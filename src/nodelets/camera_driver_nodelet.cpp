@@ -11,9 +11,9 @@
 #include <memory>
 #include <pluginlib/class_list_macros.hpp>
 
+#include "sextant/ros/base/trouble_log.hpp"
 #include "sextant/ros/images/calibration.hpp"
 #include "sextant/ros/images/camera_driver_params.hpp"
-#include "sextant/ros/base/trouble_log.hpp"
 
 namespace sextant {
 

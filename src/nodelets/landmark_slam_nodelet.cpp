@@ -14,19 +14,19 @@
 #include <pluginlib/class_list_macros.hpp>
 
 #include "sextant/MarkerMapEntries.h"
-#include "sextant/ros/markers/marker_conversions.hpp"
+#include "sextant/ros/base/rate_limit.hpp"
+#include "sextant/ros/base/stage_clock.hpp"
+#include "sextant/ros/base/start_in_queue.hpp"
+#include "sextant/ros/base/trouble_log.hpp"
+#include "sextant/ros/geometry/map_transform.hpp"
+#include "sextant/ros/geometry/transform_queue.hpp"
 #include "sextant/ros/landmarks/landmark_conversions.hpp"
 #include "sextant/ros/landmarks/landmark_services.hpp"
 #include "sextant/ros/landmarks/landmark_session.hpp"
 #include "sextant/ros/landmarks/landmark_slam_params.hpp"
 #include "sextant/ros/landmarks/landmark_slam_report.hpp"
 #include "sextant/ros/landmarks/landmark_visualization.hpp"
-#include "sextant/ros/geometry/map_transform.hpp"
-#include "sextant/ros/base/rate_limit.hpp"
-#include "sextant/ros/base/stage_clock.hpp"
-#include "sextant/ros/base/start_in_queue.hpp"
-#include "sextant/ros/geometry/transform_queue.hpp"
-#include "sextant/ros/base/trouble_log.hpp"
+#include "sextant/ros/markers/marker_conversions.hpp"
 
 namespace sextant {
 

@@ -14,16 +14,16 @@
 
 #include "sextant/MarkerArray.h"
 #include "sextant/markers/marker_picture.hpp"
-#include "sextant/ros/markers/marker_conversions.hpp"
-#include "sextant/ros/detection/detector_report.hpp"
-#include "sextant/ros/detection/image_bridge.hpp"
-#include "sextant/ros/detection/marker_detector_config.hpp"
-#include "sextant/ros/detection/marker_detector_params.hpp"
 #include "sextant/ros/base/rate_limit.hpp"
 #include "sextant/ros/base/reconfigure_server.hpp"
 #include "sextant/ros/base/stage_clock.hpp"
 #include "sextant/ros/base/start_in_queue.hpp"
 #include "sextant/ros/base/trouble_log.hpp"
+#include "sextant/ros/detection/detector_report.hpp"
+#include "sextant/ros/detection/image_bridge.hpp"
+#include "sextant/ros/detection/marker_detector_config.hpp"
+#include "sextant/ros/detection/marker_detector_params.hpp"
+#include "sextant/ros/markers/marker_conversions.hpp"
 
 namespace sextant {
 

@@ -10,8 +10,8 @@
 #include <stdexcept>
 
 #include "faiss_index.hpp"
-#include "sextant/places/local_features.hpp"
 #include "sextant/base/range.hpp"
+#include "sextant/places/local_features.hpp"
 
 namespace sextant {
 namespace {

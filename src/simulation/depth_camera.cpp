@@ -13,19 +13,20 @@
 namespace sextant {
 namespace {
 
-constexpr int kLump = 4;        // pixels: holes of a depth image are blots
-constexpr int kTile = 1 << 10;  // pixels of a side of the pattern of depth noise, which goes on with itself
-constexpr int kWindow = 7;      // pixels of a side of what a stereo matcher compares
+constexpr int kLump = 4;  // pixels: holes of a depth image are blots
+constexpr int kDepthPattern =
+    1 << 10;                // pixels of a side of the pattern of depth noise, which goes on with itself
+constexpr int kWindow = 7;  // pixels of a side of what a stereo matcher compares
 
 /// A tile of standard normal numbers that are means over a stereo matcher's window: neighbours are alike.
 std::vector<float> windowNoise(int seed) {
-  std::vector<float> numbers = arenaNoise(seed, kTile * kTile);
-  cv::Mat tile(kTile, kTile, CV_32F, numbers.data()), wide;
+  std::vector<float> numbers = arenaNoise(seed, kDepthPattern * kDepthPattern);
+  cv::Mat tile(kDepthPattern, kDepthPattern, CV_32F, numbers.data()), wide;
   constexpr int kHalf = kWindow / 2;
   cv::copyMakeBorder(tile, wide, kHalf, kHalf, kHalf, kHalf, cv::BORDER_WRAP);
   cv::boxFilter(wide, wide, CV_32F, {kWindow, kWindow});
   cv::Scalar mean, deviation;
-  wide = wide(cv::Rect(kHalf, kHalf, kTile, kTile));
+  wide = wide(cv::Rect(kHalf, kHalf, kDepthPattern, kDepthPattern));
   cv::meanStdDev(wide, mean, deviation);
   wide.convertTo(tile, CV_32F, 1 / deviation[0], -mean[0] / deviation[0]);
   return numbers;
@@ -63,7 +64,7 @@ cv::Mat DepthCamera::take(const ArenaScene& scene, const Pose& T_map_camera, std
   const size_t begin = arenaNoiseAt(frame, noise_.size());
   cv::Mat_<float> image(rows, cols, 0.0F);
   for (int y = 0; y < rows; ++y) {
-    const auto noise_row = begin + static_cast<size_t>(y) * kTile;
+    const auto noise_row = begin + static_cast<size_t>(y) * kDepthPattern;
     // The other camera, to the right, sees a point at x - reach / depth: what is nearer hides what it covers.
     float covered = std::numeric_limits<float>::max();
     for (int x = cols - 1; x >= 0; --x) {

@@ -14,8 +14,8 @@
 namespace sextant {
 namespace {
 
-constexpr int kTile = 16;                  // pixels
-constexpr int kNoiseTable = 1 << 20;       // long against a row, so that rows share no visible pattern
+constexpr int kRenderTile = 16;            // pixels
+constexpr int kRenderNoise = 1 << 20;      // long against a row, so that rows share no visible pattern
 constexpr std::uint16_t kFine = 1U << 15;  // marks surfaces whose details may hide between pixels
 constexpr float kFineDetail = 2.5F;        // pixels
 
@@ -72,13 +72,13 @@ RoomRenderer::RoomRenderer(const RoomRendererParams& params, std::shared_ptr<con
       camera_(camera),
       pixel_angle_(static_cast<float>(1.0 / camera.focalLength())),
       samples_(latticePoints(params.supersampling * params.supersampling)),
-      noise_(kNoiseTable) {
+      noise_(kRenderNoise) {
   params.validate();
   if (!scene_) throw std::invalid_argument("RoomRenderer: no scene");
   makeRays();
   makeVignette();
   cv::RNG rng(static_cast<std::uint64_t>(params.seed) + 1);
-  cv::Mat_<float> noise(1, kNoiseTable, noise_.data());
+  cv::Mat_<float> noise(1, kRenderNoise, noise_.data());
   rng.fill(noise, cv::RNG::NORMAL, 0.0, 1.0);
 }
 
@@ -132,8 +132,9 @@ cv::Mat_<float> RoomRenderer::radiance(const Pose& T_map_camera) const {
 std::vector<RoomRenderer::Tile> RoomRenderer::tiles(const Pose& T_map_camera) const {
   const cv::Rect image(0, 0, camera_.width(), camera_.height());
   std::vector<Tile> tiles;
-  for (int y = 0; y < image.height; y += kTile) {
-    for (int x = 0; x < image.width; x += kTile) tiles.push_back({cv::Rect(x, y, kTile, kTile) & image, {}});
+  for (int y = 0; y < image.height; y += kRenderTile) {
+    for (int x = 0; x < image.width; x += kRenderTile)
+      tiles.push_back({cv::Rect(x, y, kRenderTile, kRenderTile) & image, {}});
   }
   const Pose T_camera_map = T_map_camera.inverse();
   for (int object = 0; object < scene_->objectCount(); ++object) {
@@ -188,9 +189,9 @@ int RoomRenderer::traceFace(const Tile& tile, Shot* shot) const {
     float* row = shot->light[a.y + y] + a.x;
     scene_->faceReflectance(hit.surface, shot->T_map_camera, &rayAt(a.x, a.y + y), a.width,
                             hit.distance * pixel_angle_, row);
-    const float down = static_cast<float>(y) / static_cast<float>(kTile - 1);
+    const float down = static_cast<float>(y) / static_cast<float>(kRenderTile - 1);
     const float left = light[0] + down * (light[2] - light[0]);
-    const float step = (light[1] + down * (light[3] - light[1]) - left) / static_cast<float>(kTile - 1);
+    const float step = (light[1] + down * (light[3] - light[1]) - left) / static_cast<float>(kRenderTile - 1);
     for (int x = 0; x < a.width; ++x) row[x] *= left + step * static_cast<float>(x);
   }
   shot->surfaces(a) = static_cast<std::uint16_t>(hit.surface + 1);
@@ -245,7 +246,7 @@ cv::Mat RoomRenderer::expose(const cv::Mat_<float>& radiance, std::uint64_t fram
   cv::RNG rng((static_cast<std::uint64_t>(params_.seed) << 32U) + frame + 1);
   const float sigma = static_cast<float>(params_.noise_sigma);
   for (int y = 0; y < image.rows; ++y) {
-    const float* noise = noise_.data() + rng.uniform(0, std::max(1, kNoiseTable - image.cols));
+    const float* noise = noise_.data() + rng.uniform(0, std::max(1, kRenderNoise - image.cols));
     const float* light = radiance[y];
     const float* gain = gain_[y];
     std::uint8_t* grey = image[y];

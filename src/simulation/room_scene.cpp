@@ -7,13 +7,13 @@
 #include <limits>
 #include <stdexcept>
 
-#include "sextant/markers/marker_family.hpp"
 #include "sextant/base/range.hpp"
+#include "sextant/markers/marker_family.hpp"
 
 namespace sextant {
 namespace {
 
-enum BoardSurface { kBlack, kWhite, kBack, kBoardSurfaces };
+enum BoardSurface { kBlack, kWhite, kBoardBack, kBoardSurfaces };
 constexpr float kBoardReflectance[kBoardSurfaces] = {0.06F, 1.0F, 0.4F};
 constexpr float kFaceShade[RoomScene::kFaces] = {0.85F, 0.95F, 0.8F,
                                                  1.0F,  0.5F,  1.1F};  // tells a box's sides apart
@@ -164,7 +164,7 @@ inline void RoomScene::hitBoard(int index, const RoomRay& ray, RoomHit* hit) con
   if (std::min(row, column) < board.begin || std::max(row, column) > board.end) return;
   const cv::Point module(static_cast<int>(std::floor(column)), static_cast<int>(std::floor(row)));
   BoardSurface surface = isBlack(board.modules, module) ? kBlack : kWhite;
-  if (cosine < 0.0F) surface = kBack;
+  if (cosine < 0.0F) surface = kBoardBack;
   const int first = kFaces * (1 + static_cast<int>(obstacles_.size())) + kBoardSurfaces * index;
   *hit = {distance, first + surface, column, row, board.module * std::abs(cosine) / distance};
 }

@@ -11,7 +11,7 @@ namespace sextant {
 namespace {
 
 constexpr double kTexelsPerMetre = 200.0;
-constexpr double kLargestSide = 3000.0;  // texels: a hall must not cost gigabytes
+constexpr double kLargestBoard = 3000.0;  // texels: a hall must not cost gigabytes
 
 /// A picture that is painted in metres.
 class Canvas {
@@ -19,7 +19,7 @@ class Canvas {
   Canvas(double width, double height, double grey, std::uint64_t seed)
       : width_(width),
         height_(height),
-        scale_(std::min(kTexelsPerMetre, kLargestSide / std::max(width, height))),
+        scale_(std::min(kTexelsPerMetre, kLargestBoard / std::max(width, height))),
         rng(seed) {
     const cv::Size size(std::max(1, texels(width)), std::max(1, texels(height)));
     picture_ = cv::Mat(size, CV_8U, cv::Scalar(grey));

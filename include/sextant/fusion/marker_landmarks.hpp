@@ -5,10 +5,10 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "sextant/geometry/pose.hpp"
+#include "sextant/landmarks/plane_sighting.hpp"
 #include "sextant/markers/marker.hpp"
 #include "sextant/markers/marker_map.hpp"
-#include "sextant/landmarks/plane_sighting.hpp"
-#include "sextant/geometry/pose.hpp"
 
 namespace sextant {
 

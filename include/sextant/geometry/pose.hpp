@@ -6,6 +6,8 @@
 #include <Eigen/Geometry>
 #include <vector>
 
+#include "sextant/geometry/eigen_solvers.hpp"
+
 namespace sextant {
 
 using Vector6d = Eigen::Matrix<double, 6, 1>;

@@ -4,6 +4,8 @@
 
 #include <Eigen/Core>
 
+#include "sextant/geometry/eigen_solvers.hpp"
+
 namespace sextant {
 
 /// Counter-clockwise rotation by an angle, radians.

@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
+#include "sextant/geometry/pose2.hpp"
 #include "sextant/landmarks/covariance_store.hpp"
 #include "sextant/landmarks/odometry_steps.hpp"
 #include "sextant/landmarks/plane_sighting.hpp"
-#include "sextant/geometry/pose2.hpp"
 #include "sextant/landmarks/unscented_transform.hpp"
 
 namespace sextant {

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "sextant/localization/marker_locator.hpp"
+#include "sextant/localization/pose_hypotheses.hpp"
 #include "sextant/markers/marker_map.hpp"
 #include "sextant/markers/marker_pose.hpp"
-#include "sextant/localization/pose_hypotheses.hpp"
 #include "sextant/markers/reprojection.hpp"
 
 namespace sextant {

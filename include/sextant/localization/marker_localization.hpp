@@ -7,9 +7,9 @@
 
 #include "sextant/localization/corner_noise.hpp"
 #include "sextant/localization/marker_locator.hpp"
-#include "sextant/markers/marker_map.hpp"
 #include "sextant/localization/marker_watch.hpp"
 #include "sextant/localization/odometry_correction.hpp"
+#include "sextant/markers/marker_map.hpp"
 
 namespace sextant {
 

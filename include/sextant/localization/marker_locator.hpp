@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "sextant/geometry/camera.hpp"
-#include "sextant/markers/marker.hpp"
-#include "sextant/markers/marker_map.hpp"
 #include "sextant/geometry/pose.hpp"
 #include "sextant/localization/pose_hypotheses.hpp"
+#include "sextant/markers/marker.hpp"
+#include "sextant/markers/marker_map.hpp"
 
 namespace sextant {
 

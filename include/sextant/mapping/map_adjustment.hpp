@@ -6,10 +6,10 @@
 #include <optional>
 #include <vector>
 
-#include "sextant/markers/marker_map.hpp"
-#include "sextant/mapping/marker_recording.hpp"
-#include "sextant/localization/odometry_correction.hpp"
 #include "sextant/geometry/pose.hpp"
+#include "sextant/localization/odometry_correction.hpp"
+#include "sextant/mapping/marker_recording.hpp"
+#include "sextant/markers/marker_map.hpp"
 #include "sextant/markers/reprojection.hpp"
 
 namespace sextant {

@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "sextant/mapping/map_adjustment.hpp"
-#include "sextant/markers/marker_map.hpp"
 #include "sextant/mapping/marker_recording.hpp"
-#include "sextant/markers/observed_marker.hpp"
 #include "sextant/mapping/recorded_path.hpp"
+#include "sextant/markers/marker_map.hpp"
+#include "sextant/markers/observed_marker.hpp"
 
 namespace sextant {
 

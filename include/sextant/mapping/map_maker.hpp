@@ -6,12 +6,12 @@
 #include <optional>
 #include <vector>
 
-#include "sextant/markers/marker_map.hpp"
-#include "sextant/mapping/marker_recording.hpp"
-#include "sextant/markers/observed_marker.hpp"
-#include "sextant/localization/odometry_correction.hpp"
 #include "sextant/geometry/pose.hpp"
+#include "sextant/localization/odometry_correction.hpp"
+#include "sextant/mapping/marker_recording.hpp"
 #include "sextant/mapping/second_places.hpp"
+#include "sextant/markers/marker_map.hpp"
+#include "sextant/markers/observed_marker.hpp"
 
 namespace sextant {
 

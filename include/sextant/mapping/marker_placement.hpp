@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "sextant/mapping/marker_recording.hpp"
 #include "sextant/geometry/pose.hpp"
+#include "sextant/mapping/marker_recording.hpp"
 #include "sextant/mapping/recorded_path.hpp"
 
 namespace sextant {

@@ -7,9 +7,9 @@
 #include <optional>
 #include <vector>
 
-#include "sextant/markers/marker.hpp"
-#include "sextant/localization/marker_locator.hpp"
 #include "sextant/geometry/pose.hpp"
+#include "sextant/localization/marker_locator.hpp"
+#include "sextant/markers/marker.hpp"
 
 namespace sextant {
 

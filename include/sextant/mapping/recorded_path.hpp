@@ -6,10 +6,10 @@
 #include <set>
 #include <vector>
 
-#include "sextant/markers/marker_map.hpp"
-#include "sextant/mapping/marker_recording.hpp"
 #include "sextant/localization/odometry_correction.hpp"
 #include "sextant/localization/pose_hypotheses.hpp"
+#include "sextant/mapping/marker_recording.hpp"
+#include "sextant/markers/marker_map.hpp"
 
 namespace sextant {
 

@@ -4,9 +4,9 @@
 
 #include <vector>
 
-#include "sextant/markers/marker_map.hpp"
 #include "sextant/mapping/marker_recording.hpp"
 #include "sextant/mapping/recorded_path.hpp"
+#include "sextant/markers/marker_map.hpp"
 
 namespace sextant {
 

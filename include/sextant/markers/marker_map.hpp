@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "sextant/markers/marker.hpp"
 #include "sextant/geometry/pose.hpp"
+#include "sextant/markers/marker.hpp"
 
 namespace sextant {
 

@@ -5,8 +5,8 @@
 #include <optional>
 
 #include "sextant/geometry/camera.hpp"
-#include "sextant/markers/marker.hpp"
 #include "sextant/geometry/pose.hpp"
+#include "sextant/markers/marker.hpp"
 
 namespace sextant {
 

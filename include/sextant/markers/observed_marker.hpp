@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "sextant/geometry/camera.hpp"
+#include "sextant/geometry/pose.hpp"
 #include "sextant/markers/marker.hpp"
 #include "sextant/markers/marker_pose.hpp"
-#include "sextant/geometry/pose.hpp"
 
 namespace sextant {
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "sextant/geometry/camera.hpp"
-#include "sextant/markers/marker.hpp"
 #include "sextant/geometry/pose.hpp"
+#include "sextant/markers/marker.hpp"
 
 namespace sextant {
 

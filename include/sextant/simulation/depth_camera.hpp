@@ -7,9 +7,9 @@
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
-#include "sextant/simulation/arena_scene.hpp"
 #include "sextant/geometry/camera.hpp"
 #include "sextant/geometry/pose.hpp"
+#include "sextant/simulation/arena_scene.hpp"
 
 namespace sextant {
 

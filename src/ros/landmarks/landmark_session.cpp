@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <stdexcept>
 
-#include "sextant/landmarks/landmark_map_file.hpp"
 #include "sextant/fusion/marker_landmarks.hpp"
+#include "sextant/landmarks/landmark_map_file.hpp"
 #include "sextant/markers/marker_map_file.hpp"
 
 namespace sextant {

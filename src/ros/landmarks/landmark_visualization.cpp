@@ -9,8 +9,8 @@
 #include <cstdint>
 #include <utility>
 
-#include "sextant/ros/markers/marker_conversions.hpp"
 #include "sextant/ros/landmarks/landmark_conversions.hpp"
+#include "sextant/ros/markers/marker_conversions.hpp"
 
 namespace sextant {
 namespace {

@@ -13,7 +13,7 @@
 namespace sextant {
 namespace {
 
-const Pose kMount = forwardMount(1.0);
+const Pose kForwardMount = forwardMount(1.0);
 
 std::vector<PoseStart> starts(const std::vector<MarkerSighting>& sightings) {
   std::vector<PoseStart> all;
@@ -43,7 +43,8 @@ class PoseHypotheses : public testing::Test {
 // 4 m off and 25 degrees from head-on, a square of 0.2 m has its mirrored pose at almost the same cost.
 TEST_F(PoseHypotheses, KeepsBothPosesOfOneFarMarker) {
   const Pose truth = poseFromXyzRpy({-0.6, 1.7, 0}, {0, 0, -0.44});
-  const auto found = find(seenFrom(truth, camera_, kMount, {markerOnWall({3, 0, 1})}, 0.2, 0.3, random_));
+  const auto found =
+      find(seenFrom(truth, camera_, kForwardMount, {markerOnWall({3, 0, 1})}, 0.2, 0.3, random_));
   ASSERT_EQ(found.size(), 2u);
   EXPECT_NEAR(found[0].weight + found[1].weight, 1.0, 1e-12);
   EXPECT_GT(found[1].weight, 1e-3);
@@ -52,7 +53,8 @@ TEST_F(PoseHypotheses, KeepsBothPosesOfOneFarMarker) {
 
 TEST_F(PoseHypotheses, ThePriorDecidesAndIsNotMixedIn) {
   const Pose truth = poseFromXyzRpy({-0.6, 1.7, 0}, {0, 0, -0.44});
-  const auto sightings = seenFrom(truth, camera_, kMount, {markerOnWall({3, 0, 1})}, 0.2, 0.3, random_);
+  const auto sightings =
+      seenFrom(truth, camera_, kForwardMount, {markerOnWall({3, 0, 1})}, 0.2, 0.3, random_);
   const auto open = find(sightings);
   for (const PoseHypothesis& meant : open) {
     const PosePrior prior{perturbed(meant.T_map_base, Vector6d::Constant(0.02)), 0.01 * Matrix6d::Identity()};
@@ -67,7 +69,7 @@ TEST_F(PoseHypotheses, LeavesOutAMarkerThatWasMoved) {
   const std::vector<Pose> markers = {markerOnWall({3, 0.8, 1}), markerOnWall({3, 0, 1.2}),
                                      markerOnWall({3, -0.8, 1}), markerOnWall({2, 1.4, 1}, -0.8)};
   const Pose truth = poseFromXyzRpy({0.5, 0.1, 0}, {0, 0, 0.1});
-  auto sightings = seenFrom(truth, camera_, kMount, markers, 0.2, 0.2, random_);
+  auto sightings = seenFrom(truth, camera_, kForwardMount, markers, 0.2, 0.2, random_);
   sightings[1].T_map_marker.translation() += Eigen::Vector3d(0, 0.2, 0);  // where the map has it
   const auto found = find(sightings);
   ASSERT_FALSE(found.empty());
@@ -79,8 +81,8 @@ TEST_F(PoseHypotheses, LeavesOutAMarkerThatWasMoved) {
 TEST_F(PoseHypotheses, TwoThatContradictEachOtherLeaveBothOpen) {
   const Pose truth = poseFromXyzRpy({0.5, 0.1, 0}, {0, 0, 0.1});
   auto sightings =
-      seenFrom(truth, camera_, kMount, {markerOnWall({3, 0.8, 1}, -0.6), markerOnWall({3, -0.8, 1}, 0.6)},
-               0.3, 0.1, random_);
+      seenFrom(truth, camera_, kForwardMount,
+               {markerOnWall({3, 0.8, 1}, -0.6), markerOnWall({3, -0.8, 1}, 0.6)}, 0.3, 0.1, random_);
   sightings[0].T_map_marker.translation() += Eigen::Vector3d(0, 0, 0.5);
   const auto found = find(sightings);
   ASSERT_GE(found.size(), 2u);

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "sextant/markers/marker_map.hpp"
 #include "sextant/mapping/marker_recording.hpp"
+#include "sextant/markers/marker_map.hpp"
 #include "test_cameras.hpp"
 
 namespace sextant {

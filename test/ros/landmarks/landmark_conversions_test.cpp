@@ -7,8 +7,8 @@
 #include <cmath>
 #include <limits>
 
-#include "sextant/ros/markers/marker_conversions.hpp"
 #include "sextant/ros/landmarks/landmark_visualization.hpp"
+#include "sextant/ros/markers/marker_conversions.hpp"
 
 namespace sextant {
 namespace {

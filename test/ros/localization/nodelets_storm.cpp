@@ -18,8 +18,8 @@
 
 #include "sextant/MarkerMapEntries.h"
 #include "sextant/markers/marker_map_file.hpp"
-#include "sextant/simulation/room_renderer.hpp"
 #include "sextant/ros/markers/marker_conversions.hpp"
+#include "sextant/simulation/room_renderer.hpp"
 #include "storm.hpp"
 
 namespace sextant {

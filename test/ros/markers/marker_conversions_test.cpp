@@ -11,7 +11,7 @@
 namespace sextant {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
 
 Detection someDetection() {
   Detection detection;
@@ -38,7 +38,7 @@ TEST(MarkerConversions, DetectionsComeBack) {
 
 TEST(MarkerConversions, WhatIsNoDeviationIsUnknown) {
   Marker msg = toMsg(someDetection(), 0.2, std::nullopt, std::nullopt);
-  msg.corner_sigmas = {0, -3, kNaN, 0.2};
+  msg.corner_sigmas = {0, -3, kNotANumber, 0.2};
   EXPECT_EQ(fromMsg(msg).corner_sigmas, (CornerSigmas{-1, -1, -1, 0.2}));
 }
 
@@ -58,7 +58,7 @@ TEST(MarkerConversions, AFamilyHasOneNameAndCornersAreFinite) {
   Marker msg = toMsg(someDetection(), 0.2, std::nullopt, std::nullopt);
   msg.family = "DICT_APRILTAG_36h11";
   EXPECT_EQ(fromMsg(msg).key.family, "tag36h11");
-  msg.corners[5] = kNaN;
+  msg.corners[5] = kNotANumber;
   EXPECT_THROW(fromMsg(msg), std::invalid_argument);
   msg.corners[5] = 0;
   msg.family = "tag99h99";

@@ -4,9 +4,9 @@
 
 #include <string>
 
+#include "sextant/ros/base/param_reader.hpp"
 #include "sextant/ros/images/image_player.hpp"
 #include "sextant/ros/images/image_source.hpp"
-#include "sextant/ros/base/param_reader.hpp"
 
 namespace sextant {
 

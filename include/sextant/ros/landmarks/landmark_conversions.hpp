@@ -9,10 +9,10 @@
 #include "sextant/LandmarkMapEntries.h"
 #include "sextant/LandmarkSightings.h"
 #include "sextant/MarkerArray.h"
-#include "sextant/landmarks/landmark_slam.hpp"
 #include "sextant/fusion/marker_landmarks.hpp"
 #include "sextant/geometry/pose.hpp"
 #include "sextant/geometry/pose2.hpp"
+#include "sextant/landmarks/landmark_slam.hpp"
 
 namespace sextant {
 

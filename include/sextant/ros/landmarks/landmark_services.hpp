@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "sextant/LandmarkMapFile.h"
-#include "sextant/ros/landmarks/landmark_session.hpp"
 #include "sextant/ros/base/trouble_log.hpp"
+#include "sextant/ros/landmarks/landmark_session.hpp"
 
 namespace sextant {
 

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "sextant/fusion/marker_landmarks.hpp"
 #include "sextant/landmarks/landmark_slam.hpp"
 #include "sextant/landmarks/landmark_timeline.hpp"
-#include "sextant/fusion/marker_landmarks.hpp"
 #include "sextant/ros/base/param_reader.hpp"
 
 namespace sextant {
