@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Messages of landmark SLAM as the core has them: to the bit as src/ros/landmarks/landmark_conversions.cpp."""
+"""Messages of landmark SLAM as the core has them (as src/ros/landmarks/landmark_conversions.cpp)."""
 
 import math
 from typing import Any, List

@@ -1,6 +1,9 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Images of messages; grey ones are the same bytes as the detector node sees (src/ros/detection/image_bridge.cpp)."""
+"""Images of messages.
+
+Grey ones are the same bytes as the detector node sees (src/ros/detection/image_bridge.cpp).
+"""
 
 from typing import Any, Callable, Dict, Optional
 

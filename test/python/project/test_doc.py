@@ -88,7 +88,8 @@ def read_by_script(name):
     found = re.search(r"\bread_params\((\w+)\)", source)
     if not found:
         return {}
-    record = getattr(importlib.import_module(f"sextant.nodes.{SCRIPTS[name].parent.name}.{name}"), found.group(1))
+    module = importlib.import_module(f"sextant.nodes.{SCRIPTS[name].parent.name}.{name}")
+    record = getattr(module, found.group(1))
     return {field.name: default_of(field) for field in dataclasses.fields(record)}
 
 

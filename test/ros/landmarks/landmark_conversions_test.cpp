@@ -16,7 +16,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector2d;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNotFinite = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 Matrix3d someCovariance() {
@@ -31,8 +31,8 @@ LandmarkSightings someSightings() {
   pillar.id = -1;
   pillar.x = 2;
   pillar.y = 1;
-  pillar.heading = kNaN;
-  pillar.covariance = {0.04, 0.01, kNaN, 0.01, 0.09, kNaN, kNaN, kNaN, kNaN};
+  pillar.heading = kNotFinite;
+  pillar.covariance = {0.04, 0.01, kNotFinite, 0.01, 0.09, kNotFinite, kNotFinite, kNotFinite, kNotFinite};
   LandmarkSighting marker = pillar;
   marker.class_name = "tag36h11";
   marker.id = 7;
@@ -76,7 +76,7 @@ TEST(LandmarkConversions, ARobotOnASlopeIsSeenFromAbove) {
 
 TEST(LandmarkConversions, WhatIsNoCovarianceOfAPoseIsRefused) {
   auto msg = toPoseWithCovarianceMsg(Pose2{}, someCovariance());
-  for (const double value : {0.0, -0.04, kNaN, kInfinite}) {
+  for (const double value : {0.0, -0.04, kNotFinite, kInfinite}) {
     msg.covariance[0] = value;
     EXPECT_THROW(planarFromMsg(msg), std::invalid_argument) << value;
   }
@@ -107,12 +107,12 @@ TEST(LandmarkConversions, ASensorThatLooksLeft) {
 
 TEST(LandmarkConversions, SightingsThatCannotBeAreRefusedByName) {
   LandmarkSightings msg = someSightings();
-  msg.sightings[0].x = kNaN;
+  msg.sightings[0].x = kNotFinite;
   EXPECT_EQ(reasonAgainst(msg), "the sighting of 'blue_pillar' has a number that is not finite");
   msg = someSightings();
   msg.sightings[1].heading = kInfinite;
   EXPECT_EQ(reasonAgainst(msg), "the sighting of 'tag36h11 7' has a number that is not finite");
-  for (const double variance : {0.0, -0.04, kNaN}) {
+  for (const double variance : {0.0, -0.04, kNotFinite}) {
     msg = someSightings();
     msg.sightings[0].covariance[0] = variance;
     EXPECT_EQ(reasonAgainst(msg),
@@ -182,10 +182,10 @@ TEST(LandmarkConversions, MarkersThatCannotBeAreRefused) {
   msg.markers[0].family = "tag99h99";
   EXPECT_THROW(fromMsg(msg, T_base_camera, {}), std::invalid_argument);
   msg = someMarkers();
-  msg.markers[0].pose.pose.position.z = kNaN;
+  msg.markers[0].pose.pose.position.z = kNotFinite;
   EXPECT_THROW(fromMsg(msg, T_base_camera, {}), std::invalid_argument);
   msg = someMarkers();
-  msg.markers[0].pose.covariance[0] = kNaN;
+  msg.markers[0].pose.covariance[0] = kNotFinite;
   EXPECT_THROW(fromMsg(msg, T_base_camera, {}), std::invalid_argument);
 }
 
