@@ -2,8 +2,12 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
 #
-# Installs what apt must, builds Sextant and runs every test (gtest, pytest, rostest). Fails when one fails;
-# the last line is the total.
+# Installs what apt must, builds Sextant and runs its tests (gtest, pytest, rostest), several at a time, each rostest on a
+# master of its own. Fails when one fails, with the path of its log; the last line is the total.
+#
+#   scripts/test.sh                      every test
+#   scripts/test.sh --quick              two minutes: no rostest and no test that is marked slow
+#   scripts/test.sh -R landmark          with ctest's options: those with this word in their name
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/../tools/environment.sh"
 
@@ -11,11 +15,16 @@ install_packages "$root/tools/apt_packages.txt"
 continue_as_owner "$@"
 build_package all tests
 
-results=$build/test_results
-rm -rf "$results"
+chosen=("$@")
+if [[ ${1-} == --quick ]]; then
+  chosen=(--label-exclude slow "${@:2}")
+  export PYTEST_ADDOPTS="-m 'not slow'"
+fi
+
+results=$build/test_results logs=$build/test_logs
+rm -rf "$results" "$logs"
 complete=0
-timeout 40m make -C "$binary" --no-print-directory run_tests || complete=$?  # 0 even where a test failed
-catkin_test_results "$results" || true
-((complete == 0)) || say "the tests did not run to their end"
-python3 "$root/tools/test_totals.py" "$results"
+(cd "$binary" && timeout 40m ctest --parallel $((2 * $(nproc))) "${chosen[@]}") || complete=$?
+python3 "$root/tools/test_logs.py" "$binary/Testing/Temporary/LastTest.log" "$logs"
+python3 "$root/tools/test_totals.py" "$results" || complete=1
 exit "$complete"

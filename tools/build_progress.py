@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Shows make's output, its standard input, as one line with an estimate of the time left.
 
-All of it goes to a file. On a terminal the line is updated in place, elsewhere a line is printed every half minute.
-Warnings and errors are shown as they come.
+All of it goes to a file. On a terminal the line is updated in place, elsewhere a line is printed every half
+minute. Warnings and errors are shown as they come.
 """
 
 import re
@@ -11,7 +11,7 @@ import sys
 import time
 
 PERCENT = re.compile(r"^\[ *(\d+)%\]")
-QUIET = re.compile(r"^(Consolidate|Scanning|make(\[\d+\])?: (Ent|Leav)|\[ *\d+%\]|Generating|Wrote|$)")
+QUIET = re.compile(r"^(Consolidate|Scanning|make(\[\d+\])?: (Ent|Leav)|\[ *\d+%\]|-- |Generating|Wrote|$)")
 PAUSE = {True: 0.2, False: 30.0}  # seconds between two lines: terminal, file
 
 

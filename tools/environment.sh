@@ -83,30 +83,40 @@ link_sources() {
   done
 }
 
-configure() {
+# prepare_build: the folder of the build and its links to the checkout.
+prepare_build() {
   if [[ -f $binary/CMakeCache.txt ]] && ! grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=$source" "$binary/CMakeCache.txt"; then
     say "the checkout has moved: building anew"
     rm -rf "$build"
   fi
   if ! { mkdir -p "$build" && touch "$build/CATKIN_IGNORE"; }; then die "cannot write $build (left by another user? remove it)"; fi
   link_sources
+}
+
+# run_cmake FOLDER DEVEL_SPACE [OPTION...]
+run_cmake() {
+  mkdir -p "$1"
+  cmake -S "$source" -B "$1" -DCATKIN_DEVEL_PREFIX="$2" -DCATKIN_TEST_RESULTS_DIR="$build/test_results" \
+    -DPYTHON_EXECUTABLE=/usr/bin/python3 -DCATKIN_ENABLE_TESTING=ON -DCMAKE_TARGET_MESSAGES=OFF "${@:3}" >"$1/configure.log" 2>&1 ||
+    { cat "$1/configure.log" >&2; die "cmake failed, see above"; }
+}
+
+configure() {
+  prepare_build
   [[ $build/configured -nt ${BASH_SOURCE[0]} && -f $binary/Makefile ]] && return
   # Debug information of lines and functions, for backtraces: the whole of it takes a third more of the compiler's time.
-  cmake -S "$source" -B "$binary" >"$build/configure.log" 2>&1 -DCATKIN_DEVEL_PREFIX="$build/devel" -DCATKIN_TEST_RESULTS_DIR="$build/test_results" \
-    -DPYTHON_EXECUTABLE=/usr/bin/python3 -DCATKIN_ENABLE_TESTING=ON \
-    -DCMAKE_CXX_FLAGS_RELWITHDEBINFO="-O2 -g1 -DNDEBUG" -DCMAKE_EXPORT_COMPILE_COMMANDS=ON -DCMAKE_TARGET_MESSAGES=OFF ||
-    { cat "$build/configure.log" >&2; die "cmake failed, see above"; }
+  run_cmake "$binary" "$build/devel" -DCMAKE_CXX_FLAGS_RELWITHDEBINFO="-O2 -g1 -DNDEBUG"
   touch "$build/configured"
 }
 
 # build_package [TARGET...]: builds the targets (everything but the tests when none is named) and sources the result.
 # The compiler's own output goes to $build/build.log.
 build_package() {
-  local status=0
   configure
+  set -o pipefail
   flock "$build/lock" make -C "$binary" --no-print-directory -j"$(make_jobs)" "${@:-all}" 2>&1 |
-    python3 "$root/tools/build_progress.py" "$build/build.log" || status=$?
-  ((status == 0)) || die "the build failed; all that the compiler printed is in $build/build.log"
+    python3 "$root/tools/build_progress.py" "$build/build.log" ||
+    die "the build failed; all that the compiler printed is in $build/build.log"
   set +u
   # shellcheck disable=SC1091
   . "$build/devel/setup.bash"

@@ -3,7 +3,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 #
 # Installs the linters (apt; ruff and lizard from PyPI into build/lint) and checks format, names, sizes and scripts.
-# Every check runs; fails when one fails. The walls between the rooms are tests: test/python/test_architecture.py.
+# Every check runs; fails when one fails. The walls between the rooms are tests: test/python/project/test_architecture.py.
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
 
@@ -19,20 +19,21 @@ if ! cmp -s "$wanted" "$build/lint/installed"; then
   cp "$wanted" "$build/lint/installed"
 fi
 
-# The core's compile commands are those of $source; everything else is checked in its place.
-configure >/dev/null
+# The core's compile commands, each file by itself, are those of $source; everything else is checked in its place.
+prepare_build
+run_cmake "$build/lint/cmake" "$build/lint/devel" -DCMAKE_EXPORT_COMPILE_COMMANDS=ON -DSEXTANT_UNITY=OFF -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON
 mapfile -t cpp < <(find include src test benchmark -name '*.[ch]pp' | sort)
-mapfile -t python < <(find setup.py src scripts test benchmark -name '*.py' | sort)
-mapfile -t shell < <(find scripts -name '*.sh'; echo .ci/run)
-mapfile -t core < <(find "$source/src/core/" -name '*.cpp' | sort)
+mapfile -t python < <(find setup.py src scripts tools test benchmark -name '*.py' | sort)
+mapfile -t shell < <(find scripts tools -name '*.sh'; echo .ci/run)
+mapfile -t core < <(find "$source"/src/{base,geometry,images,markers,detection,localization,mapping,landmarks,fusion,places,simulation} -name '*.cpp' | sort)
 
 format() { clang-format-14 --dry-run -Werror "${cpp[@]}"; }
 names() {
   printf '%s\n' "${core[@]}" |
-    xargs -r -P "$(nproc)" -n 4 clang-tidy-14 --quiet --extra-arg-before=-std=c++17 -p "$binary" 2>/dev/null
+    xargs -r -P "$(nproc)" -n 4 clang-tidy-14 --quiet --extra-arg-before=-std=c++17 -p "$build/lint/cmake" 2>/dev/null
 }
 python_style() { "$build/lint/bin/ruff" check --quiet --output-format=concise .; }
-shell_style() { shellcheck -x -P scripts "${shell[@]}"; }
+shell_style() { shellcheck -x -P tools:scripts "${shell[@]}"; }
 catkin_style() { catkin_lint --config .catkin_lint --offline --quiet --strict -W1 "$root"; }
 
 # No function over 40 lines or of a complexity over 10.

@@ -13,7 +13,7 @@ flags="" targets=(nodelets_storm landmark_storm)
 case ${1-} in
   address)
     flags="-fsanitize=address,undefined -fno-sanitize-recover=all"
-    targets+=(test_core test_ros camera_driver_memory)
+    targets+=(tests)
     ;;
   thread) flags="-fsanitize=thread" ;;
   *) die "say which: address or thread" ;;
@@ -22,8 +22,7 @@ sanitizer=$1
 
 install_packages "$root/tools/apt_packages.txt"
 continue_as_owner "$@"
-mkdir -p "$build" && touch "$build/CATKIN_IGNORE"
-link_sources
+prepare_build
 
 # Debian's libraries are not built with the sanitizer: what is theirs alone is in these lists, each with its reason.
 # An assertion of ROS stops its process by a trap without a word: handle_sigtrap makes it tell where.
@@ -34,9 +33,7 @@ export UBSAN_OPTIONS=print_stacktrace=1
 export TSAN_OPTIONS=suppressions=$lists/threads.txt:halt_on_error=1:second_deadlock_stack=1:history_size=7:handle_sigtrap=1
 
 binary=$build/sanitize_$sanitizer
-cmake -S "$source" -B "$binary" -DCATKIN_DEVEL_PREFIX="$binary/devel" -DCATKIN_TEST_RESULTS_DIR="$binary/test_results" \
-  -DPYTHON_EXECUTABLE=/usr/bin/python3 -DCATKIN_ENABLE_TESTING=ON -DCMAKE_BUILD_TYPE=Debug \
-  -DCMAKE_CXX_FLAGS="$flags -O1 -g1 -fno-omit-frame-pointer" >"$build/sanitize.log" || die "see $build/sanitize.log"
+run_cmake "$binary" "$binary/devel" -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS="$flags -O1 -g1 -fno-omit-frame-pointer"
 make -C "$binary" --no-print-directory -j"$(make_jobs)" "${targets[@]}"
 set +u
 # shellcheck disable=SC1091
@@ -65,8 +62,7 @@ run_on_master() {
 
 programs=$binary/devel/lib/sextant
 if [[ $sanitizer == address ]]; then
-  "$programs/test_core"
-  "$programs/test_ros"
+  for test in "$programs"/test_*; do "$test"; done
   run_on_master "$programs/camera_driver_memory"
 fi
 run_on_master "$programs/nodelets_storm" _num_worker_threads:=4

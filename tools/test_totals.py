@@ -22,13 +22,22 @@ def is_wrapper(case):
     return case.get("classname", "").startswith("rostest.") and outcome(case) == "passed"
 
 
+def name_of(case):
+    return f"{case.get('classname')}: {case.get('name')}"
+
+
 def count(folder):
-    """Counter of outcomes over every *.xml below the folder; a file that is no XML is one failure."""
+    """Counter of outcomes over every *.xml below the folder; a file that is no XML is one failure.
+
+    What failed is printed.
+    """
     totals = Counter()
     for path in sorted(Path(folder).rglob("*.xml")):
         try:
-            cases = ElementTree.parse(str(path)).iter("testcase")
-            totals.update(outcome(case) for case in cases if not is_wrapper(case))
+            cases = [each for each in ElementTree.parse(str(path)).iter("testcase") if not is_wrapper(each)]
+            totals.update(map(outcome, cases))
+            failed = (each for each in cases if outcome(each) == "failed")
+            print("".join(f"FAILED {name_of(each)}\n" for each in failed), end="")
         except ElementTree.ParseError as error:
             print(f"{path}: {error}")
             totals["failed"] += 1

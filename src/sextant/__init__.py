@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Sextant without ROS: what its nodes compute, on arrays, files and bags.
 
-The C++ core is one compiled module for each room, sextant._core.ROOM. Its classes and functions are found here;
-a room's module and libraries are loaded when one of its names is used first.
+The C++ core is one compiled module for each room, sextant._core.ROOM. Its classes and functions are found
+here; a room's module and libraries are loaded when one of its names is first used.
 """
 
 import importlib

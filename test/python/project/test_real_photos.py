@@ -13,8 +13,9 @@ import sextant
 sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "benchmark"))
 
 import real_data  # noqa: E402
-import real_photos  # noqa: E402
 from under_test import detector  # noqa: E402
+
+from markers import real_photos  # noqa: E402
 
 FOLDER = real_data.EXTERNAL / "markers/photos"
 pytestmark = pytest.mark.skipif(
