@@ -110,7 +110,6 @@ class MarkerLocatorNodelet : public nodelet::Nodelet {
 
   void subscribe() {
     ros::NodeHandle& node = getNodeHandle();
-    tf_listener_ = std::make_unique<tf2_ros::TransformListener>(tf_);
     subscribeMap();
     for (size_t i = 0; i < params_.cameras.size(); ++i)
       marker_subs_.push_back(node.subscribe<MarkerArray>(

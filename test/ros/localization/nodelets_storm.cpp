@@ -16,6 +16,7 @@
 #include <mutex>
 #include <opencv2/imgcodecs.hpp>
 
+#include "sextant/MarkerArray.h"
 #include "sextant/MarkerMapEntries.h"
 #include "sextant/markers/marker_map_file.hpp"
 #include "sextant/ros/markers/marker_conversions.hpp"
@@ -199,6 +200,19 @@ TEST_F(NodeletsStorm, NodeletsAreUnloadedWhileTheyWork) {
     ASSERT_TRUE(awaitPoses(3));
     for (const char* name : {"/detector", "/driver", "/locator"}) EXPECT_TRUE(loader_.unload(name));
   }
+}
+
+TEST_F(NodeletsStorm, ALocatorHasNoThreadOfItsOwn) {
+  const auto task = std::filesystem::path("/proc/self/task");
+  std::vector<long> threads;
+  for (const std::string name : {"first", "second"}) {
+    ros::param::set("/" + name + "/cameras", std::vector<std::string>{name});
+    const ros::Publisher markers_pub = node_.advertise<MarkerArray>(name, 1);
+    ASSERT_TRUE(loader_.load("/" + name, "sextant/MarkerLocator", {}, {}));
+    ASSERT_TRUE(await([&] { return markers_pub.getNumSubscribers() > 0; }));
+    threads.push_back(std::distance(std::filesystem::directory_iterator(task), {}));
+  }
+  EXPECT_EQ(threads[1], threads[0]);
 }
 
 TEST_F(NodeletsStorm, RefusedNodeletsLeaveTheOthersAlone) {
