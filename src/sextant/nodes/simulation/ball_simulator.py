@@ -32,7 +32,7 @@ from sextant.nodes.simulation.ball_messages import (
     seen_to_message,
     world_to_visualization,
 )
-from sextant.nodes.simulation.simulated_clock import STEP, SimulatedClock
+from sextant.nodes.simulation.simulated_clock import STEP, SimulatedClock, simulated_time
 from sextant.nodes.simulation.simulator_messages import (
     calibration_to_message,
     pose_to_transform,
@@ -261,10 +261,5 @@ class BallSimulator:
 
 def main() -> None:
     """Runs the node; a parameter that cannot be taken ends it with status 1 and the reason."""
-    rospy.init_node("ball_simulator")
-    simulator = BallSimulator(read_params(BallSimulatorParams))
-    try:
-        simulator.run()
-    except rospy.ROSException:
-        if not rospy.is_shutdown():  # else a topic was closed in the middle of a moment
-            raise
+    with simulated_time("ball_simulator"):
+        BallSimulator(read_params(BallSimulatorParams)).run()

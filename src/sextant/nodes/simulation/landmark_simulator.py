@@ -21,7 +21,7 @@ from sextant.geometry.plane_poses import in_frame, relative
 from sextant.msg import LandmarkSighting, LandmarkSightings
 from sextant.nodes.base.listeners import wait_for_listener
 from sextant.nodes.base.params import read_params
-from sextant.nodes.simulation.simulated_clock import SimulatedClock
+from sextant.nodes.simulation.simulated_clock import SimulatedClock, simulated_time
 from sextant.nodes.simulation.simulator_messages import (
     pose_to_transform,
     reading_to_message,
@@ -165,15 +165,11 @@ def outlines(positions: np.ndarray, frame: str) -> MarkerArray:
 
 def main() -> None:
     """Runs the node; a parameter that cannot be taken ends it with status 1 and the reason."""
-    rospy.init_node("landmark_simulator")
-    params = read_params(LandmarkSimulatorParams)
-    try:
-        simulator = LandmarkSimulator(params)
-    except ValueError as error:
-        rospy.logfatal("%s/%s", rospy.get_name(), error)
-        sys.exit(1)
-    try:
+    with simulated_time("landmark_simulator"):
+        params = read_params(LandmarkSimulatorParams)
+        try:
+            simulator = LandmarkSimulator(params)
+        except ValueError as error:
+            rospy.logfatal("%s/%s", rospy.get_name(), error)
+            sys.exit(1)
         simulator.run()
-    except rospy.ROSException:
-        if not rospy.is_shutdown():  # else a topic was closed in the middle of a moment
-            raise

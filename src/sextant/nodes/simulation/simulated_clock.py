@@ -4,11 +4,41 @@
 
 import threading
 import time
+from contextlib import contextmanager
+from typing import Iterator
 
+import rosgraph
 import rospy
 from rosgraph_msgs.msg import Clock
 
 STEP = 10_000_000  # nanoseconds of simulated time between two ticks at most
+
+
+@contextmanager
+def simulated_time(name: str) -> Iterator[None]:
+    """What a node of this name does that publishes /clock. It ends as the node does, in a topic that is closed, too.
+
+    Then /use_sim_time is removed: nodes that start later on this master would wait for a time for ever.
+    """
+    rospy.init_node(name)
+    try:
+        yield
+    except rospy.ROSException:
+        if not rospy.is_shutdown():  # else a topic was closed in the middle of a moment
+            raise
+    finally:
+        _end_simulated_time(rosgraph.Master(rospy.get_name()))
+
+
+def _end_simulated_time(master: rosgraph.Master) -> None:
+    """Unless another node goes on to publish /clock, or this one has published a clock of its own."""
+    try:
+        publishers = dict(master.getSystemState()[0]).get("/clock", [])
+        is_last = not set(publishers) - {rospy.get_name()}
+        if is_last and rospy.resolve_name("/clock") == "/clock" and master.hasParam("/use_sim_time"):
+            master.deleteParam("/use_sim_time")
+    except OSError:  # the master has ended, and its parameters with it
+        pass
 
 
 class SimulatedClock:

@@ -22,7 +22,7 @@ from sextant.base.strict_params import not_empty, one_of, param, within
 from sextant.nodes.base.conversions import image_to_message
 from sextant.nodes.base.listeners import wait_for_listener
 from sextant.nodes.base.params import read_params
-from sextant.nodes.simulation.simulated_clock import SimulatedClock
+from sextant.nodes.simulation.simulated_clock import SimulatedClock, simulated_time
 from sextant.nodes.simulation.simulator_messages import (
     calibration_to_message,
     pose_to_transform,
@@ -180,20 +180,16 @@ class Simulator:
 
 def main() -> None:
     """Runs the node; a parameter or a map file that cannot be taken ends it with status 1 and the reason."""
-    rospy.init_node("simulator")
-    params = read_params(SimulatorParams)
-    try:
-        params.validate()
-    except ValueError as error:
-        rospy.logfatal("%s/%s", rospy.get_name(), error)
-        sys.exit(1)
-    try:
-        simulator = Simulator(params)
-    except (ValueError, RuntimeError) as error:
-        rospy.logfatal("%s: %s", rospy.get_name(), error)
-        sys.exit(1)
-    try:
+    with simulated_time("simulator"):
+        params = read_params(SimulatorParams)
+        try:
+            params.validate()
+        except ValueError as error:
+            rospy.logfatal("%s/%s", rospy.get_name(), error)
+            sys.exit(1)
+        try:
+            simulator = Simulator(params)
+        except (ValueError, RuntimeError) as error:
+            rospy.logfatal("%s: %s", rospy.get_name(), error)
+            sys.exit(1)
         simulator.run()
-    except rospy.ROSException:
-        if not rospy.is_shutdown():  # else a topic was closed in the middle of a frame
-            raise
