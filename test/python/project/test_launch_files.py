@@ -12,6 +12,7 @@ import pytest
 import roslaunch.config
 import roslib.packages
 import yaml
+from test_doc import table_of
 
 import sextant
 from sextant.base.strict_params import parse_params
@@ -65,6 +66,23 @@ RUNS = [
     for args in [[], *BRANCHES.get(path.name, [])]
 ]
 
+# Arguments that enter every node with a file of parameters.
+ENTERED = dict.fromkeys(("markers.launch", "robot.launch"), ["map:=" + ROOM])
+FILES = [
+    (path, each.get("name"))
+    for path in LAUNCH_FILES
+    for each in ElementTree.parse(path).getroot().iter("arg")
+    if each.get("name").endswith("params") and each.get("default")
+]
+# What such a file cannot set, because it is of several nodes or the user has to give it.
+ARGUMENTS_ALONE = {
+    ("demo.launch", "simulator_params"): {"map_file", "family", "marker_size"},
+    ("places.launch", "localizer_params"): {"map_file"},
+    ("places.launch", "visualizer_params"): {"map_file"},
+    ("amcl.launch", "localizer_params"): {"map_file"},
+    ("ball_task.launch", "locator_params"): {"base_frame"},
+}
+
 # Parameters of the rospy nodes; those of a nodelet are in the source that reads them.
 RECORDS = {
     "ball_simulator": BallSimulatorParams,
@@ -117,10 +135,13 @@ def params_of(config, name):
     return result
 
 
+def snake_case(name):
+    return re.sub(r"(?<!^)(?=[A-Z])", "_", name).lower()
+
+
 def read_by_nodelet(name):
     """Parameters that a nodelet's fromRos() asks for."""
-    stem = re.sub(r"(?<!^)(?=[A-Z])", "_", name).lower()
-    (path,) = (ROOT / "src/ros").rglob(f"{stem}_params.cpp")
+    (path,) = (ROOT / "src/ros").rglob(f"{snake_case(name)}_params.cpp")
     return set(re.findall(r'reader\.read\w*\("(\w+)"', path.read_text()))
 
 
@@ -186,40 +207,47 @@ def test_robot_launch_passes_every_argument_of_markers_launch():
     assert {name: robot.get(name) for name in markers} == markers
 
 
-def test_defaults_are_those_of_the_core():
-    args = {name: default for name, (default, _) in own_declared(ROOT / "launch/markers.launch").items()}
-    detector, locator, text = sextant.DetectorParams(), sextant.LocatorParams(), sextant.TextMapParams()
-    assert yaml.safe_load(args["families"]) == list(detector.families)
-    assert float(args["decimate"]) == detector.decimate
-    assert int(args["threads"]) == detector.threads
-    assert args["mode"] == locator.mode
-    assert float(args["corner_sigma"]) == locator.corner_sigma
-    assert (args["map_frame"], args["map_family"], float(args["map_size"])) == (
-        text.frame,
-        text.family,
-        text.size,
-    )
+@pytest.mark.parametrize("path", LAUNCH_FILES, ids=lambda path: path.name)
+def test_an_empty_argument_means_what_its_doc_has(path):
+    found = {name: re.search(r"; empty: ([][\w.-]+)$", doc) for name, (_, doc) in own_declared(path).items()}
+    needed = [*NEEDED.get(path.name, []), *ENTERED.get(path.name, [])]
+    plain = load(path, needed)
+    given = load(path, [*needed, *(f"{name}:={match[1]}" for name, match in found.items() if match)])
+    for node in plain.nodes:
+        if node.package in FOREIGN:
+            continue
+        kind = snake_case(loaded_classes(plain).get(node.name, "/" + node.type).split("/")[1])
+        taken, own = params_of(given, node.name), params_of(plain, node.name)
+        defaults = {**table_of(kind), **own} if set(taken) - set(own) else own
+        assert {key: defaults[key] for key in taken} == taken
 
 
-def test_defaults_of_places_launch_are_those_of_its_nodes():
-    path = ROOT / "launch/places.launch"
-    config = load(path, NEEDED[path.name])
-    for name in ("place_localizer", "place_visualizer"):
-        taken = params_of(config, name)
-        defaults = parse_params(RECORDS[name], {"map_file": "park.txt"}, name)
-        assert {key: getattr(defaults, key) for key in taken} == taken
+@pytest.mark.parametrize(("path", "name"), FILES, ids=lambda each: getattr(each, "name", each))
+def test_a_file_wins_over_defaults_and_arguments_win_over_the_file(path, name, tmp_path):
+    file = tmp_path / "params.yaml"
+    needed = [*NEEDED.get(path.name, []), *ENTERED.get(path.name, [])]
+    empty = {arg for arg, (default, _) in own_declared(path).items() if default == ""}
+    sevens = [f"{arg}:=7" for arg in empty - {"camera_info", "manager"}]  # which are names
 
+    def params(*args):
+        return {key: param.value for key, param in load(path, [*needed, *args]).params.items()}
 
-def test_defaults_of_landmarks_launch_are_those_of_its_node():
-    args = {name: default for name, (default, _) in own_declared(ROOT / "launch/landmarks.launch").items()}
-    sensor = sextant.LandmarkSlamParams().sensor
-    for name in ("max_range", "min_range", "field_of_view"):
-        assert float(args[name]) == getattr(sensor, name)
+    file.write_text("probe: 1")
+    (node,) = (key[: -len("probe")] for key in params(f"{name}:={file}") if key.endswith("/probe"))
+    plain, given = params(), params(*sevens)
+    of_node = {key for key in given if key.startswith(node)}
+    file.write_text(yaml.safe_dump({key[len(node) :]: "of the file" for key in of_node}))
+    in_file, in_both = params(f"{name}:={file}"), params(f"{name}:={file}", *sevens)
+    lost = {key[len(node) :] for key in of_node if in_file[key] != "of the file"}
+    assert lost == ARGUMENTS_ALONE.get((path.name, name), set())
+    changed = {key for key in of_node if given[key] != plain.get(key)}
+    assert {key: in_both[key] for key in changed} == {key: given[key] for key in changed}
 
 
 def test_the_demo_of_landmarks_tells_what_its_sensor_sees():
     config = load(ROOT / "launch/landmarks_demo.launch")
-    simulated, told = LandmarkSimulatorParams(), params_of(config, "landmark_slam")
+    simulated, slam = LandmarkSimulatorParams(), "landmark_slam"
+    told = {**table_of(slam), **params_of(config, slam)}
     assert (told["max_range"], told["field_of_view"]) == (simulated.max_range, simulated.field_of_view)
 
 

@@ -16,9 +16,9 @@ STEP = 10_000_000  # nanoseconds of simulated time between two ticks at most
 
 @contextmanager
 def simulated_time(name: str) -> Iterator[None]:
-    """What a node of this name does that publishes /clock. It ends as the node does, in a topic that is closed, too.
+    """Starts the node of this name, which publishes /clock, and removes /use_sim_time when it ends.
 
-    Then /use_sim_time is removed: nodes that start later on this master would wait for a time for ever.
+    Nodes that start later on this master would wait for a time for ever.
     """
     rospy.init_node(name)
     try:
