@@ -18,6 +18,7 @@ from sextant.bags.recorded_poses import read_frame, read_poses
 from sextant.bags.stamped_values import stamped_values
 from sextant.bags.stamps import Losses
 from sextant.bags.transforms import frame_name, read_transforms
+from sextant.base.strict_params import StrictParams, above_zero, param
 from sextant.geometry.poses import LONGEST_GAP, interpolated_poses
 from sextant.place_maps.view_picks import due_views, sharpness, view_yaw
 
@@ -27,25 +28,21 @@ _DECODERS: Dict[str, Callable[[Any], np.ndarray]] = {IMAGE: colour_image, COMPRE
 
 
 @dataclass(frozen=True)
-class PhotoOptions:
+class PhotoOptions(StrictParams):
     """Which photos are taken, and what tells their poses."""
 
     image: str = ""  # topic; empty: that of the only camera
     pose: str = ""  # topic of the base's poses; empty: tf has them
     frame: str = "map"  # where tf has the base; of a topic's poses it is that which they say
-    distance: float = 1.0  # metres from one photo to the next
-    turn: float = float(np.radians(30.0))  # radians; a photo is also taken after the camera turned so far
+    distance: float = param(1.0, above_zero(1e5))  # metres from one photo to the next
+    turn: float = param(float(np.radians(30.0)), above_zero(2 * np.pi))  # radians that the camera turned
     every: int = 1  # only every n-th image is looked at
     base_frame: str = ReadOptions.base_frame
     mounts: Dict[str, np.ndarray] = field(default_factory=dict)  # as ReadOptions has them
 
-    def validate(self) -> None:
-        """:raises ValueError: names the first field that cannot be"""
-        for name, most in (("distance", 1e5), ("turn", 2 * np.pi)):
-            value = getattr(self, name)
-            if not 0 < value <= most:
-                raise ValueError(f"{name} is {value:g}, allowed is above 0, up to {most:g}")
-        self.reading().validate()
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self.reading()
 
     def reading(self) -> ReadOptions:
         """The part that all readers of bags have."""
@@ -75,9 +72,7 @@ def read_drive_photos(path: str, options: PhotoOptions) -> DrivePhotos:
     """Reads a bag without a master. Of pictures that are almost alike the sharpest is taken.
 
     :raises BagError: the bag, its images, its poses or the mount cannot be used; and what to do
-    :raises ValueError: as PhotoOptions.validate()
     """
-    options.validate()
     with BagFile(path) as bag:
         topic, notes = choose_pictures(bag, options.image)
         read = stamped_values(bag, topic.topic, _camera_frame)

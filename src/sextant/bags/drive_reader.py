@@ -42,10 +42,8 @@ def read_drive(
     is refused, and so is a clock that jumps back.
 
     :raises BagError: the bag, a calibration, the tf or what was asked for cannot be used; and what to do
-    :raises ValueError: as ReadOptions.validate()
     """
     options = options or ReadOptions()
-    options.validate()
     with BagFile(path, options.start, options.end) as bag:
         topics, notes = choose_topics(bag, options)
         detector = sextant.MarkerDetector(_detector_params(options))

@@ -36,7 +36,7 @@ class LandmarkTopics:
     start: float = 0.0  # seconds after a bag's first message
     end: float = float("inf")
 
-    def validate(self) -> None:
+    def __post_init__(self) -> None:
         """:raises ValueError: the part to be read is none"""
         if not 0.0 <= self.start < self.end:
             raise ValueError(f"start is {self.start} and end {self.end}, allowed is 0 <= start < end")
@@ -51,9 +51,8 @@ def run_on_bags(
 
     :returns: what its user should know of how they were read
     :raises BagError: a bag cannot be read, lacks what is needed, or nothing on a topic can be used
-    :raises ValueError: two bags are of the same time, or as LandmarkTopics.validate()
+    :raises ValueError: two bags are of the same time
     """
-    topics.validate()
     tree, notes, before = TransformTree(), [], None
     for index, path in enumerate(_in_order(paths, topics)):
         with BagFile(path, topics.start, topics.end) as bag:

@@ -39,7 +39,7 @@ class ReadOptions:
     start: float = 0.0  # seconds after the bag's first message, by the time of reception
     end: float = float("inf")
 
-    def validate(self) -> None:
+    def __post_init__(self) -> None:
         """:raises ValueError: names the first field that cannot be, its value and what is allowed"""
         for name in ("images", "markers", "families", "rectified"):
             _check_names(name, getattr(self, name))

@@ -40,7 +40,6 @@ class BallTask:
 
     def __init__(self, params: BallTaskParams):
         """:raises ValueError: a parameter out of range"""
-        params.validate()
         self.params, self._follower = params, PathFollower(params.follower)
         self._states: Dict[str, Callable[[TaskView], Step]] = {
             "searching": self._search,

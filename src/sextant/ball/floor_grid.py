@@ -7,32 +7,30 @@ from typing import Tuple
 
 import numpy as np
 
-from sextant.base.ranges import check_ranges
+from sextant.base.strict_params import ParamError, StrictParams, param, within
 from sextant.geometry.plane_poses import rotation
 
 NO_OFFSET = np.zeros(2)
 
 
 @dataclass(frozen=True)
-class FloorGridParams:
+class FloorGridParams(StrictParams):
     """Of the grid, and of the points that count in it."""
 
-    cell: float = 0.05  # [0.01, 1] metres
-    half_side: float = 8.0  # [1, 100] metres from its middle
-    nearest: float = 0.2  # [0, 100] metres; points nearer to the robot do not count
-    farthest: float = 3.0  # (0, 100]
-    floor: float = 0.05  # [0, 1] metres; points this little above or below the floor are of it
-    low: float = 0.13  # [0, 10] metres; what is lower than this is no obstacle: a ball may lie there
-    high: float = 0.6  # [0, 10] the robot's height
-    most: int = 8  # [1, 100] looks that are remembered of a cell
+    cell: float = param(0.05, within(0.01, 1))  # metres
+    half_side: float = param(8.0, within(1, 100))  # metres from its middle
+    nearest: float = param(0.2, within(0, 100))  # metres; points nearer to the robot do not count
+    farthest: float = param(3.0, within(1e-9, 100))
+    floor: float = param(0.05, within(0, 1))  # metres; points this little above or below the floor are of it
+    low: float = param(0.13, within(0, 10))  # metres; what is lower is no obstacle: a ball may lie there
+    high: float = param(0.6, within(0, 10))  # the robot's height
+    most: int = param(8, within(1, 100))  # looks that are remembered of a cell
 
-    def validate(self) -> None:
-        """:raises ValueError: names the first field out of range"""
-        check_ranges(self, cell=(0.01, 1), half_side=(1, 100), nearest=(0, 100), farthest=(1e-9, 100))
-        check_ranges(self, floor=(0, 1), low=(0, 10), high=(0, 10), most=(1, 100))
+    def __post_init__(self) -> None:
+        super().__post_init__()
         for less, more in (("nearest", "farthest"), ("floor", "low"), ("low", "high")):
             if getattr(self, less) >= getattr(self, more):
-                raise ValueError(f"{less} is {getattr(self, less)}, it must be less than {more}")
+                raise ParamError(less, "must be less than", getattr(self, less), more)
 
 
 class FloorGrid:
@@ -43,7 +41,6 @@ class FloorGrid:
 
         :raises ValueError: a parameter out of range
         """
-        params.validate()
         self.params = params
         self._low = np.asarray(middle) - params.half_side
         side = round(2.0 * params.half_side / params.cell)

@@ -10,7 +10,7 @@ import numpy as np
 
 from sextant.ball.goal import Goal
 from sextant.ball.path_planner import Disc, FreeFloor
-from sextant.base.ranges import check_ranges
+from sextant.base.strict_params import ParamError, StrictParams, param, within
 
 AIMS = 13  # places on the goal's line that are tried
 DIRECTIONS, LENGTHS = 24, (0.4, 0.7, 1.0)  # of kicks that only bring the ball to where it can be kicked from
@@ -23,30 +23,25 @@ LEAST_AIM = 0.1  # metres; a ball that lies nearer to the goal's line is aimed s
 
 
 @dataclass(frozen=True)
-class KickParams:
+class KickParams(StrictParams):
     """Of robot and ball."""
 
-    robot_radius: float = 0.177  # (0, 2] metres
-    ball_radius: float = 0.05  # (0, 1] metres
-    ball_deceleration: float = 0.35  # (0, 10] m/s^2 by which it slows down on this floor
-    ball_bounce: float = 0.6  # [0, 1] share of the closing speed with which it leaves
-    run_up: float = 0.62  # (0, 5] metres from the robot's middle to the ball's, where a kick begins
-    least_speed: float = 0.2  # (0, 10] m/s of the robot
-    most_speed: float = 0.65  # (0, 10] m/s
-    past: float = 0.4  # [0, 10] metres that the ball shall roll beyond the goal's line
-    least_spread: float = 0.03  # [0, 1] radians that a kick may err at least
+    robot_radius: float = param(0.177, within(1e-3, 2))  # metres
+    ball_radius: float = param(0.05, within(1e-3, 1))  # metres
+    ball_deceleration: float = param(0.35, within(1e-3, 10))  # m/s^2 by which it slows down on this floor
+    ball_bounce: float = param(0.6, within(0, 1))  # share of the closing speed with which it leaves
+    run_up: float = param(0.62, within(1e-3, 5))  # metres from robot to ball (middles) where a kick begins
+    least_speed: float = param(0.2, within(1e-3, 10))  # m/s of the robot
+    most_speed: float = param(0.65, within(1e-3, 10))  # m/s
+    past: float = param(0.4, within(0, 10))  # metres that the ball shall roll beyond the goal's line
+    least_spread: float = param(0.03, within(0, 1))  # radians that a kick may err at least
 
-    def validate(self) -> None:
-        """:raises ValueError: names the first field out of range"""
-        check_ranges(self, robot_radius=(1e-3, 2), ball_radius=(1e-3, 1), ball_deceleration=(1e-3, 10))
-        check_ranges(
-            self, ball_bounce=(0, 1), run_up=(1e-3, 5), least_speed=(1e-3, 10), most_speed=(1e-3, 10)
-        )
-        check_ranges(self, past=(0, 10), least_spread=(0, 1))
+    def __post_init__(self) -> None:
+        super().__post_init__()
         if self.run_up < self.robot_radius + self.ball_radius:
-            raise ValueError(f"run_up is {self.run_up}, it must be more than robot_radius + ball_radius")
+            raise ParamError("run_up", "must be more than robot_radius + ball_radius", self.run_up)
         if self.least_speed > self.most_speed:
-            raise ValueError(f"least_speed is {self.least_speed}, it must be at most most_speed")
+            raise ParamError("least_speed", "must be at most", self.least_speed, "most_speed")
 
     def speed(self, way: float, gain: float) -> float:
         """m/s of the robot that make the ball roll so many metres: v^2 = 2 a s, and how it bounces off."""

@@ -9,27 +9,21 @@ from typing import Tuple
 
 import numpy as np
 
-from sextant.base.ranges import check_ranges
+from sextant.base.strict_params import StrictParams, param, within
 
 
 @dataclass(frozen=True)
-class FollowerParams:
+class FollowerParams(StrictParams):
     """How a robot with two wheels drives."""
 
-    speed: float = 0.4  # (0, 10] m/s
-    turn_rate: float = 1.2  # (0, 20] rad/s
-    acceleration: float = 0.6  # (0, 100] m/s^2 with which it slows down
-    turn_acceleration: float = 2.5  # (0, 1000] rad/s^2
-    lookahead: float = 0.25  # (0, 10] metres to the point of the way that it drives at
-    turn_first: float = 0.5  # (0, 3.15] radians; what lies farther aside is turned to first
-    slowest: float = 0.04  # (0, 1] m/s
-    search_rate: float = 0.7  # (0, 20] rad/s while it looks around
-
-    def validate(self) -> None:
-        """:raises ValueError: names the first field out of range"""
-        check_ranges(self, speed=(1e-3, 10), turn_rate=(1e-3, 20), acceleration=(1e-3, 100))
-        check_ranges(self, turn_acceleration=(1e-3, 1000), lookahead=(1e-3, 10), turn_first=(1e-3, 3.15))
-        check_ranges(self, slowest=(1e-3, 1), search_rate=(1e-3, 20))
+    speed: float = param(0.4, within(1e-3, 10))  # m/s
+    turn_rate: float = param(1.2, within(1e-3, 20))  # rad/s
+    acceleration: float = param(0.6, within(1e-3, 100))  # m/s^2 with which it slows down
+    turn_acceleration: float = param(2.5, within(1e-3, 1000))  # rad/s^2
+    lookahead: float = param(0.25, within(1e-3, 10))  # metres to the point of the way that it drives at
+    turn_first: float = param(0.5, within(1e-3, 3.15))  # radians; what lies farther aside is turned to first
+    slowest: float = param(0.04, within(1e-3, 1))  # m/s
+    search_rate: float = param(0.7, within(1e-3, 20))  # rad/s while it looks around
 
 
 Command = Tuple[float, float]  # m/s, rad/s
@@ -41,7 +35,6 @@ class PathFollower:
 
     def __init__(self, params: FollowerParams):
         """:raises ValueError: a parameter out of range"""
-        params.validate()
         self.params = params
 
     def follow(self, pose: np.ndarray, path: np.ndarray) -> Command:

@@ -13,6 +13,7 @@ from typing import Dict, List, Sequence
 import numpy as np
 
 import sextant
+from sextant.base.strict_params import StrictParams, above_zero, param
 from sextant.calibration.calibration_fit import (
     CENTRE_X,
     CENTRE_Y,
@@ -34,23 +35,16 @@ _RINGS = {"middle": (0.0, 0.4), "between": (0.4, 0.7), "edge": (0.7, np.inf)}  #
 
 
 @dataclass(frozen=True)
-class CheckParams:
-    """What was measured how exactly, and how far a calibration may be off; validate() has the ranges."""
+class CheckParams(StrictParams):
+    """What was measured how exactly, and how far a calibration may be off."""
 
-    tape_sigma: float = 0.005  # metres
-    size_sigma: float = 0.0003  # metres, of a marker's edge
-    zero_sigma: float = 0.05  # metres, from the place that the tape was held to, to the centre of projection
-    corner_sigma: float = 0.2  # pixels, of corners in a sharp photo
-    focal_tolerance: float = 0.0125  # share of the focal length
-    centre_tolerance: float = 0.0125  # share of the image's width
-    edge_tolerance: float = 0.01  # share of the image's width, in its corner
-
-    def validate(self) -> None:
-        """:raises ValueError: names the first field out of range, its value and what is allowed."""
-        for name, value in vars(self).items():
-            top = 10.0 if name == "corner_sigma" else 1.0
-            if not 0.0 < value <= top:
-                raise ValueError(f"{name} is {value}, allowed is (0, {top}]")
+    tape_sigma: float = param(0.005, above_zero(1.0))  # metres
+    size_sigma: float = param(0.0003, above_zero(1.0))  # metres, of a marker's edge
+    zero_sigma: float = param(0.05, above_zero(1.0))  # metres from the tape's end to the centre of projection
+    corner_sigma: float = param(0.2, above_zero(10.0))  # pixels, of corners in a sharp photo
+    focal_tolerance: float = param(0.0125, above_zero(1.0))  # share of the focal length
+    centre_tolerance: float = param(0.0125, above_zero(1.0))  # share of the image's width
+    edge_tolerance: float = param(0.01, above_zero(1.0))  # share of the image's width, in its corner
 
 
 @dataclass(frozen=True)
@@ -109,7 +103,6 @@ def check_calibration(
 
     :raises ValueError: params out of range, no sighting, or one that no pose explains
     """
-    params.validate()
     if not sightings:
         raise ValueError("no photo shows a marker")
     sigmas = FitSigmas(params.tape_sigma, params.zero_sigma, params.size_sigma)

@@ -71,14 +71,12 @@ def read_options(options: argparse.Namespace, families: Sequence[str] = (), **ot
     :raises ValueError: one that cannot be
     """
     given: Dict[str, Any] = {"families": tuple(families)} if families else {}
-    result = ReadOptions(
+    return ReadOptions(
         images=tuple(options.images), markers=tuple(options.markers),
         calibrations=dict(options.calibrations), rectified=tuple(options.rectified), every=options.every,
         mounts=read_mounts(options.mounts), base_frame=options.base_frame, odometry=options.odometry,
         **given, **others,
     )  # fmt: skip
-    result.validate()
-    return result
 
 
 def read_mounts(pairs: Sequence[Tuple[str, str]]) -> Dict[str, np.ndarray]:

@@ -71,7 +71,6 @@ def _parser() -> CommandParser:
 
 def _check(options: argparse.Namespace) -> Answer:
     params = CheckParams(options.tape_sigma, options.size_sigma, options.zero_sigma, options.corner_sigma)
-    params.validate()
     _check_options(options)
     calibration = read_calibration(options.calibration)
     sightings, empty = _look(calibration, _photos(options), options)

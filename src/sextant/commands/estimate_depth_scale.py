@@ -67,7 +67,6 @@ def _parser() -> CommandParser:
 
 def _estimate(options: argparse.Namespace) -> Answer:
     settings = DepthScaleSettings(options.range_sigma, options.tape_sigma)
-    settings.validate()
     measured = _measured(options)
     found = estimate_depth_scale(measured, settings)
     return Answer(_lines(measured, found))

@@ -117,7 +117,7 @@ def _add_network_options(parser: argparse.ArgumentParser) -> None:
             help=f"what {what}; one a channel (default: ImageNet's)",
         )  # fmt: skip
     parser.add_argument(
-        "--network-weight", type=float, default=RecognitionParams.global_weight, metavar="WEIGHT",
+        "--network-weight", type=float, default=RecognitionParams.network_weight, metavar="WEIGHT",
         help="of what it says, against the keypoints (default: %(default)s)",
     )  # fmt: skip
 
@@ -130,7 +130,7 @@ def _evaluate(options: argparse.Namespace) -> Answer:
         check_output(path, options.force)
     mode = options.mode or ("single" if options.leave_one_out else LocalizationParams.mode)
     library = _library(options)
-    recognition = RecognitionParams(global_weight=options.network_weight)
+    recognition = RecognitionParams(network_weight=options.network_weight)
     evaluation = _evaluated(options, library, LocalizationParams(mode=mode, recognition=recognition))
     unit = "m" if scale_of(library.place_map) else "px"
     if options.json:

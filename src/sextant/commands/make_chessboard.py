@@ -36,7 +36,6 @@ def _parser() -> CommandParser:
 def _make(options: argparse.Namespace) -> Answer:
     check_output(options.output, options.force)
     paper, (columns, rows) = Paper(options.page, options.margin), options.corners
-    paper.validate()
     square = largest_square(columns, rows, paper) if options.square is None else options.square
     board = Chessboard(columns, rows, square)
     write_chessboard(options.output, board, paper)

@@ -111,7 +111,6 @@ def _make_sheets(options: argparse.Namespace) -> List[str]:
 def _make_board(options: argparse.Namespace) -> List[str]:
     family, ids, size = options.family, options.ids, options.size
     params = SheetParams(options.page, options.margin, options.quiet)
-    params.validate()  # what the default gap comes from
     check_size(size)
     gap = round_gap(family, size, options.quiet) if options.gap is None else options.gap
     columns, rows = options.board

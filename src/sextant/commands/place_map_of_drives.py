@@ -125,12 +125,10 @@ def _merge(options: argparse.Namespace) -> float:
 
 
 def _photo_options(options: argparse.Namespace) -> PhotoOptions:
-    result = PhotoOptions(
+    return PhotoOptions(
         options.image, options.pose, options.frame or PhotoOptions.frame, options.distance,
         math.radians(options.turn), options.every, options.base_frame, read_mounts(options.mounts),
     )  # fmt: skip
-    result.validate()
-    return result
 
 
 def _frame(read: Sequence[Tuple[str, DrivePhotos]]) -> str:

@@ -12,7 +12,7 @@ from typing import NamedTuple, Tuple
 
 import numpy as np
 
-from sextant.base.ranges import check_ranges
+from sextant.base.strict_params import StrictParams, param, within
 
 LIES, ROLLS, HIT = range(3)
 START = np.array([0.6, 0.3, 0.1])  # probabilities of a ball that was seen but once
@@ -25,17 +25,13 @@ LONGEST_HIT = (
 
 
 @dataclass(frozen=True)
-class BallMotionSettings:
+class BallMotionSettings(StrictParams):
     """Of a ball on a floor."""
 
-    rolling: float = 0.35  # [0.01, 10] m/s^2 by which it slows down
-    rolling_sigma: float = 0.15  # [0, 10] deviation of that, m/s^2
-    hit_sigma: float = 0.8  # [0.01, 10] deviation of the speed that a hit gives, m/s
-    creep: float = 0.005  # [1e-6, 1] deviation of a place where it lies, after a second, metres
-
-    def validate(self) -> None:
-        """:raises ValueError: names the first field out of range"""
-        check_ranges(self, rolling=(0.01, 10), rolling_sigma=(0, 10), hit_sigma=(0.01, 10), creep=(1e-6, 1))
+    rolling: float = param(0.35, within(0.01, 10))  # m/s^2 by which it slows down
+    rolling_sigma: float = param(0.15, within(0, 10))  # deviation of that, m/s^2
+    hit_sigma: float = param(0.8, within(0.01, 10))  # deviation of the speed that a hit gives, m/s
+    creep: float = param(0.005, within(1e-6, 1))  # deviation of a place where it lies, after a second, metres
 
 
 class BallModes(NamedTuple):

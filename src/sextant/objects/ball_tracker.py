@@ -2,12 +2,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Follows one ball by its sightings, in a frame that does not jump: odometry's."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Callable, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
-from sextant.base.ranges import check_ranges
+from sextant.base.strict_params import StrictParams, nested, param, within
 from sextant.objects.ball_motion import (
     BallModes,
     BallMotionSettings,
@@ -26,19 +26,14 @@ Sighting = Tuple[np.ndarray, np.ndarray]  # position (2,) and covariance (2, 2),
 
 
 @dataclass(frozen=True)
-class BallTrackerSettings:
+class BallTrackerSettings(StrictParams):
     """When a ball is believed, and how long."""
 
-    begin: int = 2  # [1, 100] sightings that agree, from which on there is a ball
-    move: int = 4  # [1, 100] sightings that agree elsewhere while it is not seen, after which it is there
-    missed: int = 8  # [1, 10000] looks in which it should be seen and is not, after which it is gone
-    memory: float = 60.0  # [0.1, 3600] seconds after its last sighting that it is believed
-    motion: BallMotionSettings = field(default_factory=BallMotionSettings)
-
-    def validate(self) -> None:
-        """:raises ValueError: names the first field out of range"""
-        check_ranges(self, begin=(1, 100), move=(1, 100), missed=(1, 10000), memory=(0.1, 3600))
-        self.motion.validate()
+    begin: int = param(2, within(1, 100))  # sightings that agree, from which on there is a ball
+    move: int = param(4, within(1, 100))  # the same elsewhere while it is not seen, after which it is there
+    missed: int = param(8, within(1, 10000))  # looks that should show it and do not, after which it is gone
+    memory: float = param(60.0, within(0.1, 3600))  # seconds after its last sighting that it is believed
+    motion: BallMotionSettings = nested(BallMotionSettings)
 
 
 class BallEstimate(NamedTuple):
@@ -88,7 +83,6 @@ class BallTracker:
 
     def __init__(self, settings: BallTrackerSettings):
         """:raises ValueError: a setting out of range"""
-        settings.validate()
         self._settings = settings
         self._known: List[_Known] = [_NOTHING]  # by stamp
 

@@ -3,13 +3,13 @@
 """Finds pillars and balls by their colour alone: for those who have no network."""
 
 import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, Dict, List, Mapping, NamedTuple, Tuple
 
 import cv2
 import numpy as np
 
-from sextant.base.ranges import check_ranges
+from sextant.base.strict_params import StrictParams, param, within
 from sextant.objects.detection import Detections, check_picture
 from sextant.objects.object_kinds import BALL, GOAL
 
@@ -36,19 +36,22 @@ RANGES: Dict[str, ColourRange] = {
 }
 
 
+def _check_ranges(ranges: Dict[str, ColourRange]) -> str:
+    try:
+        ranges_of({name: colours._asdict() for name, colours in ranges.items()})
+    except ValueError as error:
+        return str(error)
+    return ""
+
+
 @dataclass(frozen=True)
-class ColourSettings:
+class ColourSettings(StrictParams):
     """What colours there are, and how large a blot must be."""
 
-    ranges: Dict[str, ColourRange] = field(default_factory=lambda: dict(RANGES))
-    least_area: int = 30  # [1, 1000000] pixels
-    least_fill: float = 0.5  # [0, 1] of its box that a blot covers
-    most: int = 100  # [1, 10000] that are told of a picture
-
-    def validate(self) -> None:
-        """:raises ValueError: names the first field out of range"""
-        ranges_of({name: colours._asdict() for name, colours in self.ranges.items()})
-        check_ranges(self, least_area=(1, 1000000), least_fill=(0, 1), most=(1, 10000))
+    ranges: Dict[str, ColourRange] = param(RANGES, _check_ranges)
+    least_area: int = param(30, within(1, 1000000))  # pixels
+    least_fill: float = param(0.5, within(0, 1))  # of its box that a blot covers
+    most: int = param(100, within(1, 10000))  # that are told of a picture
 
 
 def ranges_of(written: Mapping[str, Any]) -> Dict[str, ColourRange]:
@@ -76,7 +79,6 @@ class ColourDetector:
 
     def __init__(self, settings: ColourSettings):
         """:raises ValueError: a setting out of range"""
-        settings.validate()
         self._settings = settings
         self.classes = list(settings.ranges)
         self._limits = [_limits(colours) for colours in settings.ranges.values()]

@@ -9,7 +9,7 @@ from typing import List, NamedTuple, Sequence, Tuple
 
 import numpy as np
 
-from sextant.base.ranges import check_ranges
+from sextant.base.strict_params import StrictParams, param, within
 
 MOST = 100.0  # metres
 SIGNIFICANT = 3.0  # deviations
@@ -24,15 +24,11 @@ class MeasuredDepth(NamedTuple):
 
 
 @dataclass(frozen=True)
-class DepthScaleSettings:
+class DepthScaleSettings(StrictParams):
     """How exact both are."""
 
-    range_sigma: float = 0.004  # [1e-6, 1] deviation of a depth at 1 m, growing with its square, metres
-    tape_sigma: float = 0.002  # [0, 1] deviation of a taped distance, metres
-
-    def validate(self) -> None:
-        """:raises ValueError: names the first field out of range"""
-        check_ranges(self, range_sigma=(1e-6, 1), tape_sigma=(0, 1))
+    range_sigma: float = param(0.004, within(1e-6, 1))  # of a depth at 1 m, growing with its square, metres
+    tape_sigma: float = param(0.002, within(0, 1))  # deviation of a taped distance, metres
 
 
 class DepthScale(NamedTuple):
@@ -88,7 +84,6 @@ def estimate_depth_scale(measured: Sequence[MeasuredDepth], settings: DepthScale
 
     :raises ValueError: nothing was measured, or a setting out of range
     """
-    settings.validate()
     if not measured:
         raise ValueError("no distance was measured")
     told, true = np.array(measured, float).T

@@ -7,7 +7,7 @@ from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
-from sextant.base.ranges import check_ranges
+from sextant.base.strict_params import StrictParams, param, within
 from sextant.geometry.pinhole_camera import PinholeCamera
 from sextant.objects.box_tangents import BOTTOM, LEFT, RIGHT, TANGENTS, TOP, BoxTangents
 from sextant.objects.object_kinds import ObjectKind
@@ -26,27 +26,19 @@ TILT = 0.1  # radians by which what is known of the camera's tilt may be wrong
 
 
 @dataclass(frozen=True)
-class LocatorSettings:
+class LocatorSettings(StrictParams):
     """How depth becomes a place, and how sure it is."""
 
-    scale: float = 1.0  # [0.5, 2] that depths are multiplied by
-    fewest: int = 12  # [1, 10000] depths of an object
-    nearest: float = 0.2  # [0.01, 100] metres; less is none
-    farthest: float = 8.0  # [0.01, 100] metres
-    range_sigma: float = 0.004  # [1e-6, 10] deviation of a depth at 1 m, growing with its square, metres
-    lump: float = 7.0  # [1, 1000] pixels of the depth image, across which depths err alike
-    scale_sigma: float = 0.001  # [0, 1] deviation of the scale
-    pixel_sigma: float = 1.1  # [0.01, 100] deviation of a box's side, pixels
-    size_sigma: float = 0.022  # [0, 1] and, beside, of the box's width or height
-    worst: float = 0.05  # [0, 10] of the range: a place that is less sure is not told
-
-    def validate(self) -> None:
-        """:raises ValueError: names the first field out of range"""
-        check_ranges(self, scale=(0.5, 2), fewest=(1, 10000), nearest=(0.01, 100), farthest=(0.01, 100))
-        check_ranges(
-            self, range_sigma=(1e-6, 10), lump=(1, 1000), scale_sigma=(0, 1), pixel_sigma=(0.01, 100)
-        )
-        check_ranges(self, size_sigma=(0, 1), worst=(0, 10))
+    scale: float = param(1.0, within(0.5, 2))  # that depths are multiplied by
+    fewest: int = param(12, within(1, 10000))  # depths of an object
+    nearest: float = param(0.2, within(0.01, 100))  # metres; less is none
+    farthest: float = param(8.0, within(0.01, 100))  # metres
+    range_sigma: float = param(0.004, within(1e-6, 10))  # of a depth at 1 m, growing with its square, metres
+    lump: float = param(7.0, within(1, 1000))  # pixels of the depth image, across which depths err alike
+    scale_sigma: float = param(0.001, within(0, 1))  # deviation of the scale
+    pixel_sigma: float = param(1.1, within(0.01, 100))  # deviation of a box's side, pixels
+    size_sigma: float = param(0.022, within(0, 1))  # and, beside, of the box's width or height
+    worst: float = param(0.05, within(0, 10))  # of the range: a place that is less sure is not told
 
 
 class LocatedObject(NamedTuple):
@@ -78,7 +70,6 @@ class ObjectLocator:
 
         :raises ValueError: a setting out of range
         """
-        settings.validate()
         self._settings, self._colour, self._depth = settings, colour, depth
         self._T_depth_colour = np.linalg.inv(T_colour_depth)
         width, height = depth.size

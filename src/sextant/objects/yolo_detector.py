@@ -11,7 +11,7 @@ import cv2
 import numpy as np
 
 from sextant.base.onnx_model import BACKENDS, ModelFacts, open_network, read_model
-from sextant.base.ranges import check_ranges
+from sextant.base.strict_params import StrictParams, one_of, param, within
 from sextant.objects.detection import Detections, check_picture, suppressed
 from sextant.objects.letter_box import GREY, blob_of, letter_box
 from sextant.objects.yolo_output import decoded
@@ -20,26 +20,17 @@ MULTIPLE = 32  # pixels: an input that is asked for as 240 is exported as 256
 
 
 @dataclass(frozen=True)
-class YoloSettings:
+class YoloSettings(StrictParams):
     """Which network, and what of its finds is told."""
 
     model: str = ""  # ONNX file
-    backend: str = "auto"  # auto, onnxruntime, opencv; auto: onnxruntime where it is installed
+    backend: str = param("auto", one_of("auto", *BACKENDS))  # auto: onnxruntime where it is installed
     classes: Tuple[str, ...] = ()  # names in the network's order; empty: as the model says
-    size: int = 0  # [0, 4096] pixels a side, where the model takes any; rounded up to a multiple of 32
-    confidence: float = 0.4  # [0.01, 0.99] least score
-    overlap: float = 0.5  # [0.01, 1] intersection over union from which on two boxes are one
+    size: int = param(0, within(0, 4096))  # pixels a side, if the model takes any; rounded up to 32s
+    confidence: float = param(0.4, within(0.01, 0.99))  # least score
+    overlap: float = param(0.5, within(0.01, 1))  # intersection over union from which on two boxes are one
     class_agnostic: bool = False  # boxes of different classes may be one, too
-    most: int = 100  # [1, 10000] that are told of a picture
-
-    def validate(self) -> None:
-        """:raises ValueError: names the first field that cannot be, and what can"""
-        if not self.model:
-            raise ValueError("model is empty, it must be an ONNX file")
-        if self.backend not in ("auto", *BACKENDS):
-            allowed = ", ".join(("auto", *BACKENDS))
-            raise ValueError(f"backend is '{self.backend}', allowed is one of {allowed}")
-        check_ranges(self, size=(0, 4096), confidence=(0.01, 0.99), overlap=(0.01, 1), most=(1, 10000))
+    most: int = param(100, within(1, 10000))  # that are told of a picture
 
 
 class YoloDetector:
@@ -51,7 +42,8 @@ class YoloDetector:
         :raises OSError: the model cannot be read
         :raises ValueError: a setting out of range, or no such model, and what to do
         """
-        settings.validate()
+        if not settings.model:
+            raise ValueError("model is empty, it must be an ONNX file")
         self._settings = settings
         facts = read_model(settings.model)
         self.classes = _classes(settings, facts)

@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 
 from sextant.base.onnx_model import BACKENDS, ImageInput, only, open_network, read_model
-from sextant.base.ranges import check_ranges
+from sextant.base.strict_params import ParamError, StrictParams, each, one_of, param, within
 
 LARGEST = 4096  # pixels
 BACKEND_NAMES = ("auto", *BACKENDS)
@@ -24,34 +24,25 @@ CHANNELS = {
 
 
 @dataclass(frozen=True)
-class GlobalDescriptorSettings:
+class GlobalDescriptorSettings(StrictParams):
     """Which network, and what it takes: (pixel / 255 - mean) / std of every channel."""
 
     model: str = ""  # ONNX file
-    backend: str = "auto"  # auto, onnxruntime, opencv; auto: onnxruntime where it is installed
-    width: int = 0  # [0, 4096]; pixels; 0: as the model says
-    height: int = 0  # [0, 4096]; pixels; 0: as the model says
-    channels: str = "RGB"  # RGB, BGR, grey
-    mean: Tuple[float, ...] = IMAGENET_MEAN  # [-1000, 1000]; one a channel
-    std: Tuple[float, ...] = IMAGENET_STD  # [1e-6, 1000]; one a channel
+    backend: str = param("auto", one_of(*BACKEND_NAMES))  # auto: onnxruntime where it is installed
+    width: int = param(0, within(0, LARGEST))  # pixels; 0: as the model says
+    height: int = param(0, within(0, LARGEST))  # pixels; 0: as the model says
+    channels: str = param("RGB", one_of(*CHANNELS))
+    mean: Tuple[float, ...] = param(IMAGENET_MEAN, each(within(-1000, 1000)))  # one a channel
+    std: Tuple[float, ...] = param(IMAGENET_STD, each(within(1e-6, 1000)))  # one a channel
 
     def __post_init__(self) -> None:
         for name in ("mean", "std"):  # lists have no hash
             object.__setattr__(self, name, tuple(getattr(self, name)))
-
-    def validate(self) -> None:
-        """:raises ValueError: names the first field that cannot be, and what can"""
-        if not self.model:
-            raise ValueError("model is empty, it must be an ONNX file")
-        for name, allowed in (("backend", BACKEND_NAMES), ("channels", tuple(CHANNELS))):
-            if getattr(self, name) not in allowed:
-                raise ValueError(f"{name} is '{getattr(self, name)}', allowed is one of {', '.join(allowed)}")
-        check_ranges(self, width=(0, LARGEST), height=(0, LARGEST))
+        super().__post_init__()
         count = CHANNELS[self.channels][0]
-        for name, low in (("mean", -1000), ("std", 1e-6)):
-            values = getattr(self, name)
-            if len(values) != count or not all(low <= value <= 1000 for value in values):
-                raise ValueError(f"{name} is {values}, allowed is one number of [{low:g}, 1000] a channel")
+        for name in ("mean", "std"):
+            if len(getattr(self, name)) != count:
+                raise ParamError(name, "must be one number a channel", getattr(self, name))
 
 
 class GlobalDescriptor:
@@ -63,7 +54,8 @@ class GlobalDescriptor:
         :raises OSError: the model cannot be read
         :raises ValueError: a setting out of range, or no model of one image to one vector, and what to do
         """
-        settings.validate()
+        if not settings.model:
+            raise ValueError("model is empty, it must be an ONNX file")
         self._settings = settings
         facts = read_model(settings.model)
         only(settings.model, "output", facts.outputs)

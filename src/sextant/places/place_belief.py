@@ -14,7 +14,7 @@ import numpy as np
 from scipy.sparse import csr_matrix
 from scipy.spatial import cKDTree
 
-from sextant.base.ranges import check_ranges
+from sextant.base.strict_params import ParamError, StrictParams, param, within
 
 ROUND = 0.1  # of a spacing: distances that differ by less are moved by as one
 REMEMBERED = 64  # ways to move, by distance
@@ -22,26 +22,24 @@ PAIRS = 16_000_000  # of places, that a way to move, or all that are remembered,
 
 
 @dataclass(frozen=True)
-class BeliefParams:
+class BeliefParams(StrictParams):
     """How a robot moves among the places, and how far pictures are believed."""
 
-    reach: float = 4.0  # [1, 20]; spacings of places that it may go between two pictures, without odometry
-    restart: float = 0.01  # [0, 1]; probability that it was carried anywhere between two pictures
-    leave: float = 0.01  # [0, 1]; that it left for where the map knows nothing
-    nowhere: float = 0.5  # [0, 1]; that it is there at first; 0: it never is, leave has to be 0, too
-    trust: float = 0.6  # (0, 1]; part of a picture's evidence that counts: successive pictures err alike
-    doubt: float = 2.0  # [0, 20]; taken from a log ratio: what is like no place is like one of them for long
-    distance_noise: float = 0.1  # [0.001, 1]; deviation of a distance that odometry says, part of it
-    radius: float = 2.2  # [0, 20]; spacings within which places are one answer
+    reach: float = param(4.0, within(1, 20))  # spacings of places between two pictures, without odometry
+    restart: float = param(0.01, within(0, 1))  # probability of being carried between two pictures
+    leave: float = param(0.01, within(0, 1))  # that it left for where the map knows nothing
+    nowhere: float = param(0.5, within(0, 1))  # that it is there at first; 0: never, leave must be 0, too
+    trust: float = param(0.6, within(1e-6, 1))  # share of evidence that counts: successive pictures err alike
+    doubt: float = param(2.0, within(0, 20))  # subtracted from log ratios: a wrong place may match for long
+    distance_noise: float = param(0.1, within(0.001, 1))  # deviation of odometry's distance, share of it
+    radius: float = param(2.2, within(0, 20))  # spacings within which places are one answer
 
-    def validate(self) -> None:
-        """:raises ValueError: names the first field out of range"""
-        check_ranges(self, reach=(1, 20), restart=(0, 1), leave=(0, 1), nowhere=(0, 1), trust=(1e-6, 1))
-        check_ranges(self, doubt=(0, 20), distance_noise=(0.001, 1), radius=(0, 20))
+    def __post_init__(self) -> None:
+        super().__post_init__()
         if self.leave and not self.nowhere:
-            raise ValueError("leave has to be 0 where nowhere is 0")
+            raise ParamError("leave", "must be 0 where nowhere is 0", self.leave)
         if self.restart + self.leave > 1:
-            raise ValueError(f"restart + leave is {self.restart + self.leave:g}, allowed is up to 1")
+            raise ParamError("restart + leave", "must be at most 1", self.restart + self.leave)
 
 
 class Hypothesis(NamedTuple):
@@ -58,7 +56,6 @@ class PlaceBelief:
     def __init__(self, positions: np.ndarray, params: Optional[BeliefParams] = None):
         """:param positions: (n, 2) of the places, in any unit; that of the distances given to move()"""
         self._params = params or BeliefParams()
-        self._params.validate()
         self._positions = np.asarray(positions, float).reshape(-1, 2)
         self._tree = cKDTree(self._positions)
         self.spacing = self._spacing()

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import logsumexp
 
-from sextant.base.ranges import check_ranges
+from sextant.base.strict_params import StrictParams, param, within
 
 MAD_TO_DEVIATION = 1.4826  # of a normal distribution
 REFERENCE = 100  # best photos that tell how much the scores of wrong ones differ
@@ -23,22 +23,17 @@ HIGHEST_RELATIVE = 6.0  # in relative evidence, which has to bear that one pictu
 
 
 @dataclass(frozen=True)
-class EvidenceParams:
+class EvidenceParams(StrictParams):
     """How scores by votes become evidence; `benchmark/places.py --only calibration` fits the first four.
 
     log ratio = deviation * z + score * ln(s) + size * ln(n) - offset; score s, its deviations() z, n photos
     """
 
-    deviation: float = 0.313  # [0, 100]
-    score: float = 3.33  # [0, 100]
-    size: float = 3.40  # [0, 100]
-    offset: float = 11.9  # [-100, 100]
-    limit: float = 12.0  # (0, 100]; of a log ratio: more is never believed of one picture
-
-    def validate(self) -> None:
-        """:raises ValueError: names the first field out of range"""
-        check_ranges(self, deviation=(0, 100), score=(0, 100), size=(0, 100), offset=(-100, 100))
-        check_ranges(self, limit=(1e-6, 100))
+    deviation: float = param(0.313, within(0, 100))
+    score: float = param(3.33, within(0, 100))
+    size: float = param(3.40, within(0, 100))
+    offset: float = param(11.9, within(-100, 100))
+    limit: float = param(12.0, within(1e-6, 100))  # of a log ratio: more is never believed of one picture
 
 
 def deviations(scores: np.ndarray, least: float = 0.0) -> np.ndarray:

@@ -2,13 +2,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Where in a map of places a robot is, picture by picture."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from enum import IntEnum
 from typing import List, NamedTuple, Optional
 
 import numpy as np
 
-from sextant.base.ranges import check_ranges
+from sextant.base.strict_params import StrictParams, nested, one_of, param, within
 from sextant.place_maps.place_map import Photo, PlaceMap
 from sextant.places.place_belief import BeliefParams, Hypothesis
 from sextant.places.place_estimate import PlaceEstimate, estimate, scale_of
@@ -32,23 +32,15 @@ class Status(IntEnum):
 
 
 @dataclass(frozen=True)
-class LocalizationParams:
+class LocalizationParams(StrictParams):
     """How pictures are recognized and taken together."""
 
-    mode: str = "filter"  # one of sextant.places.place_modes.MODES, or votes
-    max_places: int = 5  # [1, 1000]; that are told
-    window: int = 30  # [2, 1000]; pictures of mode sequence
-    min_matches: int = 10  # [1, 100000]; votes, in mode votes, with less nothing is told
-    recognition: RecognitionParams = field(default_factory=RecognitionParams)
-    belief: BeliefParams = field(default_factory=BeliefParams)
-
-    def validate(self) -> None:
-        """:raises ValueError: names the first field out of range"""
-        if self.mode not in (*MODES, VOTES):
-            raise ValueError(f"mode is '{self.mode}', allowed is one of {', '.join((*MODES, VOTES))}")
-        check_ranges(self, max_places=(1, 1000), window=(2, 1000), min_matches=(1, 100000))
-        self.recognition.validate()
-        self.belief.validate()
+    mode: str = param("filter", one_of(*MODES, VOTES))  # of sextant.places.place_modes.MODES, or votes
+    max_places: int = param(5, within(1, 1000))  # that are told
+    window: int = param(30, within(2, 1000))  # pictures of mode sequence
+    min_matches: int = param(10, within(1, 100000))  # votes, in mode votes, with less nothing is told
+    recognition: RecognitionParams = nested(RecognitionParams)
+    belief: BeliefParams = nested(BeliefParams)
 
 
 class Answer(NamedTuple):
@@ -95,7 +87,6 @@ class PlaceLocalizer:
     def __init__(self, place_map: PlaceMap, index: PlaceIndex, params: Optional[LocalizationParams] = None):
         """:raises ValueError: a parameter out of range, or a photo that is not in the index"""
         self._params = params or LocalizationParams()
-        self._params.validate()
         self.scale = scale_of(place_map)
         self._positions = np.array([(place[0].x, place[0].y) for place in place_map.places()])
         self._pixels = np.array(self.scale or (1.0, 1.0))  # (2,) in metres, if possible

@@ -2,14 +2,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Which places of a map a picture may show: votes of descriptors, their arrangement, what both are worth."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import List, NamedTuple, Optional
 
 import cv2
 import numpy as np
 
 import sextant
-from sextant.base.ranges import check_ranges
+from sextant.base.strict_params import StrictParams, nested, param, within
 from sextant.place_maps.place_map import Photo, PlaceMap
 from sextant.places.global_descriptor import GlobalDescriptor
 from sextant.places.place_evidence import EvidenceParams, absolute_log_ratios, relative_log_ratios
@@ -23,22 +23,16 @@ LEAST = 500.0  # below the largest log ratio: that its exponential is not 0
 
 
 @dataclass(frozen=True)
-class RecognitionParams:
+class RecognitionParams(StrictParams):
     """How votes become scores, and scores evidence."""
 
-    neighbours: int = 16  # [2, 128]; of a descriptor; the last stands for everywhere else
-    hub_exponent: float = 0.5  # [0, 1]; of a photo's number of descriptors, which its votes are divided by
-    arrangement: float = 2.0  # [0, 100]; weight of the votes that agree in their displacement
-    min_keypoints: int = 10  # [1, 100000]; a picture with fewer says nothing by votes
-    min_contrast: float = 0.5  # [0, 128]; of contrast(); a picture with less says nothing by its vector
-    evidence: EvidenceParams = field(default_factory=EvidenceParams)
-    global_weight: float = 1.0  # [0, 100]; deviations that a right photo's vector is nearer by; 0: not used
-
-    def validate(self) -> None:
-        """:raises ValueError: names the first field out of range"""
-        check_ranges(self, neighbours=(2, 128), hub_exponent=(0, 1), arrangement=(0, 100))
-        check_ranges(self, min_keypoints=(1, 100000), min_contrast=(0, 128), global_weight=(0, 100))
-        self.evidence.validate()
+    neighbours: int = param(16, within(2, 128))  # of a descriptor; the last stands for everywhere else
+    hub_exponent: float = param(0.5, within(0, 1))  # of the descriptors' number that votes are divided by
+    arrangement: float = param(2.0, within(0, 100))  # weight of the votes that agree in their displacement
+    min_keypoints: int = param(10, within(1, 100000))  # a picture with fewer says nothing by votes
+    min_contrast: float = param(0.5, within(0, 128))  # of contrast(); with less the vector is not used
+    evidence: EvidenceParams = nested(EvidenceParams)
+    network_weight: float = param(1.0, within(0, 100))  # deviations that a right photo is nearer; 0: unused
 
 
 class Recognition(NamedTuple):
@@ -70,11 +64,10 @@ class PlaceRecognizer:
     def __init__(self, place_map: PlaceMap, index: PlaceIndex, params: Optional[RecognitionParams] = None):
         """:raises ValueError: a parameter out of range, or a photo that is not in the index"""
         self._params, self._index = params or RecognitionParams(), index
-        self._params.validate()
         self._extractor = sextant.FeatureExtractor(index.settings.feature_params())
         self._photos = MapPhotos(place_map, index)
         settings = index.settings.global_descriptor
-        self._descriptor = GlobalDescriptor(settings) if settings and self._params.global_weight else None
+        self._descriptor = GlobalDescriptor(settings) if settings and self._params.network_weight else None
 
     def recognize(self, image: np.ndarray) -> Recognition:
         """:param image: uint8, (height, width) grey or (height, width, 3) BGR"""
@@ -100,7 +93,7 @@ class PlaceRecognizer:
     def _told_apart(self, image: np.ndarray) -> np.ndarray:
         """(photos,) log ratios by vectors of whole pictures."""
         similarities = (self._index.vectors @ self._descriptor.describe(image))[self._photos.rows]
-        return relative_log_ratios(similarities, self._params.global_weight, self._photos.shares)
+        return relative_log_ratios(similarities, self._params.network_weight, self._photos.shares)
 
     def _scores(self, matches: Matches) -> np.ndarray:
         """(photos,) by votes, and by those that agree in their displacement."""

@@ -10,7 +10,7 @@ from typing import List, Optional, Sequence, Tuple, Union
 import numpy as np
 
 import sextant
-from sextant.base.ranges import check_ranges
+from sextant.base.strict_params import StrictParams, required, within
 from sextant.printing.marker_print import black_boxes, check_size, marker_shape
 from sextant.printing.print_label import UP, Label, draw_label, label_height
 from sextant.printing.print_layout import (
@@ -26,16 +26,12 @@ from sextant.printing.sheets import SheetParams, check_ids, id_ranges
 
 
 @dataclass(frozen=True)
-class BoardParams:
-    """How the markers of a board stand; validate() has the ranges."""
+class BoardParams(StrictParams):
+    """How the markers of a board stand."""
 
-    columns: int
-    rows: int
-    gap: float  # metres between the edges of neighbours that `size` measures
-
-    def validate(self) -> None:
-        """:raises ValueError: names the first field out of range, its value and what is allowed."""
-        check_ranges(self, columns=(1, 100), rows=(1, 100), gap=(0.0, 1.0))
+    columns: int = required(within(1, 100))
+    rows: int = required(within(1, 100))
+    gap: float = required(within(0.0, 1.0))  # metres between the edges of neighbours that `size` measures
 
 
 def smallest_gap(family: str, size: float, quiet: float) -> float:
@@ -57,7 +53,6 @@ def board_map(family: str, ids: Sequence[int], size: float, board: BoardParams) 
     :raises ValueError: an unknown family, an id that it does not have or that is there twice, or not as many
         ids as places
     """
-    board.validate()
     check_ids(family, ids)
     if len(ids) != board.columns * board.rows:
         wanted = f"a board of {board.columns} x {board.rows} needs {board.columns * board.rows} ids"
@@ -86,7 +81,6 @@ def write_board(
     :raises ValueError: as board_map(), a gap too small for the white rim, or a board too large for the page
     :raises OSError: the file cannot be written
     """
-    params.validate()
     check_size(size)
     marker_map = board_map(family, ids, size, board)
     if not _leaves_white(board, family, size, params.quiet):

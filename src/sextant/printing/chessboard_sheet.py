@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Optional, Union
 
-from sextant.base.ranges import check_ranges
+from sextant.base.strict_params import StrictParams, required, within
 from sextant.printing.print_label import Label, draw_label, label_height
 from sextant.printing.print_layout import (
     SMALLEST,
@@ -24,16 +24,12 @@ QUIET = 0.5  # squares of white around the board, which the search for it wants
 
 
 @dataclass(frozen=True)
-class Chessboard:
-    """A board as camera_calibration counts it; validate() has the ranges."""
+class Chessboard(StrictParams):
+    """A board as camera_calibration counts it."""
 
-    columns: int  # inner corners, one less than squares
-    rows: int
-    square: float  # metres, edge of a square
-
-    def validate(self) -> None:
-        """:raises ValueError: names the first field out of range, its value and what is allowed."""
-        check_ranges(self, columns=(2, 100), rows=(2, 100), square=(SMALLEST, 1.0))
+    columns: int = required(within(2, 100))  # inner corners, one less than squares
+    rows: int = required(within(2, 100))
+    square: float = required(within(SMALLEST, 1.0))  # metres, edge of a square
 
     @property
     def arguments(self) -> str:
@@ -53,8 +49,6 @@ def write_chessboard(path: Union[str, Path], board: Chessboard, paper: Paper) ->
     :raises ValueError: a board out of range, or too large for the page
     :raises OSError: the file cannot be written
     """
-    paper.validate()
-    board.validate()
     grid = _grid(board, paper)
     if grid is None:
         at_most = largest_sizes(

@@ -7,7 +7,7 @@ import math
 from dataclasses import dataclass
 from typing import Callable, List, Optional, Tuple
 
-from sextant.base.ranges import check_ranges
+from sextant.base.strict_params import StrictParams, one_of, param, within
 from sextant.printing.print_page import FOOTER, PrintPages
 
 PAGES = {"A4": (0.210, 0.297), "A3": (0.297, 0.420), "Letter": (0.2159, 0.2794)}  # upright: width, height
@@ -19,17 +19,11 @@ _SLACK = 1e-9  # metres, so that what fits exactly fits
 
 
 @dataclass(frozen=True)
-class Paper:
-    """What is printed on; validate() has the ranges."""
+class Paper(StrictParams):
+    """What is printed on."""
 
-    page: str = "A4"  # one of PAGES; upright or across, whichever holds more
-    margin: float = 0.008  # metres along the paper's edge that the printer cannot reach
-
-    def validate(self) -> None:
-        """:raises ValueError: names the first field out of range, its value and what is allowed."""
-        if self.page not in PAGES:
-            raise ValueError(f"page is {self.page}, allowed are {', '.join(PAGES)}")
-        check_ranges(self, margin=(0.0, 0.05))
+    page: str = param("A4", one_of(*PAGES))  # upright or across, whichever holds more
+    margin: float = param(0.008, within(0.0, 0.05))  # metres along the edge that the printer cannot reach
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Optional, Sequence, Union
 
 import sextant
-from sextant.base.ranges import check_ranges
+from sextant.base.strict_params import param, within
 from sextant.printing.marker_print import black_boxes, check_size, marker_shape
 from sextant.printing.print_label import UP, Label, draw_label, label_height
 from sextant.printing.print_layout import (
@@ -23,15 +23,10 @@ from sextant.printing.print_page import PrintPages
 
 @dataclass(frozen=True)
 class SheetParams(Paper):
-    """How markers are put on pages; validate() has the ranges."""
+    """How markers are put on pages."""
 
-    quiet: float = 1.0  # white rim around every marker that is kept free of ink, in modules
-    most: int = 0  # markers a page at most; 0: as many as fit
-
-    def validate(self) -> None:
-        """:raises ValueError: names the first field out of range, its value and what is allowed."""
-        super().validate()
-        check_ranges(self, quiet=(0.5, 10.0), most=(0, 1000))
+    quiet: float = param(1.0, within(0.5, 10.0))  # white rim around every marker without ink, in modules
+    most: int = param(0, within(0, 1000))  # markers a page at most; 0: as many as fit
 
 
 def write_sheets(
@@ -45,7 +40,6 @@ def write_sheets(
         large for the page
     :raises OSError: the file cannot be written
     """
-    params.validate()
     check_size(size)
     check_ids(family, ids)
     grid = _grid(family, len(ids), size, params)

@@ -3,12 +3,12 @@
 """A floor with walls, pillars, a ball that rolls and a robot that drives against it: all of them circles."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from typing import Iterator, List, NamedTuple, Optional, Sequence, Set, Tuple
 
 import numpy as np
 
-from sextant.base.ranges import check_ranges
+from sextant.base.strict_params import StrictParams, param, within
 from sextant.simulation.motion import Motion
 from sextant.simulation.odometry import OdometryNoise
 
@@ -17,35 +17,29 @@ TRAVEL = 0.002  # metres that the robot has to go back before what it stood agai
 
 
 @dataclass(frozen=True)
-class BallParams:
+class BallParams(StrictParams):
     """A ball on a floor."""
 
-    radius: float = 0.05  # (0, 1] metres
-    rolling: float = 0.35  # [0, 10] m/s^2 by which it slows down
-    bounce: float = 0.6  # [0, 1] share of the speed that it keeps where it hits something
+    radius: float = param(0.05, within(1e-3, 1))  # metres
+    rolling: float = param(0.35, within(0, 10))  # m/s^2 by which it slows down
+    bounce: float = param(0.6, within(0, 1))  # share of the speed that it keeps where it hits something
 
-    def validate(self) -> None:
-        """:raises ValueError: names the first field out of range"""
-        check_ranges(self, radius=(1e-3, 1), rolling=(0, 10), bounce=(0, 1))
+
+def _shares(noise: OdometryNoise) -> str:
+    return "" if all(0 <= each <= 1 for each in astuple(noise)) else "must each be within [0, 1]"
 
 
 @dataclass(frozen=True)
-class DriveParams:
+class DriveParams(StrictParams):
     """A round robot on two wheels, far heavier than a ball. The figures are a Kobuki's."""
 
-    radius: float = 0.177  # (0, 2] metres
-    max_speed: float = 0.7  # (0, 10] m/s
-    max_turn_rate: float = 3.1  # (0, 20] rad/s
-    acceleration: float = 1.0  # (0, 100] m/s^2
-    turn_acceleration: float = 6.0  # (0, 1000] rad/s^2
-    slip: float = 0.02  # [0, 1] share of way and turn that wheels lose all the time, at most
-    noise: OdometryNoise = OdometryNoise(0.01, 0.01, 0.02)  # each [0, 1]; and what they lose by chance
-
-    def validate(self) -> None:
-        """:raises ValueError: names the first field out of range"""
-        check_ranges(self.noise, distance_per_metre=(0, 1), angle_per_metre=(0, 1), angle_per_radian=(0, 1))
-        check_ranges(self, radius=(1e-3, 2), max_speed=(1e-3, 10), max_turn_rate=(1e-3, 20))
-        check_ranges(self, acceleration=(1e-3, 100), turn_acceleration=(1e-3, 1000), slip=(0, 1))
+    radius: float = param(0.177, within(1e-3, 2))  # metres
+    max_speed: float = param(0.7, within(1e-3, 10))  # m/s
+    max_turn_rate: float = param(3.1, within(1e-3, 20))  # rad/s
+    acceleration: float = param(1.0, within(1e-3, 100))  # m/s^2
+    turn_acceleration: float = param(6.0, within(1e-3, 1000))  # rad/s^2
+    slip: float = param(0.02, within(0, 1))  # share of way and turn that wheels lose all the time, at most
+    noise: OdometryNoise = param(OdometryNoise(0.01, 0.01, 0.02), _shares)  # and what they lose by chance
 
 
 class Pillar(NamedTuple):
@@ -89,11 +83,8 @@ class BallGround:
     ):
         """:param size: of the floor, metres. :param robot: (3,) x, y, yaw
 
-        :raises ValueError: as the parameters' validate()
         """
         self.ball_params, self.drive = ball_params or BallParams(), drive or DriveParams()
-        self.ball_params.validate()
-        self.drive.validate()
         self.half = 0.5 * np.asarray(size, float)
         self.pillars = list(pillars)
         self.stamp = 0.0

@@ -2,13 +2,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A robot with a camera among pillars, with a ball: a BallGround that can be seen."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Dict, List, Tuple
 
 import numpy as np
 
 import sextant
-from sextant.base.ranges import check_ranges
+from sextant.base.strict_params import StrictParams, nested, param, within
 from sextant.objects.object_kinds import BALL
 from sextant.simulation.ball_ground import BallGround, BallParams, DriveParams
 from sextant.simulation.ball_world import BallWorld
@@ -26,28 +26,20 @@ WALL = 2.5  # metres
 
 
 @dataclass(frozen=True)
-class BallSimulationParams:
+class BallSimulationParams(StrictParams):
     """Of everything but where things are."""
 
-    seed: int = 0  # [0, 2^31 - 1] of surfaces, paint, light and all noise
-    flicker: float = 0.15  # [0, 1] share by which the light changes
-    ball: BallParams = field(default_factory=BallParams)
-    drive: DriveParams = field(default_factory=DriveParams)
-    camera: RgbdParams = field(default_factory=RgbdParams)
-
-    def validate(self) -> None:
-        """:raises ValueError: names the first field out of range"""
-        check_ranges(self, seed=(0, 2**31 - 1), flicker=(0, 1))
-        for each in (self.ball, self.drive, self.camera):
-            each.validate()
+    seed: int = param(0, within(0, 2**31 - 1))  # of surfaces, paint, light and all noise
+    flicker: float = param(0.15, within(0, 1))  # share by which the light changes
+    ball: BallParams = nested(BallParams)
+    drive: DriveParams = nested(DriveParams)
+    camera: RgbdParams = nested(RgbdParams)
 
 
 class BallSimulation:
     """Moves on in time; a picture is of the moment at which it is asked for."""
 
     def __init__(self, world: BallWorld, params: BallSimulationParams):
-        """:raises ValueError: a parameter out of range"""
-        params.validate()
         self.world = world
         self.ground = BallGround(
             world.size, world.pillars, world.ball, world.robot, params.ball, params.drive, params.seed

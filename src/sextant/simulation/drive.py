@@ -2,13 +2,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A simulated drive: what the camera sees, what the wheels say, and the truth, frame by frame."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Iterator, List, Optional
 
 import numpy as np
 
 import sextant
-from sextant.base.ranges import check_ranges
+from sextant.base.strict_params import StrictParams, param, within
 from sextant.simulation.camera import HORIZONTAL_FOV, camera_calibration, camera_mount
 from sextant.simulation.motion import FigureEight, Motion, free_floor
 from sextant.simulation.odometry import OdometryNoise, OdometryReading, WheelOdometry
@@ -20,46 +20,45 @@ _WHEELS = OdometryNoise()
 _PATH = FigureEight()
 
 
-@dataclass(frozen=True)
-class DriveParams:
-    """What is simulated; validate() has the ranges. The core has the defaults of what it renders with."""
+def _three_numbers(value: List[float]) -> str:
+    return "" if len(value) == 3 and np.all(np.isfinite(value)) else "must be three finite numbers"
 
-    seed: int = 1  # of walls, image noise and wheel noise
-    rate: float = 30.0  # frames a second
+
+@dataclass(frozen=True)
+class DriveParams(StrictParams):
+    """What is simulated. The core has the defaults of what it renders with."""
+
+    seed: int = param(1, within(0, 2**31 - 1))  # of walls, image noise and wheel noise
+    rate: float = param(30.0, within(0.1, 1000.0))  # frames a second
     # room
     obstacles: bool = True  # see room_for()
     quiet_zone: float = _SCENE.quiet_zone  # white margin of the prints, modules
     light_unevenness: float = _SCENE.light_unevenness  # 0: even light
     # camera
-    width: int = 640  # pixels
-    height: int = 480
+    width: int = param(640, within(16, 8192))  # pixels
+    height: int = param(480, within(16, 8192))
     horizontal_fov: float = HORIZONTAL_FOV  # radians, of the lens without its distortion
     distortion_model: str = "plumb_bob"  # plumb_bob, rational_polynomial or equidistant
-    distortion: List[float] = field(default_factory=list)  # OpenCV's order; empty: an ideal lens
-    camera_xyz: List[float] = field(default_factory=lambda: [0.1, 0.0, 1.0])  # mount on base_link, metres
-    camera_rpy: List[float] = field(default_factory=lambda: [0.0, 0.0, 0.0])  # radians; 0: looks ahead
-    exposure_time: float = 0.0  # seconds that blur a moving image; the stamp is their middle
+    distortion: List[float] = param([])  # OpenCV's order; empty: an ideal lens
+    camera_xyz: List[float] = param([0.1, 0.0, 1.0], _three_numbers)  # mount on base_link, metres
+    camera_rpy: List[float] = param([0.0, 0.0, 0.0], _three_numbers)  # radians; 0: looks ahead
+    exposure_time: float = param(0.0, within(0.0, 1.0))  # seconds of blur; the stamp is their middle
     supersampling: int = _CAMERA.supersampling
     blur_sigma: float = _CAMERA.blur_sigma  # pixels
     noise_sigma: float = _CAMERA.noise_sigma  # grey levels
     vignette: float = _CAMERA.vignette  # share of light lost in the corners
     white_level: float = _CAMERA.white_level  # grey level of white paper
     # robot
-    eight_half_length: float = _PATH.half_length  # metres
-    eight_half_width: float = _PATH.half_width  # metres
-    eight_period: float = _PATH.period  # seconds
-    robot_radius: float = 0.2  # metres, keeps off walls and obstacles
-    odometry_distance_per_metre: float = _WHEELS.distance_per_metre  # m / sqrt(m)
-    odometry_angle_per_metre: float = _WHEELS.angle_per_metre  # rad / sqrt(m)
-    odometry_angle_per_radian: float = _WHEELS.angle_per_radian  # rad / sqrt(rad)
+    eight_half_length: float = param(_PATH.half_length, within(0.1, 500.0))  # metres
+    eight_half_width: float = param(_PATH.half_width, within(0.05, 500.0))  # metres
+    eight_period: float = param(_PATH.period, within(1.0, 1e5))  # seconds
+    robot_radius: float = param(0.2, within(0.0, 10.0))  # metres, keeps off walls and obstacles
+    odometry_distance_per_metre: float = param(_WHEELS.distance_per_metre, within(0.0, 1.0))  # m / sqrt(m)
+    odometry_angle_per_metre: float = param(_WHEELS.angle_per_metre, within(0.0, 1.0))  # rad / sqrt(m)
+    odometry_angle_per_radian: float = param(_WHEELS.angle_per_radian, within(0.0, 1.0))  # rad / sqrt(rad)
 
-    def validate(self) -> None:
-        """:raises ValueError: names the first field out of range, its value and what is allowed."""
-        check_ranges(self, **_RANGES)
-        for name in ("camera_xyz", "camera_rpy"):
-            value = np.asarray(getattr(self, name), dtype=float)
-            if value.shape != (3,) or not np.all(np.isfinite(value)):
-                raise ValueError(f"{name} is {value.tolist()}, allowed are three finite numbers")
+    def __post_init__(self) -> None:
+        super().__post_init__()
         self.scene_params(sextant.MarkerMap()).validate()
         self.renderer_params().validate()
         self.calibration()
@@ -90,22 +89,6 @@ class DriveParams:
         )
 
 
-_RANGES = {
-    "seed": (0, 2**31 - 1),
-    "rate": (0.1, 1000.0),
-    "width": (16, 8192),
-    "height": (16, 8192),
-    "exposure_time": (0.0, 1.0),
-    "eight_half_length": (0.1, 500.0),
-    "eight_half_width": (0.05, 500.0),
-    "eight_period": (1.0, 1e5),
-    "robot_radius": (0.0, 10.0),
-    "odometry_distance_per_metre": (0.0, 1.0),
-    "odometry_angle_per_metre": (0.0, 1.0),
-    "odometry_angle_per_radian": (0.0, 1.0),
-}
-
-
 @dataclass(frozen=True)
 class Frame:
     """One instant of a drive."""
@@ -134,9 +117,8 @@ class SimulatedDrive:
 
     def __init__(self, params: DriveParams, marker_map: Optional["sextant.MarkerMap"] = None):
         """:param marker_map: default_map() if none
-        :raises ValueError: as DriveParams.validate(), or an eight that does not fit into the room
+        :raises ValueError: an eight that does not fit into the room
         """
-        params.validate()
         self.params = params
         self.map = default_map() if marker_map is None else marker_map
         self.calibration = params.calibration()

@@ -11,7 +11,7 @@ from typing import Deque, Iterator, List, NamedTuple, Optional, Tuple
 
 import numpy as np
 
-from sextant.base.ranges import check_ranges
+from sextant.base.strict_params import StrictParams, param, within
 from sextant.geometry.plane_poses import composed, in_frame, rotation
 
 COLOURS = ("blue", "red", "yellow", "green", "orange", "purple", "white", "black")
@@ -19,43 +19,33 @@ TINY = 1e-9  # seconds: stamps that are one may differ by it
 
 
 @dataclass(frozen=True)
-class LandmarkWorldParams:
+class LandmarkWorldParams(StrictParams):
     """Of world, robot and sensor."""
 
-    seed: int = 0
-    landmarks: int = 15  # [0, 10000]
-    classes: int = 3  # [1, 1000]
-    half_side: float = 8.0  # [1, 1e5] metres; landmarks stand in the square of twice this
-    separation: float = 1.0  # [0, 100] metres; no two are nearer
-    duration: float = 300.0  # (0, 1e6] seconds
-    odometry_rate: float = 20.0  # (0, 1000] Hz
-    sensor_rate: float = 5.0  # (0, 1000] Hz
-    speed: float = 0.5  # [0, 100] m/s
-    turn_rate: float = 0.8  # [0, 10] rad/s, at most
-    max_range: float = 5.0  # (0, 1e5] metres, that are seen
-    field_of_view: float = 1.6  # (0, 6.2832] radians
+    seed: int = param(0, within(0, 2**31 - 1))
+    landmarks: int = param(15, within(0, 10000))
+    classes: int = param(3, within(1, 1000))
+    half_side: float = param(8.0, within(1, 1e5))  # metres; landmarks stand in the square of twice this
+    separation: float = param(1.0, within(0, 100))  # metres; no two are nearer
+    duration: float = param(300.0, within(1e-9, 1e6))  # seconds
+    odometry_rate: float = param(20.0, within(1e-9, 1000))  # Hz
+    sensor_rate: float = param(5.0, within(1e-9, 1000))  # Hz
+    speed: float = param(0.5, within(0, 100))  # m/s
+    turn_rate: float = param(0.8, within(0, 10))  # rad/s, at most
+    max_range: float = param(5.0, within(1e-9, 1e5))  # metres, that are seen
+    field_of_view: float = param(1.6, within(1e-9, 6.2832))  # radians
     range_noise: Tuple[float, float] = (0.02, 0.005)  # metres: always, and more with every squared metre
-    bearing_noise: float = 0.02  # [0, 1] radians
-    missed: float = 0.0  # [0, 1) of what could be seen
-    phantoms: float = 0.0  # [0, 1) for each sighting, how likely one of nothing comes with it
-    delay: float = 0.0  # [0, 10] seconds from a look to its arrival
-    clock_offset: float = 0.0  # [-10, 10] seconds to add to the stamps of sightings
-    turn_by_turn: float = 0.03  # [0, 1]; as sextant.OdometryNoiseParams, and so are the next four
-    turn_by_way: float = 0.02
-    way_by_way: float = 0.03
-    way_by_turn: float = 0.01
-    aside_by_way: float = 0.01
-    scale: float = 1.0  # [0.1, 10]; what odometry measures of a metre
-
-    def validate(self) -> None:
-        """:raises ValueError: names the first field out of range"""
-        check_ranges(self, landmarks=(0, 10000), classes=(1, 1000), half_side=(1, 1e5), separation=(0, 100))
-        check_ranges(self, duration=(1e-9, 1e6), odometry_rate=(1e-9, 1000), sensor_rate=(1e-9, 1000))
-        check_ranges(self, speed=(0, 100), turn_rate=(0, 10), max_range=(1e-9, 1e5))
-        check_ranges(self, field_of_view=(1e-9, 6.2832), bearing_noise=(0, 1), missed=(0, 1 - 1e-9))
-        check_ranges(self, phantoms=(0, 1 - 1e-9), delay=(0, 10), clock_offset=(-10, 10), scale=(0.1, 10))
-        check_ranges(self, seed=(0, 2**31 - 1), turn_by_turn=(0, 1), turn_by_way=(0, 1), way_by_way=(0, 1))
-        check_ranges(self, way_by_turn=(0, 1), aside_by_way=(0, 1))
+    bearing_noise: float = param(0.02, within(0, 1))  # radians
+    missed: float = param(0.0, within(0, 1 - 1e-9))  # of what could be seen
+    phantoms: float = param(0.0, within(0, 1 - 1e-9))  # probability of a false one with each sighting
+    delay: float = param(0.0, within(0, 10))  # seconds from a look to its arrival
+    clock_offset: float = param(0.0, within(-10, 10))  # seconds to add to the stamps of sightings
+    turn_by_turn: float = param(0.03, within(0, 1))  # as sextant.OdometryNoiseParams, so are the next four
+    turn_by_way: float = param(0.02, within(0, 1))
+    way_by_way: float = param(0.03, within(0, 1))
+    way_by_turn: float = param(0.01, within(0, 1))
+    aside_by_way: float = param(0.01, within(0, 1))
+    scale: float = param(1.0, within(0.1, 10))  # what odometry measures of a metre
 
 
 class SeenLandmark(NamedTuple):
@@ -91,7 +81,6 @@ class LandmarkWorld:
 
     def __init__(self, params: LandmarkWorldParams):
         """:raises ValueError: a parameter out of range, or landmarks that find no room"""
-        params.validate()
         self.params = params
         rng = np.random.default_rng([params.seed, 0])
         self.positions = _scattered(rng, params)  # (n, 2) metres

@@ -8,35 +8,28 @@ from typing import List, NamedTuple
 import numpy as np
 
 import sextant
-from sextant.base.ranges import check_ranges
+from sextant.base.strict_params import StrictParams, param, within
 from sextant.simulation.camera import camera_calibration, camera_mount
 
 
 @dataclass(frozen=True)
-class RgbdParams:
+class RgbdParams(StrictParams):
     """Both pictures are of one size. The figures are a D435's on a Kobuki."""
 
-    width: int = 640  # [16, 4096] pixels
-    height: int = 480  # [16, 4096]
-    colour_fov: float = 0.96  # (0.1, 3) radians that the width spans
-    depth_fov: float = 1.387  # (0.1, 3)
-    x: float = 0.10  # [-10, 10] metres, of the colour camera in the robot frame
-    y: float = 0.0
-    z: float = 0.30
-    pitch: float = 0.25  # [-1.5, 1.5] radians, downward
-    apart: float = 0.015  # [-1, 1] metres from the depth camera to the colour camera, to the left
-    depth_turn: float = 0.005  # [-0.5, 0.5] radians by which the depth camera looks farther to the left
-    noise_sigma: float = 4.0  # [0, 100] levels of colour
-    depth_noise: float = 0.004  # [0, 1] metres at 1 m, growing with the square of the depth
-    depth_scale: float = 1.0 / 1.04  # [0.5, 2] what it says of a metre
-    holes: float = 0.01  # [0, 1] share of depths that are not there
-
-    def validate(self) -> None:
-        """:raises ValueError: names the first field out of range"""
-        check_ranges(self, width=(16, 4096), height=(16, 4096), colour_fov=(0.1, 3), depth_fov=(0.1, 3))
-        check_ranges(self, x=(-10, 10), y=(-10, 10), z=(-10, 10), pitch=(-1.5, 1.5), apart=(-1, 1))
-        check_ranges(self, depth_turn=(-0.5, 0.5), noise_sigma=(0, 100), depth_noise=(0, 1))
-        check_ranges(self, depth_scale=(0.5, 2), holes=(0, 1))
+    width: int = param(640, within(16, 4096))  # pixels
+    height: int = param(480, within(16, 4096))
+    colour_fov: float = param(0.96, within(0.1, 3))  # radians that the width spans
+    depth_fov: float = param(1.387, within(0.1, 3))
+    x: float = param(0.10, within(-10, 10))  # metres, of the colour camera in the robot frame
+    y: float = param(0.0, within(-10, 10))
+    z: float = param(0.30, within(-10, 10))
+    pitch: float = param(0.25, within(-1.5, 1.5))  # radians, downward
+    apart: float = param(0.015, within(-1, 1))  # metres from the depth to the colour camera, to the left
+    depth_turn: float = param(0.005, within(-0.5, 0.5))  # radians that the depth camera is turned to the left
+    noise_sigma: float = param(4.0, within(0, 100))  # levels of colour
+    depth_noise: float = param(0.004, within(0, 1))  # metres at 1 m, growing with the square of the depth
+    depth_scale: float = param(1.0 / 1.04, within(0.5, 2))  # what it says of a metre
+    holes: float = param(0.01, within(0, 1))  # share of depths that are not there
 
 
 class RgbdPicture(NamedTuple):
@@ -51,8 +44,7 @@ class RgbdCamera:
     """Takes pictures in an arena. Not thread-safe."""
 
     def __init__(self, params: RgbdParams, seed: int = 0):
-        """:param seed: [0, 2^31 - 1] of all noise. :raises ValueError: as RgbdParams.validate()"""
-        params.validate()
+        """:param seed: [0, 2^31 - 1] of all noise."""
         self.colour = camera_calibration(params.width, params.height, params.colour_fov)
         self.depth = camera_calibration(params.width, params.height, params.depth_fov)
         self.T_base_colour = camera_mount([params.x, params.y, params.z], [0.0, params.pitch, 0.0])

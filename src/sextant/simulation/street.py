@@ -11,7 +11,7 @@ from typing import List, NamedTuple, Optional, Tuple
 import cv2
 import numpy as np
 
-from sextant.base.ranges import check_ranges
+from sextant.base.strict_params import StrictParams, one_of, param, within
 from sextant.simulation.street_ground import ground
 from sextant.simulation.street_plants import bush, tree
 from sextant.simulation.street_sky import panorama
@@ -23,21 +23,15 @@ SUN_HEIGHT = 0.7  # tangent of its elevation
 
 
 @dataclass(frozen=True)
-class StreetConditions:
+class StreetConditions(StrictParams):
     """What changes between two walks along the same street."""
 
-    season: str = "summer"  # one of SEASONS
+    season: str = param("summer", one_of(*SEASONS))
     look: int = 0  # which blinds, posters, leaves and cars there are
     sun: float = 0.6  # direction of the light, radians from x
-    direct: float = 0.35  # [0, 1]; share of light that has a direction
-    exposure: float = 1.0  # (0, 4]
-    noise: float = 3.0  # [0, 50]; grey levels of the camera
-
-    def validate(self) -> None:
-        """:raises ValueError: names the first field out of range"""
-        if self.season not in SEASONS:
-            raise ValueError(f"season is '{self.season}', it must be one of {', '.join(SEASONS)}")
-        check_ranges(self, direct=(0, 1), exposure=(1e-3, 4), noise=(0, 50))
+    direct: float = param(0.35, within(0, 1))  # share of light that has a direction
+    exposure: float = param(1.0, within(1e-3, 4))
+    noise: float = param(3.0, within(0, 50))  # grey levels of the camera
 
 
 CONDITIONS = {
@@ -64,8 +58,6 @@ class Street:
     """What stands along the loop, the same for a seed in all conditions but for what they change."""
 
     def __init__(self, seed: int = 1, conditions: StreetConditions = CONDITIONS["summer"]):
-        """:raises ValueError: as StreetConditions.validate()"""
-        conditions.validate()
         self.seed, self.conditions = seed, conditions
         self._corners, self._arc = _loop()
         self.length = float(self._arc[-1])  # of the walk

@@ -7,7 +7,7 @@ from typing import List, NamedTuple, Optional
 
 import numpy as np
 
-from sextant.base.ranges import check_ranges
+from sextant.base.strict_params import StrictParams, param, within
 from sextant.simulation.motion import Motion
 from sextant.simulation.odometry import OdometryNoise, OdometryReading, WheelOdometry
 from sextant.simulation.street import CONDITIONS, Street
@@ -18,21 +18,19 @@ STEP = 0.01  # metres
 
 
 @dataclass(frozen=True)
-class WalkParams:
+class WalkParams(StrictParams):
     """Where, when and how it is walked."""
 
-    seed: int = 1  # [0, 2147483647]; of the street, the camera's noise and the wheels'
+    seed: int = param(1, within(0, 2**31 - 1))  # of the street, the camera's noise and the wheels'
     seasons: List[str] = field(default_factory=lambda: ["autumn", "winter"])  # of CONDITIONS, round by round
-    rate: float = 2.0  # [0.1, 100]; pictures a second
-    speed: float = 2.0  # [0.01, 20]; metres a second
-    sway: float = 0.4  # [0, 1.5]; metres to the left and to the right of the way
-    width: int = 480  # [16, 8192]; pixels
-    height: int = 360
+    rate: float = param(2.0, within(0.1, 100.0))  # pictures a second
+    speed: float = param(2.0, within(0.01, 20.0))  # metres a second
+    sway: float = param(0.4, within(0.0, 1.5))  # metres to the left and to the right of the way
+    width: int = param(480, within(16, 8192))  # pixels
+    height: int = param(360, within(16, 8192))
 
-    def validate(self) -> None:
-        """:raises ValueError: names the first field out of range"""
-        check_ranges(self, seed=(0, 2**31 - 1), rate=(0.1, 100.0), speed=(0.01, 20.0), sway=(0.0, 1.5))
-        check_ranges(self, width=(16, 8192), height=(16, 8192))
+    def __post_init__(self) -> None:
+        super().__post_init__()
         check_seasons("seasons", self.seasons)
 
 
@@ -58,8 +56,6 @@ class StreetWalk:
     """Makes one frame after another; the first one of a round takes seconds, in which its street is built."""
 
     def __init__(self, params: WalkParams):
-        """:raises ValueError: as WalkParams.validate()"""
-        params.validate()
         self._params = params
         self._wheels = WheelOdometry(OdometryNoise(), params.seed)
         self._street: Optional[Street] = None

@@ -14,7 +14,7 @@ from torch import Tensor, nn
 from tqdm import tqdm
 
 from sextant.base.atomic_file import atomic_file
-from sextant.base.ranges import check_ranges
+from sextant.base.strict_params import StrictParams, param, within
 from sextant.objects.letter_box import GREY
 from sextant.training.object_pictures import PictureSet
 from sextant.training.yolo_loss import Targets, YoloLoss
@@ -27,27 +27,20 @@ KEPT = 0.3  # share of an object that has to be in a changed picture for it to b
 
 
 @dataclass(frozen=True)
-class TrainingSettings:
+class TrainingSettings(StrictParams):
     """How long, and how pictures are changed each time they are shown."""
 
-    epochs: int = 15  # [1, 10000] times that every picture is shown
-    batch: int = 16  # [1, 1024] pictures
-    rate: float = 2e-3  # (0, 1] the highest learning rate
-    decay: float = 0.02  # [0, 1] of weights
-    average: float = 0.998  # [0, 1] of weights from batch to batch, in those that are kept
-    zoom: float = 0.3  # [0, 1] share by which a picture becomes larger or smaller
-    shift: float = 0.15  # [0, 1] of its side
-    light: float = 0.35  # [0, 1] share by which brightness and contrast change
-    tint: float = 0.08  # [0, 1] share by which a colour's channel changes
-    noise: float = 0.03  # [0, 1] of the range
-    seed: int = 0  # [0, 2^31 - 1]
-
-    def validate(self) -> None:
-        """:raises ValueError: names the first field out of range"""
-        check_ranges(self, epochs=(1, 10000), batch=(1, 1024), rate=(1e-9, 1), decay=(0, 1), average=(0, 1))
-        check_ranges(
-            self, zoom=(0, 0.95), shift=(0, 1), light=(0, 1), tint=(0, 1), noise=(0, 1), seed=(0, 2**31 - 1)
-        )
+    epochs: int = param(15, within(1, 10000))  # times that every picture is shown
+    batch: int = param(16, within(1, 1024))  # pictures
+    rate: float = param(2e-3, within(1e-9, 1))  # the highest learning rate
+    decay: float = param(0.02, within(0, 1))  # of weights
+    average: float = param(0.998, within(0, 1))  # of weights from batch to batch, in those that are kept
+    zoom: float = param(0.3, within(0, 0.95))  # share by which a picture becomes larger or smaller
+    shift: float = param(0.15, within(0, 1))  # of its side
+    light: float = param(0.35, within(0, 1))  # share by which brightness and contrast change
+    tint: float = param(0.08, within(0, 1))  # share by which a colour's channel changes
+    noise: float = param(0.03, within(0, 1))  # of the range
+    seed: int = param(0, within(0, 2**31 - 1))
 
 
 def train(
@@ -59,7 +52,6 @@ def train(
     :raises OSError: it cannot be read or written
     :raises ValueError: a setting out of range, or the checkpoint is of another training
     """
-    settings.validate()
     torch.manual_seed(settings.seed)
     state = _State(pictures, classes, settings)
     state.load(checkpoint)

@@ -23,9 +23,9 @@ from sextant.bags.read_options import ReadOptions
 )
 def test_options_that_cannot_be(options, said):
     with pytest.raises(ValueError) as caught:
-        ReadOptions(**options).validate()
+        ReadOptions(**options)
     assert said in str(caught.value)
 
 
 def test_defaults_are_valid():
-    ReadOptions().validate()
+    ReadOptions()

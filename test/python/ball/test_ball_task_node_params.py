@@ -14,14 +14,14 @@ def parse(**values):
 
 def test_defaults_are_those_of_the_library():
     params = parse()
-    assert params.task() == BallTaskParams() and params.grid() == FloorGridParams()
+    assert params.task == BallTaskParams() and params.grid == FloorGridParams()
 
 
 def test_every_value_reaches_its_place():
     params = parse(goal_width=0.8, run_up=0.5, speed=0.3, grid_most=5, pose_timeout=1)
-    task = params.task()
+    task = params.task
     assert (task.goal_width, task.kick.run_up, task.follower.speed) == (0.8, 0.5, 0.3)
-    assert (params.grid().most, params.pose_timeout) == (5, 1.0)
+    assert (params.grid.most, params.pose_timeout) == (5, 1.0)
 
 
 @pytest.mark.parametrize(
@@ -29,12 +29,12 @@ def test_every_value_reaches_its_place():
     [
         ({"goal_widht": 1.0}, "/ball_task/goal_widht: unknown parameter; did you mean goal_width?"),
         ({"most_kicks": 2.5}, "/ball_task/most_kicks: must be a whole number, is 2.5"),
-        ({"most_kicks": 0}, "/ball_task/most_kicks is 0, allowed is [1, 100]"),
-        ({"speed": 50.0}, "/ball_task/speed is 50.0, allowed is [0.001, 10]"),
-        ({"run_up": 0.2}, "/ball_task/run_up is 0.2, it must be more than robot_radius + ball_radius"),
-        ({"grid_cell": 2.0}, "/ball_task/grid_cell is 2.0, allowed is [0.01, 1]"),
-        ({"grid_floor": 0.15}, "/ball_task/grid_floor is 0.15, it must be less than grid_low"),
-        ({"ball_radius": 0.07}, "/ball_task/grid_low is 0.13, it must be more than 2 ball_radius"),
+        ({"most_kicks": 0}, "/ball_task/most_kicks: must be within [1, 100], is 0"),
+        ({"speed": 50.0}, "/ball_task/speed: must be within [0.001, 10], is 50.0"),
+        ({"run_up": 0.2}, "/ball_task/run_up: must be more than robot_radius + ball_radius, is 0.2"),
+        ({"grid_cell": 2.0}, "/ball_task/grid_cell: must be within [0.01, 1], is 2.0"),
+        ({"grid_floor": 0.15}, "/ball_task/grid_floor: must be less than grid_low, is 0.15"),
+        ({"ball_radius": 0.07}, "/ball_task/grid_low: must be more than 2 ball_radius, is 0.13"),
         ({"depth_scale": 0.1}, "/ball_task/depth_scale: must be within [0.5, 2.0], is 0.1"),
     ],
 )

@@ -5,16 +5,12 @@
 import numpy as np
 import pytest
 
-from sextant.ball.ball_task import BallTask
 from sextant.ball.ball_task_params import BallTaskParams
-from sextant.ball.kick_plan import KickParams
-from sextant.ball.path_follower import FollowerParams
 
 
 def test_the_defaults_are_those_of_the_task():
     """Spec: two pillars at least 700 mm apart, the robot stops 20 cm before them."""
     params = BallTaskParams()
-    params.validate()
     assert (params.goal_width, params.stop_distance) == (0.7, 0.2)
 
 
@@ -29,10 +25,8 @@ def test_the_defaults_are_those_of_the_task():
         ({"most_kicks": 0}, "most_kicks"),
         ({"most_bumps": -1}, "most_bumps"),
         ({"most_searches": 0}, "most_searches"),
-        ({"kick": KickParams(run_up=0.1)}, "run_up"),
-        ({"follower": FollowerParams(speed=0.0)}, "speed"),
     ],
 )
 def test_wrong_parameters_are_named(wrong, named):
-    with pytest.raises(ValueError, match=f"^{named} is"):
-        BallTask(BallTaskParams(**wrong))
+    with pytest.raises(ValueError, match=f"^{named}: "):
+        BallTaskParams(**wrong)

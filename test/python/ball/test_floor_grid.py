@@ -110,7 +110,7 @@ def test_the_known_box_holds_what_was_seen_and_the_points():
     ],
 )
 def test_wrong_parameters_are_named(wrong, named):
-    with pytest.raises(ValueError, match=f"^{named} is"):
+    with pytest.raises(ValueError, match=f"^{named}: "):
         FloorGrid(FloorGridParams(**wrong))
 
 

@@ -116,5 +116,5 @@ def test_the_point_ahead():
 @pytest.mark.parametrize("name", ["speed", "turn_rate", "acceleration", "lookahead", "turn_first", "slowest"])
 def test_wrong_parameters_are_named(name):
     for value in (0.0, -1.0, np.nan, 1e6):
-        with pytest.raises(ValueError, match=f"^{name} is"):
-            PathFollower(FollowerParams(**{name: value}))
+        with pytest.raises(ValueError, match=f"^{name}: "):
+            FollowerParams(**{name: value})

@@ -1,11 +1,25 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
+import pickle
 from dataclasses import dataclass
 from typing import Dict, List
 
 import pytest
 
-from sextant.base.strict_params import each, not_empty, one_of, param, parse_params, required, within
+from sextant.base.strict_params import (
+    ParamError,
+    StrictParams,
+    above_zero,
+    each,
+    flat_fields,
+    nested,
+    not_empty,
+    one_of,
+    param,
+    parse_params,
+    required,
+    within,
+)
 
 
 @dataclass(frozen=True)
@@ -61,3 +75,52 @@ def test_refused(values, message):
     with pytest.raises(ValueError) as refused:
         parse(**values)
     assert str(refused.value) == message
+
+
+@dataclass(frozen=True)
+class LensParams(StrictParams):
+    near: float = param(0.1, within(0.0, 10.0))
+    far: float = param(5.0, within(0.0, 10.0))
+    glass: str = param("clear")
+
+    def __post_init__(self):
+        super().__post_init__()
+        if self.near >= self.far:
+            raise ParamError("near", "must be less than", self.near, "far")
+
+
+@dataclass(frozen=True)
+class RobotParams(StrictParams):
+    speed: float = param(0.5, above_zero(2.0))
+    left: LensParams = nested(LensParams, "left_", only=("near", "far"))
+    right: LensParams = nested(LensParams)
+
+
+def test_nested_parameters_are_flat_with_their_prefixes():
+    assert list(flat_fields(RobotParams)) == ["speed", "left_near", "left_far", "near", "far", "glass"]
+    params = parse_params(RobotParams, {"left_near": 1, "far": 2, "speed": 1}, "/robot")
+    assert params == RobotParams(1.0, LensParams(near=1.0), LensParams(far=2.0))
+
+
+@pytest.mark.parametrize(
+    "values, message",
+    [
+        ({"left_near": 6.0}, "/robot/left_near: must be less than left_far, is 6.0"),
+        ({"near": 6.0}, "/robot/near: must be less than far, is 6.0"),
+        ({"left_far": 11.0}, "/robot/left_far: must be within [0.0, 10.0], is 11.0"),
+        ({"left_glass": "x"}, "/robot/left_glass: unknown parameter; did you mean glass?"),
+    ],
+)
+def test_nested_parameters_are_refused_by_their_flat_names(values, message):
+    with pytest.raises(ValueError) as refused:
+        parse_params(RobotParams, values, "/robot")
+    assert str(refused.value) == message
+
+
+@pytest.mark.parametrize("value", [0.0, 2.1, float("nan")])
+def test_a_value_out_of_range_is_refused_on_construction(value):
+    with pytest.raises(ParamError, match=r"^speed: must be within \(0, 2\], is "):
+        RobotParams(speed=value)
+    assert str(pickle.loads(pickle.dumps(ParamError("a", "must be less than", 2, "b")))) == (
+        "a: must be less than b, is 2"
+    )

@@ -186,7 +186,7 @@ def test_corners_that_no_lens_explains():
 def test_what_is_refused():
     with pytest.raises(ValueError, match="no photo shows a marker"):
         check_calibration(USUAL, [], CheckParams())
-    with pytest.raises(ValueError, match="tape_sigma is 0.0, allowed is"):
+    with pytest.raises(ValueError, match="tape_sigma: must be within .*, is 0.0"):
         check_calibration(USUAL, session(1, USUAL), CheckParams(tape_sigma=0.0))
 
 

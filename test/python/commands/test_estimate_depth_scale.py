@@ -48,7 +48,7 @@ def test_what_is_no_scale_is_a_warning(tmp_path, capsys):
         (["--bag", "a.bag", "--distance", "-1"], "--distance is -1.0, allowed is (0, 100] metres"),
         (["--bag", "a.bag", "--distance", "1"], "a.bag: there is no such file"),
         (["nowhere.csv"], "nowhere.csv: No such file"),
-        (["--tape-sigma", "2", "x.csv"], "tape_sigma is 2.0, allowed is [0, 1]"),
+        (["--tape-sigma", "2", "x.csv"], "tape_sigma: must be within [0, 1], is 2.0"),
     ],
 )
 def test_mistakes_are_one_line(capsys, arguments, reason):

@@ -144,7 +144,7 @@ REFUSED = {
         ["park.txt", "--leave-one-out", "--network", "net.onnx"],
         "takes 1 channels; RGB is 3",
     ),
-    "a weight": (["park.txt", "--leave-one-out", *GREY, "--network-weight", "-1"], "global_weight is -1"),
+    "a weight": (["park.txt", "--leave-one-out", *GREY, "--network-weight", "-1"], "network_weight: must be"),
     "points of ORB": (["park.txt", "--leave-one-out", "--orb-wta-k", "5"], "orb_wta_k is 5"),
     "no job": (["park.txt", "--leave-one-out", "--profile", "plain", "--jobs", "0"], "jobs is 0"),
 }

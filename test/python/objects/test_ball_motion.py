@@ -89,5 +89,5 @@ def test_a_far_sighting_is_far_in_every_mode():
     "name, value", [("rolling", 0.0), ("hit_sigma", 0.0), ("creep", -1.0), ("rolling_sigma", 11)]
 )
 def test_a_setting_out_of_range_is_named(name, value):
-    with pytest.raises(ValueError, match=f"{name} is {value}, allowed is"):
-        BallMotionSettings(**{name: value}).validate()
+    with pytest.raises(ValueError, match=f"{name}: must be within .*, is {value}"):
+        BallMotionSettings(**{name: value})

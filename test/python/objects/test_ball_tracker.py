@@ -162,5 +162,5 @@ def test_an_earlier_moment_and_forgetting():
 
 @pytest.mark.parametrize("name, value", [("begin", 0), ("move", 0), ("missed", 0), ("memory", 0.0)])
 def test_a_setting_out_of_range_is_named(name, value):
-    with pytest.raises(ValueError, match=f"{name} is {value}, allowed is"):
+    with pytest.raises(ValueError, match=f"{name}: must be within .*, is {value}"):
         BallTracker(BallTrackerSettings(**{name: value}))

@@ -164,9 +164,9 @@ def test_ranges_of_a_dictionary():
         ),
         ({"ranges": {"cup": ColourRange(10, 5, 1, np.nan)}}, "ranges/cup/value: must be within .*, is nan"),
         ({"ranges": {"cup": ColourRange("red", 5, 1, 1)}}, "ranges/cup/hue: must be within .*, is 'red'"),
-        ({"least_area": 0}, "least_area is 0, allowed is"),
-        ({"least_fill": 1.1}, "least_fill is 1.1, allowed is"),
-        ({"most": 0}, "most is 0, allowed is"),
+        ({"least_area": 0}, "least_area: must be within .*, is 0"),
+        ({"least_fill": 1.1}, "least_fill: must be within .*, is 1.1"),
+        ({"most": 0}, "most: must be within .*, is 0"),
     ],
 )
 def test_settings_that_cannot_be_are_refused(settings, reason):

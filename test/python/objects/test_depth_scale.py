@@ -68,8 +68,8 @@ def test_what_is_no_scale_is_told(told, doubt):
 def test_nothing_measured_and_settings_out_of_range_are_refused():
     with pytest.raises(ValueError, match="no distance was measured"):
         estimate_depth_scale([], SETTINGS)
-    with pytest.raises(ValueError, match="tape_sigma is -1"):
-        estimate_depth_scale(measured(DISTANCES), DepthScaleSettings(tape_sigma=-1.0))
+    with pytest.raises(ValueError, match="tape_sigma: must be"):
+        DepthScaleSettings(tape_sigma=-1.0)
 
 
 def test_a_file_is_read_line_by_line(tmp_path):

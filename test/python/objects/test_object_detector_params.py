@@ -21,13 +21,12 @@ def params(**values):
 
 
 def test_defaults_are_those_of_the_library():
-    params_, yolo, colour = params(), YoloSettings(), ColourSettings()
-    for settings, names in (
-        (yolo, ("backend", "size", "confidence", "overlap", "class_agnostic", "most")),
-        (colour, ("least_area", "least_fill", "most")),
-    ):
-        assert [getattr(params_, name) for name in names] == [getattr(settings, name) for name in names]
-    assert list(params_.ranges) == list(KINDS)
+    assert (params().network, params().colours) == (YoloSettings(), ColourSettings())
+    assert list(params().ranges) == list(KINDS)
+
+
+def test_a_name_that_both_detectors_have_is_set_in_both():
+    assert (params(most=7).network.most, params(most=7).colours.most) == (7, 7)
 
 
 def test_colours_need_no_model():
@@ -67,7 +66,7 @@ def test_without_a_model_it_is_the_one_that_is_shipped():
         ({"confidence": 1.0}, r"/object_detector/confidence: must be within \[0.01, 0.99\]"),
         ({"classes": "ball"}, "/object_detector/classes: must be a list"),
         ({"ranges": {"cup": {**CUP["cup"], "hue": 190}}}, "/object_detector/ranges: ranges/cup/hue: must be"),
-        ({"least_fill": 2.0}, r"/object_detector/least_fill: must be within \[0.0, 1.0\]"),
+        ({"least_fill": 2.0}, r"/object_detector/least_fill: must be within \[0, 1\]"),
         ({"modell": "x"}, "/object_detector/modell: unknown parameter; did you mean model"),
     ],
 )

@@ -140,8 +140,8 @@ def test_a_depth_image_of_another_size_is_refused_with_both_sizes():
     "settings", [{"scale": 3.0}, {"fewest": 0}, {"lump": 0.5}, {"worst": -1.0}, {"nearest": 0.0}]
 )
 def test_a_setting_out_of_range_is_named(settings):
-    with pytest.raises(ValueError, match=f"{next(iter(settings))} is .*, allowed is"):
-        LocatorSettings(**settings).validate()
+    with pytest.raises(ValueError, match=f"{next(iter(settings))}: must be within .*, is"):
+        LocatorSettings(**settings)
 
 
 @pytest.mark.parametrize("x, slope", [(0.6, 0.65), (0.6, 0.66), (0.64, 0.64), (0.64, 0.65), (0.72, 0.63)])

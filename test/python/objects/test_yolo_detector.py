@@ -199,11 +199,11 @@ def test_names_of_the_settings_count(tmp_path):
     "settings, reason",
     [
         ({"model": ""}, "model is empty, it must be an ONNX file"),
-        ({"backend": "tpu"}, "backend is 'tpu', allowed is one of auto, onnxruntime, opencv"),
-        ({"confidence": 0.0}, "confidence is 0.0, allowed is"),
-        ({"overlap": 1.5}, "overlap is 1.5, allowed is"),
-        ({"size": -1}, "size is -1, allowed is"),
-        ({"most": 0}, "most is 0, allowed is"),
+        ({"backend": "tpu"}, "backend: must be one of auto, onnxruntime, opencv, is 'tpu'"),
+        ({"confidence": 0.0}, "confidence: must be within .*, is 0.0"),
+        ({"overlap": 1.5}, "overlap: must be within .*, is 1.5"),
+        ({"size": -1}, "size: must be within .*, is -1"),
+        ({"most": 0}, "most: must be within .*, is 0"),
     ],
 )
 def test_settings_that_cannot_be_are_refused(settings, reason):

@@ -168,9 +168,9 @@ def test_photos_at_one_spot_do_not_make_the_spacing_zero():
 @pytest.mark.parametrize(
     "changed, reason",
     [
-        ({"reach": 0.5}, r"reach is 0.5, allowed is \[1, 20\]"),
+        ({"reach": 0.5}, r"reach: must be within \[1, 20\], is 0.5"),
         ({"restart": float("nan")}, "restart is nan"),
-        ({"restart": 0.7, "leave": 0.4}, r"restart \+ leave is 1.1, allowed is up to 1"),
+        ({"restart": 0.7, "leave": 0.4}, r"restart \+ leave: must be at most 1, is 1.1"),
         ({"nowhere": 0.0}, "leave has to be 0"),
     ],
 )

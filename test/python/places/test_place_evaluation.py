@@ -167,7 +167,7 @@ def test_a_network_sees_the_colours_of_queries(tmp_path):
     queries = [Query(tmp_path / f"q{i}.png", frozenset({(100.0 * i, 50.0)})) for i in range(len(tints))]
     found = evaluate(
         library_of(place_map, IndexSettings(global_descriptor=network)),
-        LocalizationParams("single", recognition=RecognitionParams(global_weight=10.0)),
+        LocalizationParams("single", recognition=RecognitionParams(network_weight=10.0)),
         queries,
     )
     assert found.recall(1) == 1.0

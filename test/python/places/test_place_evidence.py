@@ -94,4 +94,4 @@ def test_the_same_of_all_is_no_relative_evidence():
 )
 def test_parameters_out_of_range_are_refused(changed, reason):
     with pytest.raises(ValueError, match=reason):
-        EvidenceParams(**changed).validate()
+        EvidenceParams(**changed)

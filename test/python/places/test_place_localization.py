@@ -185,9 +185,9 @@ def test_the_numbers_of_a_status_are_those_of_the_message():
 @pytest.mark.parametrize(
     "changed, reason",
     [
-        ({"mode": "best"}, "mode is 'best', allowed is one of filter, sequence, single, votes"),
-        ({"max_places": 0}, r"max_places is 0, allowed is \[1, 1000\]"),
-        ({"window": 1}, r"window is 1, allowed is \[2, 1000\]"),
+        ({"mode": "best"}, "mode: must be one of filter, sequence, single, votes, is 'best'"),
+        ({"max_places": 0}, r"max_places: must be within \[1, 1000\], is 0"),
+        ({"window": 1}, r"window: must be within \[2, 1000\], is 1"),
     ],
 )
 def test_parameters_out_of_range_are_refused(place_map, index, changed, reason):

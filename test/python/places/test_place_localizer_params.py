@@ -15,19 +15,19 @@ def made(**values):
 
 
 def test_without_any_the_defaults_are_the_librarys():
-    assert made().localization() == LocalizationParams()
+    assert made().localization == LocalizationParams()
 
 
 def test_every_one_arrives_where_it_belongs():
     values = {"reach": 1.5, "restart": 0.25, "leave": 0.125, "trust": 0.75, "doubt": 3.5}
-    belief = made(**values).localization().belief
+    belief = made(**values).localization.belief
     assert {name: getattr(belief, name) for name in values} == values
     localization = made(
         mode="sequence", window=7, max_places=3, min_matches=11, min_keypoints=13, network_weight=2.5
-    ).localization()
+    ).localization
     assert (localization.mode, localization.window) == ("sequence", 7)
     assert (localization.max_places, localization.min_matches) == (3, 11)
-    assert (localization.recognition.min_keypoints, localization.recognition.global_weight) == (13, 2.5)
+    assert (localization.recognition.min_keypoints, localization.recognition.network_weight) == (13, 2.5)
 
 
 @pytest.fixture

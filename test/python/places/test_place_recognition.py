@@ -80,7 +80,9 @@ def test_a_photo_that_is_not_indexed_is_refused(place_map):
         PlaceRecognizer(more, index_of(place_map))
 
 
-@pytest.mark.parametrize("changed, reason", [({"neighbours": 1}, r"neighbours is 1, allowed is \[2, 128\]")])
+@pytest.mark.parametrize(
+    "changed, reason", [({"neighbours": 1}, r"neighbours: must be within \[2, 128\], is 1")]
+)
 def test_parameters_out_of_range_are_refused(place_map, changed, reason):
     with pytest.raises(ValueError, match=reason):
         PlaceRecognizer(place_map, index_of(place_map), RecognitionParams(**changed))

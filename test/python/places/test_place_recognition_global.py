@@ -34,7 +34,7 @@ def index(place_map):
 def recognizer_of(place_map, index):
     """By the weight of the global descriptor."""
     return {
-        weight: PlaceRecognizer(place_map, index, RecognitionParams(global_weight=weight))
+        weight: PlaceRecognizer(place_map, index, RecognitionParams(network_weight=weight))
         for weight in (0, 1, 2)
     }
 
@@ -151,15 +151,15 @@ def test_with_weight_0_it_is_as_if_there_were_none(place_map, index, recognizer_
 
 def test_vectors_are_those_of_the_maps_photos_in_any_order(place_map, index):
     turned = place_map._replace(photos=place_map.photos[::-1])
-    recognizer = PlaceRecognizer(turned, index, RecognitionParams(global_weight=100))
+    recognizer = PlaceRecognizer(turned, index, RecognitionParams(network_weight=100))
     assert likeliest(recognizer.recognize(blurred(2, 25))) == COUNT - 1 - 2
 
 
 @pytest.mark.parametrize(
     "changed, reason",
     [
-        ({"global_weight": -1}, r"global_weight is -1, allowed is \[0, 100\]"),
-        ({"min_contrast": -1}, r"min_contrast is -1, allowed is \[0, 128\]"),
+        ({"network_weight": -1}, r"network_weight: must be within \[0, 100\], is -1"),
+        ({"min_contrast": -1}, r"min_contrast: must be within \[0, 128\], is -1"),
     ],
 )
 def test_parameters_out_of_range_are_refused(place_map, index, changed, reason):

@@ -102,11 +102,11 @@ def test_largest_markers_that_are_told_fit_and_no_larger_ones(tmp_path):
     [
         (dict(board=(4, 2, 0.01)), "a board of 4 x 2 needs 8 ids, 6 are given"),
         (dict(board=(3, 2, 0.004)), "gap is 0.004 m, the white rim between two neighbours needs 0.005 m"),
-        (dict(board=(3, 2, float("nan"))), "gap is nan"),
-        (dict(board=(0, 2, 0.01)), "columns is 0"),
+        (dict(board=(3, 2, float("nan"))), "gap: must be"),
+        (dict(board=(0, 2, 0.01)), "columns: must be"),
         (dict(ids=[0, 1, 2, 3, 4, 4]), "id 4 is there twice"),
         (dict(family="tag99h9"), "tag99h9"),
-        (dict(page="A5"), "page is A5"),
+        (dict(page="A5"), "page: must be"),
     ],
 )
 def test_what_is_refused(tmp_path, wrong, reason):

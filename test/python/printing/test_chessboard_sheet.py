@@ -95,12 +95,12 @@ def test_largest_squares_that_are_told_fit(tmp_path):
 @pytest.mark.parametrize(
     "wrong, reason",
     [
-        (dict(columns=1), "columns is 1"),
-        (dict(rows=101), "rows is 101"),
-        (dict(square=0.0), "square is 0.0"),
-        (dict(square=float("nan")), "square is nan"),
-        (dict(page="A5"), "page is A5"),
-        (dict(margin=1.0), "margin is 1.0"),
+        (dict(columns=1), "columns: must be"),
+        (dict(rows=101), "rows: must be"),
+        (dict(square=0.0), "square: must be"),
+        (dict(square=float("nan")), "square: must be"),
+        (dict(page="A5"), "page: must be"),
+        (dict(margin=1.0), "margin: must be"),
     ],
 )
 def test_what_is_refused(tmp_path, wrong, reason):

@@ -276,10 +276,10 @@ def test_largest_size_that_is_told_fits_and_no_larger_one(tmp_path, family, marg
         (dict(ids=[3, 1, 3]), "id 3 is there twice"),
         (dict(size=0.0), "size is 0.0 m"),
         (dict(size=float("nan")), "size is nan m"),
-        (dict(page="A5"), "page is A5, allowed are A4, A3, Letter"),
-        (dict(margin=-0.01), "margin is -0.01"),
-        (dict(quiet=0.0), "quiet is 0.0"),
-        (dict(most=-1), "most is -1"),
+        (dict(page="A5"), "page: must be one of A4, A3, Letter, is"),
+        (dict(margin=-0.01), "margin: must be"),
+        (dict(quiet=0.0), "quiet: must be"),
+        (dict(most=-1), "most: must be"),
     ],
 )
 def test_what_is_refused(tmp_path, wrong, reason):

@@ -13,6 +13,7 @@ import pytest
 import yaml
 
 import sextant
+from sextant.base.strict_params import flat_fields
 
 ROOT = Path(__file__).resolve().parents[3]
 NODES_PAGE = (ROOT / "doc/nodes.md").read_text()
@@ -90,12 +91,12 @@ def read_by_script(name):
         return {}
     module = importlib.import_module(f"sextant.nodes.{SCRIPTS[name].parent.name}.{name}")
     record = getattr(module, found.group(1))
-    return {field.name: default_of(field) for field in dataclasses.fields(record)}
+    return {name: default_of(field) for name, (field, _) in flat_fields(record).items()}
 
 
 def default_of(field):
     if field.default is not dataclasses.MISSING:
-        return field.default
+        return list(field.default) if isinstance(field.default, tuple) else field.default
     return NEEDED if field.default_factory is dataclasses.MISSING else field.default_factory()
 
 

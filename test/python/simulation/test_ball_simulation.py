@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from sextant.objects.object_kinds import KINDS
-from sextant.simulation.ball_ground import BallParams, DriveParams, Pillar
+from sextant.simulation.ball_ground import DriveParams, Pillar
 from sextant.simulation.ball_simulation import BallSimulation, BallSimulationParams, drawn_light, drawn_paint
 from sextant.simulation.ball_world import BallWorld, drawn_world
 from sextant.simulation.rgbd_camera import RgbdParams
@@ -117,16 +117,7 @@ def test_paint_and_light_are_drawn_within_what_can_be():
         assert np.all((paints >= 0.0) & (paints <= 1.0)) and np.ptp(paints, axis=0).min() > 0.0
 
 
-@pytest.mark.parametrize(
-    "params, name",
-    [
-        (BallSimulationParams(seed=-1), "seed"),
-        (BallSimulationParams(flicker=1.5), "flicker"),
-        (BallSimulationParams(ball=BallParams(radius=-1.0)), "radius"),
-        (BallSimulationParams(drive=DriveParams(slip=2.0)), "slip"),
-        (BallSimulationParams(camera=RgbdParams(holes=2.0)), "holes"),
-    ],
-)
-def test_what_is_out_of_range_is_refused_by_name(params, name):
-    with pytest.raises(ValueError, match=f"^{name} is "):
-        simulation_of(params)
+@pytest.mark.parametrize("name, value", [("seed", -1), ("flicker", 1.5)])
+def test_what_is_out_of_range_is_refused_by_name(name, value):
+    with pytest.raises(ValueError, match=f"^{name}: "):
+        BallSimulationParams(**{name: value})

@@ -124,8 +124,8 @@ def test_path_through_the_wall_is_refused():
 )
 def test_what_is_out_of_range_is_refused_by_name(name, value):
     with pytest.raises(ValueError, match=name if name != "distortion" else "D"):
-        DriveParams(**{name: value}).validate()
+        DriveParams(**{name: value})
 
 
 def test_defaults_are_valid():
-    DriveParams().validate()
+    DriveParams()

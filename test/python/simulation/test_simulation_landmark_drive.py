@@ -132,7 +132,7 @@ def test_classes_have_names_of_their_own():
 
 
 def test_what_cannot_be_is_refused():
-    with pytest.raises(ValueError, match=r"way_by_turn is -0.1, allowed is \[0, 1\]"):
-        LandmarkWorldParams(way_by_turn=-0.1).validate()
+    with pytest.raises(ValueError, match=r"way_by_turn: must be within \[0, 1\], is -0.1"):
+        LandmarkWorldParams(way_by_turn=-0.1)
     with pytest.raises(ValueError, match="find no room in a square of 2 m"):
         LandmarkWorld(LandmarkWorldParams(landmarks=50, half_side=1.0))

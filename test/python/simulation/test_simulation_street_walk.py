@@ -95,7 +95,7 @@ def test_a_carried_walker_is_elsewhere_but_not_for_its_wheels(street):
     [
         ({"seasons": ["spring"]}, "seasons is 'spring', allowed are summer, evening, autumn, winter, dusk"),
         ({"seasons": []}, "seasons is empty, allowed are"),
-        ({"speed": 0.0}, r"speed is 0.0, allowed is \[0.01, 20.0\]"),
+        ({"speed": 0.0}, r"speed: must be within \[0.01, 20.0\], is 0.0"),
     ],
 )
 def test_parameters_out_of_range_are_refused(changed, reason):

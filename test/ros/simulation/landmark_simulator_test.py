@@ -150,7 +150,7 @@ class StartUpTest(unittest.TestCase):
         mistakes = (
             ("no_such_parameter", "1", "/bad/no_such_parameter: unknown"),
             ("range_noise", "[0.1]", "/bad/range_noise: must be two numbers"),
-            ("missed", "1.0", "/bad/missed is 1.0, allowed is"),
+            ("missed", "1.0", "/bad/missed: must be within"),
         )
         assert_refused(self, "landmark_simulator", mistakes)
 

@@ -39,8 +39,8 @@ class BallTaskNode:
 
     def __init__(self, params: BallTaskNodeParams):
         self._params, self._report = params, BallTaskReport()
-        self._task, self._grid = BallTask(params.task()), FloorGrid(params.grid())
-        self._senses = BallSenses(params.ball_timeout, params.ball_deceleration)
+        self._task, self._grid = BallTask(params.task), FloorGrid(params.grid)
+        self._senses = BallSenses(params.ball_timeout, params.task.kick.ball_deceleration)
         self._eye = FloorEye(params.depth_scale, params.depth_step)
         self._ears, self._hands = threading.Lock(), threading.Lock()  # what is heard; what is done
         self._last_word = threading.RLock()  # that nothing is commanded after the node has ended
@@ -139,7 +139,7 @@ class BallTaskNode:
         self._task.start()
         with self._ears:
             self._senses.forget_touches()
-        self._grid = FloorGrid(self._params.grid())
+        self._grid = FloorGrid(self._params.grid)
         self._is_running, self._stamp, self._report.kicks = True, -np.inf, 0
         self._waits_since = np.inf
         self._say("waiting", "there is no pose yet")
@@ -158,7 +158,7 @@ class BallTaskNode:
         if stamp < self._stamp:
             self._begin()  # a clock was set back
         if looks and not np.isfinite(self._stamp) and not self._grid.seen.any():
-            self._grid = FloorGrid(self._params.grid(), looks[0][1][:2])  # it begins where the robot is
+            self._grid = FloorGrid(self._params.grid, looks[0][1][:2])  # it begins where the robot is
         for points, pose in looks:
             self._grid.look(points, pose)
         lacks = self._lacks(stamp)
@@ -210,8 +210,8 @@ class BallTaskNode:
         """Within the limits, whatever was computed. :raises ValueError: it is not a number"""
         if not np.all(np.isfinite(command)):
             raise ValueError(f"the command {command} is not finite")
-        params = self._params
-        most = max(params.speed, params.most_speed), max(params.turn_rate, params.search_rate)
+        kick, follower = self._params.task.kick, self._params.task.follower
+        most = max(follower.speed, kick.most_speed), max(follower.turn_rate, follower.search_rate)
         with self._last_word:
             speed, turn_rate = HALT if self._stop.is_set() else np.clip(command, np.negative(most), most)
             self._commands.publish(Twist(Vector3(speed, 0.0, 0.0), Vector3(0.0, 0.0, turn_rate)))

@@ -46,8 +46,8 @@ class ObjectLocatorNode:
         self._radius = min(
             [kind.radius for kind in self._kinds.values() if kind.shape == "ball"], default=0.0
         )
-        self._locator = RgbdLocator(params.locator(), params.base_frame)
-        self._pairs, self._ball = StampPairs(params.slop), BallFollower(BallTracker(params.ball()))
+        self._locator = RgbdLocator(params.locator, params.base_frame)
+        self._pairs, self._ball = StampPairs(params.slop), BallFollower(BallTracker(params.ball))
         self._drawn: List[Marker] = []  # of the ball
         self._lock, self._stop = threading.Lock(), threading.Event()
         self._report, self._updater = ObjectLocatorReport(), Updater()
@@ -133,7 +133,7 @@ class ObjectLocatorNode:
 
     def _view(self) -> BallView:
         params = self._params
-        return BallView(self._locator.colour, self._radius, params.nearest + 0.2, params.sure_range)
+        return BallView(self._locator.colour, self._radius, params.locator.nearest + 0.2, params.sure_range)
 
     def _tell_ball(self, looks: Iterable[Followed]) -> None:
         for stamp, frame, ball in looks:

@@ -49,7 +49,7 @@ class LoadedMap:
         begin = time.monotonic()
         library = params.photo_library(rospy.loginfo)
         self.place_map, index = library.place_map, library.index()
-        self.localizer = PlaceLocalizer(self.place_map, index, params.localization())
+        self.localizer = PlaceLocalizer(self.place_map, index, params.localization)
         self.text = (
             f"{len(self.place_map.photos)} photos of {len(self.place_map.places())} places, "
             f"{index.bytes / 1e6:.1f} MB, ready after {time.monotonic() - begin:.1f} s"

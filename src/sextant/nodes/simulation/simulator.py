@@ -181,14 +181,8 @@ class Simulator:
 def main() -> None:
     """Runs the node; a parameter or a map file that cannot be taken ends it with status 1 and the reason."""
     with simulated_time("simulator"):
-        params = read_params(SimulatorParams)
         try:
-            params.validate()
-        except ValueError as error:
-            rospy.logfatal("%s/%s", rospy.get_name(), error)
-            sys.exit(1)
-        try:
-            simulator = Simulator(params)
+            simulator = Simulator(read_params(SimulatorParams))
         except (ValueError, RuntimeError) as error:
             rospy.logfatal("%s: %s", rospy.get_name(), error)
             sys.exit(1)

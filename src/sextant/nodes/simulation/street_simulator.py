@@ -37,9 +37,8 @@ class StreetParams(WalkParams):
     base_frame: str = param("base_link", not_empty)
     camera_frame: str = param("camera_optical_frame", not_empty)
 
-    def validate(self) -> None:
-        """:raises ValueError: names the first field out of range"""
-        super().validate()
+    def __post_init__(self) -> None:
+        super().__post_init__()
         check_seasons("map_seasons", self.map_seasons)
 
     def street_map(self) -> StreetMap:
