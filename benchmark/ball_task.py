@@ -18,12 +18,12 @@ from command import Results, run
 from tables import Table
 
 from sextant.objects.shipped_model import shipped_model
-from sextant.objects.yolo_detector import YoloDetector, YoloSettings
+from sextant.objects.yolo_detector import YoloDetector, YoloParams
 
 
 def places(quick: bool) -> List[Table]:
     """By the network's boxes, then by true ones that are a little off."""
-    network = YoloDetector(YoloSettings(model=str(shipped_model())))
+    network = YoloDetector(YoloParams(model=str(shipped_model())))
     return [*place_tables(quick, network), *place_tables(quick)]
 
 

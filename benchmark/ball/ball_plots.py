@@ -11,7 +11,7 @@ from pictures import Panel, save_picture
 from tables import Table
 
 from sextant.evaluation.ball_score import STOP, STOP_ERROR
-from sextant.objects.yolo_detector import YoloSettings
+from sextant.objects.yolo_detector import YoloParams
 from sextant.training.detector_scores import plot_confusion
 from sextant.training.mean_precision import DetectorScore
 from sextant.training.object_pictures import CLASSES
@@ -22,7 +22,7 @@ def plot_ball_task(folder: str, results: Dict[str, List[Table]]) -> None:
     Path(folder).mkdir(parents=True, exist_ok=True)
     if "detector" in results:
         samples = results["detector"][0].samples
-        score = DetectorScore(samples["precision"], samples["table"], YoloSettings.confidence)
+        score = DetectorScore(samples["precision"], samples["table"], YoloParams.confidence)
         plot_confusion(Path(folder) / "detector.png", score, CLASSES)
     if "task" in results:
         (table,) = results["task"]

@@ -17,10 +17,10 @@ from onnx import shape_inference
 from tables import Row, Table, Value
 
 from sextant.base.onnx_model import BACKENDS
-from sextant.objects.colour_detector import ColourDetector, ColourSettings
+from sextant.objects.colour_detector import ColourDetector, ColourParams
 from sextant.objects.detection import Detections
 from sextant.objects.shipped_model import shipped_model
-from sextant.objects.yolo_detector import YoloDetector, YoloSettings
+from sextant.objects.yolo_detector import YoloDetector, YoloParams
 from sextant.training.detector_scores import LEAST
 from sextant.training.mean_precision import DetectorScore, detector_score, recall_and_precision
 from sextant.training.object_pictures import CLASSES, PictureSet, picture_set
@@ -40,12 +40,12 @@ class Judged(NamedTuple):
 def detector_tables(quick: bool) -> List[Table]:
     """Accuracy by class, then what the network is and takes."""
     model = str(shipped_model())
-    size = YoloDetector(YoloSettings(model=model)).size[0]
+    size = YoloDetector(YoloParams(model=model)).size[0]
     count = QUICK_PICTURES if quick else PICTURES
     pictures = picture_set(range(FIRST, FIRST + count), size, os.cpu_count() or 1, "pictures")
-    network = _judged(YoloDetector(YoloSettings(model=model, backend="opencv", confidence=LEAST)), pictures)
-    colour = _judged(ColourDetector(ColourSettings(least_area=4)), pictures)
-    title = f"{count} simulated pictures at {size} px, network: score >= {YoloSettings.confidence:g}"
+    network = _judged(YoloDetector(YoloParams(model=model, backend="opencv", confidence=LEAST)), pictures)
+    colour = _judged(ColourDetector(ColourParams(least_area=4)), pictures)
+    title = f"{count} simulated pictures at {size} px, network: score >= {YoloParams.confidence:g}"
     rows = [_class_row(i, network.score, colour.score) for i in range(len(CLASSES))]
     bar = None if quick else MEAN
     rows.append(
@@ -58,7 +58,7 @@ def detector_tables(quick: bool) -> List[Table]:
 
 def _judged(detector, pictures: PictureSet) -> Judged:
     found = [detector.detect(image) for image in pictures.images]
-    return Judged(detector_score(found, pictures.known(), len(CLASSES), YoloSettings.confidence), found)
+    return Judged(detector_score(found, pictures.known(), len(CLASSES), YoloParams.confidence), found)
 
 
 def _class_row(which: int, network: DetectorScore, colour: DetectorScore) -> Row:
@@ -96,7 +96,7 @@ def _runtimes(model: str, pictures: PictureSet) -> Table:
         if importlib.util.find_spec("onnxruntime") is None and backend == "onnxruntime":
             rows.append((backend, ["not installed"] * 5))
             continue
-        detector = YoloDetector(YoloSettings(model=model, backend=backend), threads=1)
+        detector = YoloDetector(YoloParams(model=model, backend=backend), threads=1)
         found = [detector.detect(image) for image in pictures.images[:TIMED]]
         expected = expected or found
         times = {stage: 1e3 * _least(detector, pictures, stage) for stage in detector.seconds}

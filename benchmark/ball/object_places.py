@@ -16,7 +16,7 @@ from tables import Row, Table, Value
 from sextant.geometry.pinhole_camera import PinholeCamera
 from sextant.objects.detection import names_of
 from sextant.objects.object_kinds import BALL, KINDS
-from sextant.objects.object_locator import LocatorSettings, ObjectLocator
+from sextant.objects.object_locator import ObjectLocator, ObjectLocatorParams
 from sextant.simulation.ball_simulation import BallSimulation, BallSimulationParams
 from sextant.simulation.ball_world import drawn_world
 from sextant.training.mean_precision import SAME, overlaps
@@ -66,10 +66,10 @@ def judged_objects(worlds: int, detector: Optional[Any] = None) -> Iterator[Judg
         simulation = BallSimulation(drawn_world(3, seed), BallSimulationParams(seed=seed))
         random = np.random.default_rng([seed, 3])
         camera = simulation.camera
-        settings = LocatorSettings(scale=1.04)
+        params = ObjectLocatorParams(scale=1.04)
         T_colour_depth = np.linalg.inv(camera.T_base_colour) @ camera.T_base_depth
         models = PinholeCamera.of(camera.colour), PinholeCamera.of(camera.depth)
-        locator = ObjectLocator(settings, *models, T_colour_depth)
+        locator = ObjectLocator(params, *models, T_colour_depth)
         for _ in range(SHOTS):
             _go_anywhere(simulation, random)
             yield from _judged_picture(simulation, locator, detector, random)

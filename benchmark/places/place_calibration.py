@@ -22,7 +22,7 @@ from sextant.place_maps.exif_map import find_photos
 from sextant.place_maps.photo_file import read_grey
 from sextant.place_maps.place_map import PlaceMap
 from sextant.places.place_evidence import EvidenceParams, score_features
-from sextant.places.place_index import IndexSettings
+from sextant.places.place_index import IndexParams
 from sextant.places.place_library import Library
 from sextant.places.place_metrics import calibration_error, perfect_calibration_error
 from sextant.places.place_queries import Query, default_tolerance, queries_of_map, queries_of_table
@@ -97,7 +97,7 @@ def _streets(folder: Path, quick: bool) -> List[Asked]:
 
 
 def _seen(folder: Path, asked: Asked) -> List[Seen]:
-    index = Library(folder / f"{asked.domain}_{asked.name}.txt", asked.place_map, IndexSettings()).index()
+    index = Library(folder / f"{asked.domain}_{asked.name}.txt", asked.place_map, IndexParams()).index()
     recognizer = PlaceRecognizer(asked.place_map, index)
     positions = [(photos[0].x, photos[0].y) for photos in asked.place_map.places()]
     return [

@@ -16,14 +16,14 @@ from sextant.base.jobs import as_children_need_it
 from sextant.place_maps.place_map import PlaceMap
 from sextant.place_maps.place_map_file import read_place_map
 from sextant.places.place_evaluation import resident_bytes
-from sextant.places.place_index import IndexSettings, plain_features
+from sextant.places.place_index import IndexParams, plain_features
 from sextant.places.place_library import Library
 from sextant.places.place_recognition import PlaceRecognizer
 from sextant.places.place_votes import count_votes
 
-METHODS: Dict[str, IndexSettings] = {
-    "votes, SIFT": IndexSettings(plain_features("SIFT", "SIFT"), "FlannBased"),
-    "default profile": IndexSettings(),
+METHODS: Dict[str, IndexParams] = {
+    "votes, SIFT": IndexParams(plain_features("SIFT", "SIFT"), "FlannBased"),
+    "default profile": IndexParams(),
 }
 MIN_MATCHES = 5
 Recognize = Callable[[np.ndarray], float]  # x of the place of a picture; nan: none
@@ -66,10 +66,10 @@ class Method:
 
 def _build(name: str, map_path: Path) -> Built:
     global _recognize
-    settings, place_map, before = METHODS[name], read_place_map(map_path), resident_bytes()
+    params, place_map, before = METHODS[name], read_place_map(map_path), resident_bytes()
     begin = time.perf_counter()
-    index = Library(map_path, place_map, settings).index()
-    _recognize = (_by_score if settings.matcher == "faiss" else _by_votes)(place_map, index)
+    index = Library(map_path, place_map, params).index()
+    _recognize = (_by_score if params.matcher == "faiss" else _by_votes)(place_map, index)
     _recognize(np.zeros((240, 320), np.uint8))
     index.descriptors.search(np.zeros((1, 128), np.float32), 1)  # FLANN learns when it is asked first
     seconds = time.perf_counter() - begin
@@ -89,7 +89,7 @@ def _by_score(place_map: PlaceMap, index: Any) -> Recognize:
 
 
 def _by_votes(place_map: PlaceMap, index: Any) -> Recognize:
-    extractor = sextant.FeatureExtractor(index.settings.feature_params())
+    extractor = sextant.FeatureExtractor(index.params.feature_params())
     photos = {photo.image: photo for photo in place_map.photos}
 
     def recognize(image: np.ndarray) -> float:

@@ -14,7 +14,7 @@ from sextant.place_maps.exif_map import corners_around, exif_map, extent, find_p
 from sextant.place_maps.place_map import Overview, Photo, PlaceMap
 from sextant.places.place_evaluation import PlaceEvaluation, evaluate, evaluate_left_out
 from sextant.places.place_library import Library
-from sextant.places.place_localization import VOTES, LocalizationParams
+from sextant.places.place_localization import VOTES, PlaceLocalizationParams
 from sextant.places.place_queries import Query, queries_of_table
 
 PLAIN, OURS = METHODS
@@ -72,7 +72,7 @@ def measured(
     :param folder: of the caches
     """
     library = Library(folder / f"{name}.txt", place_map, METHODS[PLAIN if mode == VOTES else OURS])
-    return evaluate(library, LocalizationParams(mode=mode), queries)
+    return evaluate(library, PlaceLocalizationParams(mode=mode), queries)
 
 
 def row_of(name: str, found: PlaceEvaluation, recall: Dict[str, float], area: Optional[float] = None) -> Row:
@@ -136,7 +136,7 @@ def _lund(folder: Path, photos: Sequence[Path], quick: bool) -> Table:
     empty = PlaceMap(photos[0].parent, Overview("none.png", width, height), (), corners)
     made = exif_map(empty, photos).place_map
     library = Library(folder / "lund.txt", made, METHODS[OURS])
-    found = evaluate_left_out(library, LocalizationParams(mode="single"), NEAR)
+    found = evaluate_left_out(library, PlaceLocalizationParams(mode="single"), NEAR)
     errors = np.linalg.norm(found.position_errors, axis=1)
     row = [
         Value(len(made.photos), 0, at_least=None if quick else len(photos)),

@@ -20,7 +20,7 @@ import sextant
 from sextant.base.jobs import as_children_need_it
 from sextant.place_maps.place_map import Overview, Photo, PlaceMap
 from sextant.places.place_evaluation import resident_bytes
-from sextant.places.place_index import SAMPLES, UNIT, IndexedPhoto, IndexSettings, PlaceIndex
+from sextant.places.place_index import SAMPLES, UNIT, IndexedPhoto, IndexParams, PlaceIndex
 from sextant.places.place_recognition import PlaceRecognizer
 
 FEW, MANY = 1000, 100_000  # places
@@ -139,7 +139,7 @@ def _index(drawn: Drawn, places: int) -> PlaceIndex:
         keypoints[first : first + DESCRIPTORS] = drawn.keypoints(place)
         photos.append(IndexedPhoto(f"{place}.jpg", "", (0, 0, 0), place, first, DESCRIPTORS))
         descriptors.add(place, drawn.descriptors(place))
-    return PlaceIndex(IndexSettings(), photos, keypoints, descriptors, places)
+    return PlaceIndex(IndexParams(), photos, keypoints, descriptors, places)
 
 
 def _map(places: int) -> PlaceMap:

@@ -10,7 +10,7 @@ from sextant.ball.ball_task import BallTask
 from sextant.ball.ball_task_params import BallTaskParams
 from sextant.ball.floor_grid import FloorGrid, FloorGridParams
 from sextant.ball.task_view import Action, SeenBall, SeenPillar, TaskView
-from sextant.simulation.ball_ground import BallGround, DriveParams
+from sextant.simulation.ball_ground import BallGround, RobotParams
 from sextant.simulation.ball_world import BallWorld
 from sextant.simulation.odometry import OdometryNoise
 
@@ -19,8 +19,8 @@ AHEAD = 0.1  # metres from the robot's middle to its camera
 HALF_VIEW = 0.47  # radians
 NEAREST, FARTHEST, DEEPEST = 0.36, 5.0, 3.0  # metres from the camera: objects, and depth
 MISSED = 8  # pictures that should show the ball and do not, after which it is gone
-STEADY = DriveParams(slip=0.0, noise=OdometryNoise(0.0, 0.0, 0.0))
-HELD = DriveParams(max_speed=1e-3)  # wheels that turn the robot, and hardly move it
+STEADY = RobotParams(slip=0.0, noise=OdometryNoise(0.0, 0.0, 0.0))
+HELD = RobotParams(max_speed=1e-3)  # wheels that turn the robot, and hardly move it
 
 
 class Played(NamedTuple):
@@ -155,7 +155,7 @@ def play(
     params: Optional[BallTaskParams] = None,
     noise: float = 1.0,
     seed: int = 0,
-    drive: Optional[DriveParams] = None,
+    drive: Optional[RobotParams] = None,
     meddle: Optional[Callable[[BallGround, Action], None]] = None,
 ) -> Played:
     """Until the task ends. :param meddle: what somebody does to the world, called after each tick"""

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 import sextant
-from sextant.markers.formats.map_file import MapFileError, MapOptions
+from sextant.markers.formats.map_file import MapFileError, MapFormatParams
 from sextant.markers.map_formats import read_map
 
 DATA = Path(__file__).resolve().parents[1] / "data/map_formats"
-PRINTS = MapOptions(family="DICT_5X5_50", size=0.2)
-TAGS = MapOptions()
+PRINTS = MapFormatParams(family="DICT_5X5_50", size=0.2)
+TAGS = MapFormatParams()
 FILES = {
     "fiducial_slam.txt": ("fiducial_slam", PRINTS),
     "tags.yaml": ("apriltag_ros", TAGS),

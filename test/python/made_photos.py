@@ -10,7 +10,7 @@ import numpy as np
 
 from sextant.place_maps.place_map import Overview, Photo, PlaceMap
 from sextant.place_maps.place_map_file import write_place_map
-from sextant.places.place_index import IndexSettings, PlaceIndex, extract_all
+from sextant.places.place_index import IndexParams, PlaceIndex, extract_all
 
 
 def picture(seed: int, size=(320, 240)) -> np.ndarray:
@@ -40,9 +40,9 @@ def written_photos(folder: Path, count: int, first: int = 0) -> PlaceMap:
     return place_map
 
 
-def index_of(place_map: PlaceMap, settings: Optional[IndexSettings] = None) -> PlaceIndex:
+def index_of(place_map: PlaceMap, settings: Optional[IndexParams] = None) -> PlaceIndex:
     """Of the photos of a map, without a cache."""
-    settings = settings or IndexSettings()
+    settings = settings or IndexParams()
     images = [photo.image for photo in place_map.photos]
     features = extract_all(settings, [place_map.folder / image for image in images])
     return PlaceIndex.built(settings, images, features)

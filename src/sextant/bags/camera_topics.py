@@ -1,12 +1,12 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Which topics of a bag are read as its cameras; the rule is told in ReadOptions."""
+"""Which topics of a bag are read as its cameras; the rule is told in BagParams."""
 
 from typing import Dict, Iterable, List, NamedTuple, Sequence, Tuple
 
 from sextant.bags.bag_file import BagFile
+from sextant.bags.bag_params import BagParams
 from sextant.bags.pictures import is_picture
-from sextant.bags.read_options import ReadOptions
 
 IMAGE, COMPRESSED, MARKERS = "sensor_msgs/Image", "sensor_msgs/CompressedImage", "sextant/MarkerArray"
 
@@ -30,22 +30,22 @@ class CameraTopic(NamedTuple):
         return self.camera.rpartition("/")[0] + "/camera_info"
 
 
-def choose_topics(bag: BagFile, options: ReadOptions) -> Tuple[List[CameraTopic], List[str]]:
+def choose_topics(bag: BagFile, params: BagParams) -> Tuple[List[CameraTopic], List[str]]:
     """The topics to read, in order of the cameras' names, and what was left out.
 
     :raises BagError: a topic that was named is not there, has no camera_info, or there is nothing to read
     """
-    pictures, markers = _found(bag, options, IMAGE, COMPRESSED), _found(bag, options, MARKERS)
+    pictures, markers = _found(bag, params, IMAGE, COMPRESSED), _found(bag, params, MARKERS)
     left_out: List[str] = []
-    if options.images or options.markers:
-        chosen = _named(bag, options.images, pictures, "images") + _named(
-            bag, options.markers, markers, "markers"
+    if params.images or params.markers:
+        chosen = _named(bag, params.images, pictures, "images") + _named(
+            bag, params.markers, markers, "markers"
         )
     elif markers:
         chosen, left_out = markers, _told(pictures, "markers were recorded")
     else:
         chosen, left_out = _one_a_camera(bag, pictures)
-    _check(bag, chosen, options)
+    _check(bag, chosen, params)
     return sorted(chosen, key=lambda each: each.camera), left_out
 
 
@@ -55,7 +55,7 @@ def choose_pictures(bag: BagFile, name: str = "") -> Tuple[CameraTopic, List[str
     :param name: empty: that of the only camera
     :raises BagError: it is not there, or there are several cameras
     """
-    found = _found(bag, ReadOptions(), IMAGE, COMPRESSED)
+    found = _found(bag, BagParams(), IMAGE, COMPRESSED)
     if name:
         return _named(bag, [name], found, "images")[0], []
     pictures = [each for each in found if each.type != IMAGE or is_picture(bag.first(each.topic, whole=True))]
@@ -68,17 +68,17 @@ def choose_pictures(bag: BagFile, name: str = "") -> Tuple[CameraTopic, List[str
     return chosen[0], left_out
 
 
-def _found(bag: BagFile, options: ReadOptions, *types: str) -> List[CameraTopic]:
+def _found(bag: BagFile, params: BagParams, *types: str) -> List[CameraTopic]:
     topics = [topic for topic in bag.topics(*types) if not topic.endswith("/compressedDepth")]
-    return [_camera_topic(topic, bag.types[topic], options) for topic in topics]
+    return [_camera_topic(topic, bag.types[topic], params) for topic in topics]
 
 
-def _camera_topic(topic: str, message_type: str, options: ReadOptions) -> CameraTopic:
+def _camera_topic(topic: str, message_type: str, params: BagParams) -> CameraTopic:
     camera = topic
     if message_type == COMPRESSED and topic.endswith(_COMPRESSED_ENDING):
         camera = topic[: -len(_COMPRESSED_ENDING)]
-    rectified = _last(camera).startswith("image_rect") or _is_named(topic, camera, options.rectified)
-    files = [path for name, path in options.calibrations.items() if _is_named(topic, camera, [name])]
+    rectified = _last(camera).startswith("image_rect") or _is_named(topic, camera, params.rectified)
+    files = [path for name, path in params.calibrations.items() if _is_named(topic, camera, [name])]
     return CameraTopic(topic, camera, message_type, rectified, str(files[0]) if files else "")
 
 
@@ -153,7 +153,7 @@ def _rank(each: CameraTopic) -> Tuple[bool, int, bool, str]:
     return not each.calibration, place, each.type == COMPRESSED, each.topic
 
 
-def _check(bag: BagFile, chosen: List[CameraTopic], options: ReadOptions) -> None:
+def _check(bag: BagFile, chosen: List[CameraTopic], params: BagParams) -> None:
     cameras = [each.camera for each in chosen]
     for each in chosen:
         if cameras.count(each.camera) > 1:
@@ -161,8 +161,8 @@ def _check(bag: BagFile, chosen: List[CameraTopic], options: ReadOptions) -> Non
         if each.type != MARKERS and not each.calibration and not bag.find(each.info_topic):
             what = f"{each.topic} has no camera_info beside it ({each.info_topic})"
             raise bag.error(what, "name a calibration file for the topic")
-    _check_use(bag, chosen, "calibrations", options.calibrations)
-    _check_use(bag, chosen, "rectified", options.rectified)
+    _check_use(bag, chosen, "calibrations", params.calibrations)
+    _check_use(bag, chosen, "rectified", params.rectified)
 
 
 def _check_use(bag: BagFile, chosen: List[CameraTopic], use: str, names: Iterable[str]) -> None:

@@ -10,10 +10,10 @@ import cv2
 import numpy as np
 
 from sextant.bags.bag_file import BagFile, DamagedMessage
+from sextant.bags.bag_params import BagParams
 from sextant.bags.camera_topics import COMPRESSED, IMAGE, CameraTopic, choose_pictures
 from sextant.bags.mounts import Mount, find_mounts
 from sextant.bags.pictures import colour_compressed, colour_image
-from sextant.bags.read_options import ReadOptions
 from sextant.bags.recorded_poses import read_frame, read_poses
 from sextant.bags.stamped_values import stamped_values
 from sextant.bags.stamps import Losses
@@ -28,7 +28,7 @@ _DECODERS: Dict[str, Callable[[Any], np.ndarray]] = {IMAGE: colour_image, COMPRE
 
 
 @dataclass(frozen=True)
-class PhotoOptions(StrictParams):
+class PhotoParams(StrictParams):
     """Which photos are taken, and what tells their poses."""
 
     image: str = ""  # topic; empty: that of the only camera
@@ -37,16 +37,16 @@ class PhotoOptions(StrictParams):
     distance: float = param(1.0, above_zero(1e5))  # metres from one photo to the next
     turn: float = param(float(np.radians(30.0)), above_zero(2 * np.pi))  # radians that the camera turned
     every: int = 1  # only every n-th image is looked at
-    base_frame: str = ReadOptions.base_frame
-    mounts: Dict[str, np.ndarray] = field(default_factory=dict)  # as ReadOptions has them
+    base_frame: str = BagParams.base_frame
+    mounts: Dict[str, np.ndarray] = field(default_factory=dict)  # as BagParams has them
 
     def __post_init__(self) -> None:
         super().__post_init__()
         self.reading()
 
-    def reading(self) -> ReadOptions:
+    def reading(self) -> BagParams:
         """The part that all readers of bags have."""
-        return ReadOptions(base_frame=self.base_frame, mounts=self.mounts, every=self.every)
+        return BagParams(base_frame=self.base_frame, mounts=self.mounts, every=self.every)
 
 
 class DrivePhoto(NamedTuple):
@@ -68,23 +68,23 @@ class DrivePhotos:
     warnings: Tuple[str, ...] = ()
 
 
-def read_drive_photos(path: str, options: PhotoOptions) -> DrivePhotos:
+def read_drive_photos(path: str, params: PhotoParams) -> DrivePhotos:
     """Reads a bag without a master. Of pictures that are almost alike the sharpest is taken.
 
     :raises BagError: the bag, its images, its poses or the mount cannot be used; and what to do
     """
     with BagFile(path) as bag:
-        topic, notes = choose_pictures(bag, options.image)
+        topic, notes = choose_pictures(bag, params.image)
         read = stamped_values(bag, topic.topic, _camera_frame)
-        stamps = list(read.values)[:: options.every]
+        stamps = list(read.values)[:: params.every]
         tree = read_transforms(bag)
         camera = {topic.camera: frame_name(read.first.header.frame_id)}
-        mounts = find_mounts(bag, camera, options.reading(), tree)
-        frame, T_map_base, more = _base_poses(path, options, stamps)
+        mounts = find_mounts(bag, camera, params.reading(), tree)
+        frame, T_map_base, more = _base_poses(path, params, stamps)
         poses = _camera_poses(stamps, T_map_base, mounts.by_camera[topic.camera])
         if not poses:
             raise bag.error(f"no image of {topic.topic} has a pose", "were both recorded at the same time?")
-        photos, losses = _photos(bag, topic, poses, options)
+        photos, losses = _photos(bag, topic, poses, params)
     if len(poses) < len(stamps):
         more = [*more, f"{len(stamps) - len(poses)} of {len(stamps)} images have no pose"]
     warnings = [*notes, *read.notes, *mounts.notes, *more, *losses]
@@ -99,13 +99,13 @@ def _camera_frame(message: Any, first: Any) -> str:
 
 
 def _base_poses(
-    path: str, options: PhotoOptions, stamps: Sequence[int]
+    path: str, params: PhotoParams, stamps: Sequence[int]
 ) -> Tuple[str, Dict[int, np.ndarray], List[str]]:
     """The frame, T_frame_base (4, 4) by stamp where it is known, and what is odd about them."""
-    if not options.pose:
-        known, notes = read_frame(path, options.frame, options.base_frame, stamps)
-        return frame_name(options.frame), known, notes
-    read = read_poses(path, options.pose)
+    if not params.pose:
+        known, notes = read_frame(path, params.frame, params.base_frame, stamps)
+        return frame_name(params.frame), known, notes
+    read = read_poses(path, params.pose)
     at = interpolated_poses(read.stamps, read.poses, np.array(stamps, dtype=np.int64), LONGEST_GAP)
     known = {stamp: T for stamp, T in zip(stamps, at) if T is not None}
     return read.frame, known, list(read.warnings)
@@ -124,11 +124,11 @@ def _camera_poses(
 
 
 def _photos(
-    bag: BagFile, topic: CameraTopic, poses: Dict[int, np.ndarray], options: PhotoOptions
+    bag: BagFile, topic: CameraTopic, poses: Dict[int, np.ndarray], params: PhotoParams
 ) -> Tuple[List[DrivePhoto], List[str]]:
     """The sharpest picture of each pick, in the order of their stamps; and what could not be read."""
     stamps, name = list(poses), _name(bag, topic)
-    picks = due_views(list(poses.values()), options.distance, options.turn)
+    picks = due_views(list(poses.values()), params.distance, params.turn)
     pick_of = {stamps[i]: number for number, pick in enumerate(picks) for i in pick}
     best: Dict[int, Tuple[float, DrivePhoto]] = {}
     losses = Losses()

@@ -9,11 +9,11 @@ import numpy as np
 
 import sextant
 from sextant.bags.bag_file import BagFile, DamagedMessage, Recorded
+from sextant.bags.bag_params import BagParams
 from sextant.bags.camera_topics import choose_topics
 from sextant.bags.cameras import CAMERAS, BagCamera
 from sextant.bags.mounts import Mount, find_mounts
 from sextant.bags.odometry import read_odometry
-from sextant.bags.read_options import ReadOptions
 from sextant.bags.stamps import Losses, StampOrder
 from sextant.bags.transforms import read_transforms
 from sextant.localization.drive_sightings import DriveCamera, DriveSightings, SeenImage
@@ -32,7 +32,7 @@ class RecordedDrive(DriveSightings):
 
 
 def read_drive(
-    path: str, options: Optional[ReadOptions] = None, progress: Optional[Progress] = None
+    path: str, params: Optional[BagParams] = None, progress: Optional[Progress] = None
 ) -> RecordedDrive:
     """Reads a bag without a master; what the nodes compute of its images, bit for bit.
 
@@ -43,16 +43,16 @@ def read_drive(
 
     :raises BagError: the bag, a calibration, the tf or what was asked for cannot be used; and what to do
     """
-    options = options or ReadOptions()
-    with BagFile(path, options.start, options.end) as bag:
-        topics, notes = choose_topics(bag, options)
-        detector = sextant.MarkerDetector(_detector_params(options))
+    params = params or BagParams()
+    with BagFile(path, params.start, params.end) as bag:
+        topics, notes = choose_topics(bag, params)
+        detector = sextant.MarkerDetector(_detector_params(params))
         cameras = {each.topic: CAMERAS[each.type](bag, each, detector) for each in topics}
         tree = read_transforms(bag)
         frames = {camera.topic.camera: camera.frame for camera in cameras.values()}
-        mounts = find_mounts(bag, frames, options, tree)
-        odometry = read_odometry(bag, options, tree, mounts.camera_is_base)
-        images = _Images(bag, cameras, mounts.by_camera, options.every)
+        mounts = find_mounts(bag, frames, params, tree)
+        odometry = read_odometry(bag, params, tree, mounts.camera_is_base)
+        images = _Images(bag, cameras, mounts.by_camera, params.every)
         images.read(progress or (lambda share: None))
     warnings = [*notes, *tree.notes, *mounts.notes, *odometry.notes, *images.notes()]
     seen = sorted(images.seen, key=lambda image: (image.stamp, image.camera))
@@ -61,10 +61,10 @@ def read_drive(
     )
 
 
-def _detector_params(options: ReadOptions) -> "sextant.DetectorParams":
-    params = sextant.DetectorParams()
-    params.families, params.search = list(options.families), "full"
-    return params
+def _detector_params(params: BagParams) -> "sextant.DetectorParams":
+    detector = sextant.DetectorParams()
+    detector.families, detector.search = list(params.families), "full"
+    return detector
 
 
 class _Places:

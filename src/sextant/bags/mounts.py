@@ -7,7 +7,7 @@ from typing import Callable, Dict, List, NamedTuple, Optional
 import numpy as np
 
 from sextant.bags.bag_file import BagFile
-from sextant.bags.read_options import ReadOptions
+from sextant.bags.bag_params import BagParams
 from sextant.bags.transforms import TransformTree, frame_name
 
 Mount = Callable[[int], Optional[np.ndarray]]  # T_base_camera at a stamp, None where it is not known
@@ -23,22 +23,22 @@ class Mounts(NamedTuple):
     notes: List[str]
 
 
-def find_mounts(bag: BagFile, frames: Dict[str, str], options: ReadOptions, tree: TransformTree) -> Mounts:
-    """Of options.mounts, else of tf. A single camera of a bag without any tf is taken as the base itself.
+def find_mounts(bag: BagFile, frames: Dict[str, str], params: BagParams, tree: TransformTree) -> Mounts:
+    """Of params.mounts, else of tf. A single camera of a bag without any tf is taken as the base itself.
 
     :param frames: optical frame by camera
     :raises BagError: a frame is not connected with the base; both are named. Or several cameras are the base
     """
-    if options.camera_is_base:
+    if params.camera_is_base:
         return _camera_is_base(bag, list(frames))
-    return _on_the_base(bag, frames, options, tree)
+    return _on_the_base(bag, frames, params, tree)
 
 
 def _on_the_base(
-    bag: BagFile, frames: Dict[str, str], options: ReadOptions, tree: TransformTree
+    bag: BagFile, frames: Dict[str, str], params: BagParams, tree: TransformTree
 ) -> Mounts:
-    base = frame_name(options.base_frame)
-    given = {frame_name(frame): np.array(T, dtype=float) for frame, T in options.mounts.items()}
+    base = frame_name(params.base_frame)
+    given = {frame_name(frame): np.array(T, dtype=float) for frame, T in params.mounts.items()}
     _check_given(bag, given, frames)
     found = {camera: mount_of(bag, frame, base, given, tree) for camera, frame in frames.items()}
     missing = [camera for camera in sorted(found) if found[camera] is None]

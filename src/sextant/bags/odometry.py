@@ -7,7 +7,7 @@ from typing import Any, List, NamedTuple, Optional
 import numpy as np
 
 from sextant.bags.bag_file import BagError, BagFile, DamagedMessage
-from sextant.bags.read_options import NO_ODOMETRY, ReadOptions
+from sextant.bags.bag_params import NO_ODOMETRY, BagParams
 from sextant.bags.stamped_values import stamped_values
 from sextant.bags.transforms import TransformTree, frame_name
 from sextant.geometry.poses import pose_of_fields
@@ -29,23 +29,23 @@ def no_odometry(*notes: str) -> OdometryPoses:
 
 
 def read_odometry(
-    bag: BagFile, options: ReadOptions, tree: TransformTree, camera_is_base: bool
+    bag: BagFile, params: BagParams, tree: TransformTree, camera_is_base: bool
 ) -> OdometryPoses:
     """Poses of the base. Odometry of another frame is moved to the base, if a static transform connects them.
 
     :raises BagError: the topic that was named is not there or of no use, or there are several
     """
-    if camera_is_base and not options.odometry:
+    if camera_is_base and not params.odometry:
         return no_odometry()
-    topic = odometry_topic(bag, options.odometry)
+    topic = odometry_topic(bag, params.odometry)
     if not topic:
         return no_odometry()
     if camera_is_base:
         raise bag.error(f"{topic} is of no use: nothing tells where the camera sits", "name its mount")
     try:
-        return _poses(bag, topic, frame_name(options.base_frame), tree)
+        return _poses(bag, topic, frame_name(params.base_frame), tree)
     except _Unrelated as error:
-        if options.odometry:
+        if params.odometry:
             raise
         return no_odometry(f"{topic} is not used: {error.what}")
 

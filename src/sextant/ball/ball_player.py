@@ -20,11 +20,11 @@ from sextant.ball.task_view import Action, SeenBall, SeenPillar, TaskView
 from sextant.geometry.pinhole_camera import PinholeCamera
 from sextant.geometry.plane_poses import composed, rotation
 from sextant.objects.ball_look import BallLook
-from sextant.objects.ball_tracker import BallTracker, BallTrackerSettings
+from sextant.objects.ball_tracker import BallTracker, BallTrackerParams
 from sextant.objects.ball_view import BallView
 from sextant.objects.detection import Detector
 from sextant.objects.object_kinds import BALL, KINDS
-from sextant.objects.object_locator import LocatedObject, LocatorSettings, ObjectLocator
+from sextant.objects.object_locator import LocatedObject, ObjectLocator, ObjectLocatorParams
 
 KEPT = 100  # readings of odometry
 
@@ -50,8 +50,8 @@ def _slam() -> "sextant.LandmarkSlamParams":
 class BallPlayerParams:
     """Of all parts."""
 
-    locator: LocatorSettings = field(default_factory=LocatorSettings)
-    tracker: BallTrackerSettings = field(default_factory=BallTrackerSettings)
+    locator: ObjectLocatorParams = field(default_factory=ObjectLocatorParams)
+    tracker: BallTrackerParams = field(default_factory=BallTrackerParams)
     slam: "sextant.LandmarkSlamParams" = field(default_factory=_slam)
     timeline: "sextant.LandmarkTimelineParams" = field(default_factory=sextant.LandmarkTimelineParams)
     grid: FloorGridParams = field(default_factory=FloorGridParams)

@@ -48,7 +48,7 @@ class CheckParams(StrictParams):
 
 
 @dataclass(frozen=True)
-class Finding:
+class LensDeviation:
     """One property of the lens: how far the calibration is off (itself minus the truth), in its unit."""
 
     name: str
@@ -90,7 +90,7 @@ class CalibrationCheck:
 
     state: int  # GOOD, NOT_GOOD or UNKNOWN
     reasons: List[str]  # in words, at least one
-    findings: List[Finding]
+    deviations: List[LensDeviation]
     distances: List[SeenDistance]
     rings: List[Ring]
     fit: CalibrationFit
@@ -107,24 +107,24 @@ def check_calibration(
         raise ValueError("no photo shows a marker")
     sigmas = FitSigmas(params.tape_sigma, params.zero_sigma, params.size_sigma)
     fit = fit_calibration(calibration, sightings, sigmas)
-    findings = _findings(calibration, fit, params)
-    blunders, missing = _blunders(fit, params), _missing(calibration, sightings, findings)
-    state = _state(findings, blunders, missing)
+    deviations = _deviations(calibration, fit, params)
+    blunders, missing = _blunders(fit, params), _missing(calibration, sightings, deviations)
+    state = _state(deviations, blunders, missing)
     reasons = {
         GOOD: ["the calibration is still good"],
-        NOT_GOOD: [_words(each) for each in findings if each.state == NOT_GOOD],
+        NOT_GOOD: [_words(each) for each in deviations if each.state == NOT_GOOD],
         UNKNOWN: [*blunders, *missing],
     }[state]
     untaped = [replace(each, distance=None) for each in sightings]
     as_it_is = fit_calibration(calibration, untaped, replace(sigmas, lens=1e-9))
     distances = _seen_distances(sightings, as_it_is)
     rings = _rings(calibration, sightings, as_it_is, min(1.0, fit.noise_scale))
-    return CalibrationCheck(state, reasons, findings, distances, rings, fit)
+    return CalibrationCheck(state, reasons, deviations, distances, rings, fit)
 
 
-def _findings(
+def _deviations(
     calibration: "sextant.CameraCalibration", fit: CalibrationFit, params: CheckParams
-) -> List[Finding]:
+) -> List[LensDeviation]:
     width, sigmas = calibration.width, np.sqrt(np.diag(fit.covariance))
     rows = [
         ("focal length", "%", FOCAL, 100.0, params.focal_tolerance * 100.0),
@@ -133,18 +133,18 @@ def _findings(
         ("distortion in the corner", "px", EDGE, 1.0, params.edge_tolerance * width),
     ]
     return [
-        Finding(name, unit, -scale * fit.error[i], scale * sigmas[i], tolerance)
+        LensDeviation(name, unit, -scale * fit.error[i], scale * sigmas[i], tolerance)
         for name, unit, i, scale, tolerance in rows
     ]
 
 
-def _words(finding: Finding) -> str:
-    error, sigma = f"{abs(finding.error):.1f}", f"{finding.sigma:.1f}"
-    if finding.unit == "%":
-        way = "long" if finding.error > 0 else "short"
+def _words(deviation: LensDeviation) -> str:
+    error, sigma = f"{abs(deviation.error):.1f}", f"{deviation.sigma:.1f}"
+    if deviation.unit == "%":
+        way = "long" if deviation.error > 0 else "short"
         return f"the focal length is {error} % +- {sigma} % too {way} (or the markers have another size)"
-    if finding.name.startswith("principal"):
-        return f"the {finding.name} is off by {finding.error:+.1f} +- {sigma} pixels"
+    if deviation.name.startswith("principal"):
+        return f"the {deviation.name} is off by {deviation.error:+.1f} +- {sigma} pixels"
     return f"the distortion does not fit at the edges: off by {error} +- {sigma} pixels in the image's corner"
 
 
@@ -165,10 +165,12 @@ def _blunders(fit: CalibrationFit, params: CheckParams) -> List[str]:
 
 
 def _missing(
-    calibration: "sextant.CameraCalibration", sightings: Sequence[Sighting], findings: Sequence[Finding]
+    calibration: "sextant.CameraCalibration",
+    sightings: Sequence[Sighting],
+    deviations: Sequence[LensDeviation],
 ) -> List[str]:
     """Which photos would tell what these do not."""
-    focal, *centre, edge = findings
+    focal, *centre, edge = deviations
     missing = _missing_distances(sightings) if focal.state == UNKNOWN else []
     bare = _bare_corners(calibration, sightings)
     if bare:
@@ -210,9 +212,9 @@ def _from_middle(calibration: "sextant.CameraCalibration", pixels: np.ndarray):
     return offset, np.linalg.norm(offset, axis=1) / (0.5 * np.linalg.norm(size))
 
 
-def _state(findings: Sequence[Finding], blunders: Sequence[str], missing: Sequence[str]) -> int:
+def _state(deviations: Sequence[LensDeviation], blunders: Sequence[str], missing: Sequence[str]) -> int:
     """A wrong reading of the tape makes a wrong focal length, but nothing else wrong."""
-    believed = findings[1:] if blunders else findings
+    believed = deviations[1:] if blunders else deviations
     if any(each.state == NOT_GOOD for each in believed):
         return NOT_GOOD
     return UNKNOWN if blunders or missing else GOOD

@@ -11,8 +11,8 @@ from typing import Dict, List, Optional, Sequence, Tuple
 
 import numpy as np
 
+from sextant.bags.bag_params import BagParams
 from sextant.bags.drive_reader import read_drive
-from sextant.bags.read_options import ReadOptions
 from sextant.bags.recorded_poses import RecordedPoses, read_frame, read_poses
 from sextant.base.atomic_file import atomic_files
 from sextant.commands.bag_options import read_bags
@@ -30,7 +30,7 @@ class DriveJob:
     """How the poses of a bag are found and compared, as plain values."""
 
     pose: str  # topic; empty: they are located
-    reading: Optional[ReadOptions]
+    reading: Optional[BagParams]
     map_file: MapFile
     corner_sigma: Optional[float]  # pixels; None: the locator's own
     truth: Optional[Trajectory]  # None: tf has it

@@ -98,7 +98,7 @@ def _located(bags: Sequence[str], options: argparse.Namespace) -> _Found:
     if marker_map is None:
         marker_frame(options.family, 0, options.size)
     what = reading(options, camera_is_base=True)
-    read, notes = read_bags(functools.partial(read_drive, options=what), bags, options)
+    read, notes = read_bags(functools.partial(read_drive, params=what), bags, options)
     drives = [drive for _, drive in read]
     marker_map = marker_map or measured_marker(drives, options)
     noise = _noise(drives, marker_map, options.corner_sigma)

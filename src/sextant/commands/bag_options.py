@@ -8,7 +8,7 @@ from typing import Any, Callable, Dict, List, Sequence, Tuple
 import numpy as np
 
 import sextant
-from sextant.bags.read_options import ReadOptions
+from sextant.bags.bag_params import BagParams
 from sextant.base.jobs import JobError, run_jobs
 
 
@@ -43,7 +43,7 @@ def add_mount_options(group) -> None:
         "--mounts", nargs="+", type=pair, default=[], metavar="FRAME=X,Y,Z,ROLL,PITCH,YAW",
         help="of a camera's optical frame on the base, where the bag has no tf",
     )  # fmt: skip
-    group.add_argument("--base-frame", default=ReadOptions.base_frame, help="default: %(default)s")
+    group.add_argument("--base-frame", default=BagParams.base_frame, help="default: %(default)s")
 
 
 def add_job_options(group) -> None:
@@ -63,7 +63,7 @@ def pair(text: str) -> Tuple[str, str]:
     return name, value
 
 
-def read_options(options: argparse.Namespace, families: Sequence[str] = (), **others: Any) -> ReadOptions:
+def bag_params(options: argparse.Namespace, families: Sequence[str] = (), **others: Any) -> BagParams:
     """Of add_bag_options() and add_robot_options().
 
     :param families: empty: the detector's own
@@ -71,7 +71,7 @@ def read_options(options: argparse.Namespace, families: Sequence[str] = (), **ot
     :raises ValueError: one that cannot be
     """
     given: Dict[str, Any] = {"families": tuple(families)} if families else {}
-    return ReadOptions(
+    return BagParams(
         images=tuple(options.images), markers=tuple(options.markers),
         calibrations=dict(options.calibrations), rectified=tuple(options.rectified), every=options.every,
         mounts=read_mounts(options.mounts), base_frame=options.base_frame, odometry=options.odometry,

@@ -198,7 +198,7 @@ def _table(check: CalibrationCheck) -> List[str]:
             f"{ring.name:8s}  {ring.residual:6.2f} px   {ring.noise:6.2f} px   {ring.corners:4d} corners"
         )
     lines += ["", f"{'the calibration is':26s}off by        +-   allowed"]
-    for each in check.findings:
+    for each in check.deviations:
         told = f"{each.error:+8.2f} {each.sigma:9.2f} {each.tolerance:9.2f} {each.unit:3s}"
         lines.append(f"{each.name:24s}{told}{_ANSWERS[each.state]}")
     return [*lines, ""]

@@ -8,7 +8,7 @@ from typing import Optional, Sequence
 
 import sextant
 from sextant.commands.command_line import Answer, CommandParser, check_output, run
-from sextant.markers.formats.map_file import MapOptions
+from sextant.markers.formats.map_file import MapFormatParams
 from sextant.markers.map_formats import (
     FORMATS,
     guess_read_format,
@@ -43,7 +43,7 @@ def _convert(options: argparse.Namespace) -> Answer:
     target = options.target or guess_write_format(options.output)
     check_output(Path(options.output), options.force)
     read = read_map(
-        options.input, source, MapOptions(options.frame, options.family, options.size, options.bundle)
+        options.input, source, MapFormatParams(options.frame, options.family, options.size, options.bundle)
     )
     lost = write_map(read.marker_map, options.output, target)
     return Answer(

@@ -15,7 +15,7 @@ from sextant.bags.measured_depth import middle_depth
 from sextant.commands.command_line import Answer, CommandParser, run
 from sextant.objects.depth_scale import (
     DepthScale,
-    DepthScaleSettings,
+    DepthScaleParams,
     MeasuredDepth,
     estimate_depth_scale,
     read_measured_depths,
@@ -36,7 +36,7 @@ def main(arguments: Optional[List[str]] = None) -> int:
 
 def _parser() -> CommandParser:
     parser = CommandParser(prog="estimate_depth_scale", description=__doc__, epilog=_EXAMPLES)
-    settings = DepthScaleSettings()
+    params = DepthScaleParams()
     parser.add_argument("csv", type=Path, nargs="*", help="file of lines 'told, true', metres")
     parser.add_argument(
         "--bag", action="append", default=[], help="recording of a wall; each with a --distance"
@@ -59,16 +59,16 @@ def _parser() -> CommandParser:
         help="of the image's sides, about its middle (default: %(default)s)",
     )
     for name, what in (("range", "a depth at 1 m, growing with its square"), ("tape", "a taped distance")):
-        default = getattr(settings, f"{name}_sigma")
+        default = getattr(params, f"{name}_sigma")
         text = f"deviation of {what}, metres (default: %(default)s)"
         parser.add_argument(f"--{name}-sigma", type=float, default=default, help=text)
     return parser
 
 
 def _estimate(options: argparse.Namespace) -> Answer:
-    settings = DepthScaleSettings(options.range_sigma, options.tape_sigma)
+    params = DepthScaleParams(options.range_sigma, options.tape_sigma)
     measured = _measured(options)
-    found = estimate_depth_scale(measured, settings)
+    found = estimate_depth_scale(measured, params)
     return Answer(_lines(measured, found))
 
 

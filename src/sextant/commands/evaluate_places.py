@@ -21,7 +21,7 @@ import sextant
 from sextant.base.atomic_file import atomic_file
 from sextant.commands.command_line import Answer, CommandParser, check_output, run
 from sextant.place_maps.place_map_file import read_place_map
-from sextant.places.global_descriptor import BACKEND_NAMES, CHANNELS, GlobalDescriptorSettings
+from sextant.places.global_descriptor import BACKEND_NAMES, CHANNELS, GlobalDescriptorParams
 from sextant.places.place_estimate import scale_of
 from sextant.places.place_evaluation import (
     ONE_BY_ONE,
@@ -31,9 +31,9 @@ from sextant.places.place_evaluation import (
     evaluate,
     evaluate_left_out,
 )
-from sextant.places.place_index import PROFILES, IndexSettings
+from sextant.places.place_index import PROFILES, IndexParams
 from sextant.places.place_library import Library
-from sextant.places.place_localization import VOTES, LocalizationParams
+from sextant.places.place_localization import VOTES, PlaceLocalizationParams
 from sextant.places.place_modes import MODES
 from sextant.places.place_plots import plot_precision_recall, plot_reliability
 from sextant.places.place_queries import default_tolerance, queries_of_map, queries_of_table
@@ -86,7 +86,7 @@ def _add_method_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--matcher",
         choices=sextant.matcher_names(),
-        default=IndexSettings.matcher,
+        default=IndexParams.matcher,
         help="default: %(default)s",
     )
     parser.add_argument(
@@ -100,7 +100,7 @@ def _add_method_options(parser: argparse.ArgumentParser) -> None:
 
 
 def _add_network_options(parser: argparse.ArgumentParser) -> None:
-    known = GlobalDescriptorSettings()
+    known = GlobalDescriptorParams()
     parser.add_argument("--network", default="", metavar="ONNX", help="file of a global descriptor")
     parser.add_argument("--network-backend", choices=BACKEND_NAMES, default=known.backend)
     for side in ("width", "height"):
@@ -128,10 +128,10 @@ def _evaluate(options: argparse.Namespace) -> Answer:
     files = [*([options.json] if options.json else []), *plots]
     for path in files:
         check_output(path, options.force)
-    mode = options.mode or ("single" if options.leave_one_out else LocalizationParams.mode)
+    mode = options.mode or ("single" if options.leave_one_out else PlaceLocalizationParams.mode)
     library = _library(options)
     recognition = RecognitionParams(network_weight=options.network_weight)
-    evaluation = _evaluated(options, library, LocalizationParams(mode=mode, recognition=recognition))
+    evaluation = _evaluated(options, library, PlaceLocalizationParams(mode=mode, recognition=recognition))
     unit = "m" if scale_of(library.place_map) else "px"
     if options.json:
         _write_json(options.json, mode, unit, evaluation)
@@ -155,20 +155,22 @@ def _check(options: argparse.Namespace) -> None:
 
 
 def _library(options: argparse.Namespace) -> Library:
-    network = GlobalDescriptorSettings(
+    network = GlobalDescriptorParams(
         options.network, options.network_backend, options.network_width, options.network_height,
         options.network_channels, options.network_mean, options.network_std,
     )  # fmt: skip
-    settings = IndexSettings.of_profile(
+    params = IndexParams.of_profile(
         options.profile, options.detector, options.extractor, options.matcher, network, options.orb_wta_k
     )
     return Library(
-        options.map, read_place_map(options.map), settings,
+        options.map, read_place_map(options.map), params,
         options.jobs, options.scheduler, functools.partial(print, file=sys.stderr),
     )  # fmt: skip
 
 
-def _evaluated(options: argparse.Namespace, library: Library, params: LocalizationParams) -> PlaceEvaluation:
+def _evaluated(
+    options: argparse.Namespace, library: Library, params: PlaceLocalizationParams
+) -> PlaceEvaluation:
     place_map, tolerance = library.place_map, options.tolerance
     if tolerance is None:
         tolerance = default_tolerance(place_map)

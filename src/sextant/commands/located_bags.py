@@ -9,9 +9,9 @@ from typing import List, NamedTuple, Optional, Sequence, Tuple
 import numpy as np
 
 import sextant
-from sextant.bags.read_options import ReadOptions
+from sextant.bags.bag_params import BagParams
 from sextant.bags.recorded_poses import RecordedPoses
-from sextant.commands.bag_options import read_options
+from sextant.commands.bag_options import bag_params
 from sextant.localization.drive_sightings import DriveSightings
 from sextant.localization.located_drive import locate_drive
 
@@ -49,14 +49,14 @@ def localization_params(corner_sigma: Optional[float]) -> "sextant.LocalizationP
     return params
 
 
-def reading(options: argparse.Namespace, camera_is_base: bool) -> ReadOptions:
+def reading(options: argparse.Namespace, camera_is_base: bool) -> BagParams:
     """What is read of bags in which poses are to be located.
 
     :raises ValueError, RuntimeError: an option, or the map, that cannot be
     """
     marker_map = MapFile.of(options).read()
     families = {options.family} if marker_map is None else {each.family for each in marker_map.markers}
-    return read_options(options, sorted(families), camera_is_base=camera_is_base)
+    return bag_params(options, sorted(families), camera_is_base=camera_is_base)
 
 
 def marker_frame(family: str, id: int, size: float) -> "sextant.MarkerMap":

@@ -22,9 +22,9 @@ from sextant.commands.bag_options import (
     add_bag_options,
     add_job_options,
     add_robot_options,
+    bag_params,
     pair,
     read_bags,
-    read_options,
 )
 from sextant.commands.command_line import Answer, CommandParser, check_output, run
 from sextant.localization.recorded_instants import RecordedInstants, recorded_instants
@@ -91,7 +91,7 @@ def _make(options: argparse.Namespace) -> Answer:
         check_output(path, options.force)
     params, sizes, known = mapping_params(options), marker_sizes(options), known_markers(options)
     families = options.families or sorted({marker.family for marker in known.markers})
-    reading = functools.partial(read_drive, options=read_options(options, families))
+    reading = functools.partial(read_drive, params=bag_params(options, families))
     read, notes = read_bags(reading, options.bags, options)
     drives = [drive for _, drive in read]
     recorded = recorded_instants(drives)

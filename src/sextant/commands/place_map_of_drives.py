@@ -20,7 +20,7 @@ from typing import Dict, List, Sequence, Tuple
 
 import numpy as np
 
-from sextant.bags.drive_photos import DrivePhoto, DrivePhotos, PhotoOptions, read_drive_photos
+from sextant.bags.drive_photos import DrivePhoto, DrivePhotos, PhotoParams, read_drive_photos
 from sextant.commands.bag_options import add_job_options, add_mount_options, read_bags, read_mounts
 from sextant.commands.command_line import Answer, CommandParser
 from sextant.commands.place_map_output import add_output_options, existing_map, write_map
@@ -60,11 +60,11 @@ def parser() -> CommandParser:
 
 def _add_picking(group) -> None:
     group.add_argument(
-        "--distance", type=float, default=PhotoOptions.distance, metavar="METRES",
+        "--distance", type=float, default=PhotoParams.distance, metavar="METRES",
         help="from one to the next (default: %(default)s)",
     )  # fmt: skip
     group.add_argument(
-        "--turn", type=float, default=round(math.degrees(PhotoOptions.turn)), metavar="DEGREES",
+        "--turn", type=float, default=round(math.degrees(PhotoParams.turn)), metavar="DEGREES",
         help="another one after the camera turned so far (default: %(default)s)",
     )  # fmt: skip
     group.add_argument(
@@ -74,7 +74,7 @@ def _add_picking(group) -> None:
 
 
 def _add_poses(group) -> None:
-    group.add_argument("--frame", default="", help=f"where tf has the base (default: {PhotoOptions.frame})")
+    group.add_argument("--frame", default="", help=f"where tf has the base (default: {PhotoParams.frame})")
     group.add_argument("--pose", default="", metavar="TOPIC", help="of the base's poses, in place of tf")
     add_mount_options(group)
 
@@ -86,7 +86,7 @@ def make(options: argparse.Namespace) -> Answer:
     """
     begun = existing_map(options)
     _check(options)
-    reading = functools.partial(read_drive_photos, options=_photo_options(options))
+    reading = functools.partial(read_drive_photos, params=_photo_params(options))
     read, notes = read_bags(reading, options.bags, options)
     drives = [drive for _, drive in read]
     frame, files = _frame(read), {}
@@ -124,9 +124,9 @@ def _merge(options: argparse.Namespace) -> float:
     return MERGE * options.distance if options.merge is None else options.merge
 
 
-def _photo_options(options: argparse.Namespace) -> PhotoOptions:
-    return PhotoOptions(
-        options.image, options.pose, options.frame or PhotoOptions.frame, options.distance,
+def _photo_params(options: argparse.Namespace) -> PhotoParams:
+    return PhotoParams(
+        options.image, options.pose, options.frame or PhotoParams.frame, options.distance,
         math.radians(options.turn), options.every, options.base_frame, read_mounts(options.mounts),
     )  # fmt: skip
 

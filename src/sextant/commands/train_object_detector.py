@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import List, Optional, Sequence
 
 from sextant.commands.command_line import Answer, CommandParser, run
-from sextant.objects.yolo_detector import MULTIPLE, YoloSettings
+from sextant.objects.yolo_detector import MULTIPLE, YoloParams
 from sextant.training.detector_scores import plot_confusion, scored
 from sextant.training.mean_precision import DetectorScore, recall_and_precision
 from sextant.training.object_pictures import CLASSES, picture_set
@@ -62,19 +62,19 @@ def _train(options: argparse.Namespace) -> Answer:
     except ImportError:
         raise ValueError(NO_TORCH) from None
     from sextant.training.yolo_network import export
-    from sextant.training.yolo_training import TrainingSettings, train
+    from sextant.training.yolo_training import TrainingParams, train
 
     _check(options)
     torch.set_num_threads(options.jobs)
     options.folder.mkdir(parents=True, exist_ok=True)
     first = options.seed * VALIDATION * 2
     pictures = picture_set(range(first, first + options.pictures), options.size, options.jobs, "pictures")
-    settings = TrainingSettings(epochs=options.epochs, seed=options.seed)
-    network = train(pictures, len(CLASSES), settings, options.folder / CHECKPOINT, "training")
+    params = TrainingParams(epochs=options.epochs, seed=options.seed)
+    network = train(pictures, len(CLASSES), params, options.folder / CHECKPOINT, "training")
     export(network, options.folder / MODEL, options.size, CLASSES)
     seeds = range(first + VALIDATION, first + VALIDATION + options.validation)
     judged = picture_set(seeds, options.size, options.jobs, "validation")
-    model = YoloSettings(model=str(options.folder / MODEL))
+    model = YoloParams(model=str(options.folder / MODEL))
     score = scored(judged.images, judged.known(), model)
     plot_confusion(options.folder / PICTURE, score, CLASSES)
     return Answer(_table(score, options))

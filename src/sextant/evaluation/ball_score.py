@@ -12,10 +12,10 @@ import numpy as np
 
 from sextant.ball.ball_player import BallPlayerParams
 from sextant.evaluation.ball_match import MatchResult, Watch, play
-from sextant.objects.colour_detector import ColourDetector, ColourSettings
+from sextant.objects.colour_detector import ColourDetector, ColourParams
 from sextant.objects.detection import Detector
-from sextant.objects.object_locator import LocatorSettings
-from sextant.objects.yolo_detector import YoloDetector, YoloSettings
+from sextant.objects.object_locator import ObjectLocatorParams
+from sextant.objects.yolo_detector import YoloDetector, YoloParams
 from sextant.simulation.rgbd_camera import RgbdParams
 
 STOP, STOP_ERROR = 0.2, 0.05  # metres before the goal's line, and how far off counts
@@ -49,7 +49,7 @@ def play_match(match: Match, watch: Optional[Watch] = None) -> MatchResult:
     :param watch: as play() has it
     """
     cv2.setNumThreads(1)
-    params = BallPlayerParams(locator=LocatorSettings(scale=1.0 / RgbdParams().depth_scale))
+    params = BallPlayerParams(locator=ObjectLocatorParams(scale=1.0 / RgbdParams().depth_scale))
     return play(match.task, match.seed, detector_of(match.model), params, OBSTACLES[match.task], watch)
 
 
@@ -60,8 +60,8 @@ def detector_of(model: str) -> Detector:
     :raises ValueError: what is wrong with it
     """
     if not model:
-        return ColourDetector(ColourSettings())
-    return YoloDetector(YoloSettings(model=model), threads=1)
+        return ColourDetector(ColourParams())
+    return YoloDetector(YoloParams(model=model), threads=1)
 
 
 def is_success(result: MatchResult) -> bool:

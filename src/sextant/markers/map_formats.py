@@ -11,7 +11,7 @@ from sextant.markers.formats.apriltag_ros import format_apriltag_ros, read_april
 from sextant.markers.formats.fiducial_slam import FIELDS as FIDUCIAL_SLAM_FIELDS
 from sextant.markers.formats.fiducial_slam import format_fiducial_slam, read_fiducial_slam
 from sextant.markers.formats.located_yaml import read_yaml
-from sextant.markers.formats.map_file import MapFileError, MapOptions, ReadMap, WrittenMap, read_text
+from sextant.markers.formats.map_file import MapFileError, MapFormatParams, ReadMap, WrittenMap, read_text
 from sextant.markers.formats.sextant_map import (
     has_yaml_ending,
     read_text_map,
@@ -22,7 +22,7 @@ from sextant.markers.formats.sextant_map import (
 from sextant.markers.formats.tagslam import read_tagslam
 from sextant.markers.formats.tagslam_writer import format_tagslam
 
-Reader = Callable[[str, MapOptions], ReadMap]
+Reader = Callable[[str, MapFormatParams], ReadMap]
 Writer = Callable[[sextant.MarkerMap, str], List[str]]
 
 
@@ -68,13 +68,13 @@ THEIR_NAMES = {"tags.yaml": "apriltag_ros", "tagslam.yaml": "tagslam", "poses.ya
 TEXT_FIELDS = 7
 
 
-def read_map(path: str, name: str, options: MapOptions) -> ReadMap:
+def read_map(path: str, name: str, params: MapFormatParams) -> ReadMap:
     """The map of a file in the format of a name in FORMATS.
 
     :raises MapFileError: the file is none, "file:line: reason"; an option that the format needs is not there;
         one is there that the file says itself
     """
-    given = {key for key, value in vars(options).items() if value is not None}
+    given = {key for key, value in vars(params).items() if value is not None}
     wanted = FORMATS[name]
     missing = [key for key in wanted.needs if key not in given]
     if missing:
@@ -83,17 +83,17 @@ def read_map(path: str, name: str, options: MapOptions) -> ReadMap:
     idle = sorted(given.difference(wanted.needs, wanted.takes))
     if idle:
         raise MapFileError(f"{path}: {name} has no use for {_flags(idle)}")
-    _require_in_range(options)
-    read = wanted.read(path, options)
+    _require_in_range(params)
+    read = wanted.read(path, params)
     if not read.marker_map.markers:
         raise MapFileError(f"{path}: has no markers")
     return read
 
 
-def _require_in_range(options: MapOptions) -> None:
-    if options.size is not None and not 0 < options.size <= 100:
-        raise MapFileError(f"--size must be in (0, 100] m, not {options.size:g}")
-    frame = options.frame
+def _require_in_range(params: MapFormatParams) -> None:
+    if params.size is not None and not 0 < params.size <= 100:
+        raise MapFileError(f"--size must be in (0, 100] m, not {params.size:g}")
+    frame = params.frame
     if frame is not None and (frame.split() != [frame] or frame.startswith("/")):
         raise MapFileError(f"--frame: '{frame}' cannot name a tf frame")
 

@@ -25,7 +25,7 @@ LONGEST_HIT = (
 
 
 @dataclass(frozen=True)
-class BallMotionSettings(StrictParams):
+class BallMotionParams(StrictParams):
     """Of a ball on a floor."""
 
     rolling: float = param(0.35, within(0.01, 10))  # m/s^2 by which it slows down
@@ -48,27 +48,27 @@ def rolled(speed: float, seconds: float, deceleration: float) -> Tuple[float, fl
     return speed * until - 0.5 * deceleration * until**2, speed - deceleration * until
 
 
-def seen_first(position: np.ndarray, covariance: np.ndarray, settings: BallMotionSettings) -> BallModes:
+def seen_first(position: np.ndarray, covariance: np.ndarray, params: BallMotionParams) -> BallModes:
     """:param position: (2,). :param covariance: (2, 2)"""
     means, covariances = np.zeros((3, 4)), np.zeros((3, 4, 4))
     means[:, :2], covariances[:, :2, :2] = position, covariance
-    for mode, variance in enumerate((AT_REST, settings.hit_sigma**2, settings.hit_sigma**2)):
+    for mode, variance in enumerate((AT_REST, params.hit_sigma**2, params.hit_sigma**2)):
         covariances[mode, 2:, 2:] = variance * np.eye(2)
     return BallModes(means, covariances, START)
 
 
-def moved_on(modes: BallModes, seconds: float, settings: BallMotionSettings) -> BallModes:
+def moved_on(modes: BallModes, seconds: float, params: BallMotionParams) -> BallModes:
     """Later, if nothing hits it."""
     means, covariances = modes.means.copy(), modes.covariances.copy()
-    covariances[LIES, :2, :2] += settings.creep**2 * seconds * np.eye(2)
+    covariances[LIES, :2, :2] += params.creep**2 * seconds * np.eye(2)
     for mode in (ROLLS, HIT):
-        means[mode], covariances[mode] = _rolled(means[mode], covariances[mode], seconds, settings)
+        means[mode], covariances[mode] = _rolled(means[mode], covariances[mode], seconds, params)
     return BallModes(means, covariances, modes.probabilities)
 
 
-def jumped(modes: BallModes, seconds: float, settings: BallMotionSettings) -> BallModes:
+def jumped(modes: BallModes, seconds: float, params: BallMotionParams) -> BallModes:
     """Later, whatever happened meanwhile."""
-    before = moved_on(modes, max(0.0, seconds - LONGEST_HIT), settings)
+    before = moved_on(modes, max(0.0, seconds - LONGEST_HIT), params)
     shares = JUMPS * before.probabilities[:, np.newaxis]
     probabilities = shares.sum(axis=0)
     means, covariances = np.zeros((3, 4)), np.zeros((3, 4, 4))
@@ -76,8 +76,8 @@ def jumped(modes: BallModes, seconds: float, settings: BallMotionSettings) -> Ba
         means[mode], covariances[mode] = _mixed(before, shares[:, mode] / probabilities[mode])
     means[LIES, 2:], covariances[LIES, 2:], covariances[LIES, :, 2:] = 0.0, 0.0, 0.0
     covariances[LIES, 2:, 2:] = AT_REST * np.eye(2)
-    covariances[HIT, 2:, 2:] += settings.hit_sigma**2 * np.eye(2)
-    return moved_on(BallModes(means, covariances, probabilities), min(seconds, LONGEST_HIT), settings)
+    covariances[HIT, 2:, 2:] += params.hit_sigma**2 * np.eye(2)
+    return moved_on(BallModes(means, covariances, probabilities), min(seconds, LONGEST_HIT), params)
 
 
 def distance(modes: BallModes, position: np.ndarray, covariance: np.ndarray) -> float:
@@ -115,14 +115,14 @@ def _mixed(modes: BallModes, weights: np.ndarray) -> Tuple[np.ndarray, np.ndarra
     return mean, np.einsum("m,mij->ij", weights, modes.covariances) + (off.T * weights) @ off
 
 
-def _rolled(mean: np.ndarray, P: np.ndarray, seconds: float, settings: BallMotionSettings):
+def _rolled(mean: np.ndarray, P: np.ndarray, seconds: float, params: BallMotionParams):
     """Along a line, slower and slower. Where the speed is not known, one as large as its deviation is taken:
     of a speed of nought nothing would be left."""
     speed = float(np.sqrt(mean[2:] @ mean[2:] + np.trace(P[2:, 2:])))
     if speed < 1e-9 or seconds <= 0.0:
         return mean, P
-    until = min(seconds, speed / settings.rolling)
-    way, slowed = rolled(speed, until, settings.rolling)
+    until = min(seconds, speed / params.rolling)
+    way, slowed = rolled(speed, until, params.rolling)
     actual = np.hypot(*mean[2:])
     heading = mean[2:] / actual if actual > 1e-9 else np.zeros(2)
     along = np.outer(heading, heading) * min(1.0, actual / speed)
@@ -131,4 +131,4 @@ def _rolled(mean: np.ndarray, P: np.ndarray, seconds: float, settings: BallMotio
     F[2:, 2:] = slowed / speed * np.eye(2) + (float(slowed > 0.0) - slowed / speed) * along
     moved = np.concatenate([mean[:2] + way / speed * mean[2:], slowed / speed * mean[2:]])
     G = np.vstack([0.5 * until**2 * np.eye(2), until * np.eye(2)])
-    return moved, F @ P @ F.T + settings.rolling_sigma**2 * G @ G.T
+    return moved, F @ P @ F.T + params.rolling_sigma**2 * G @ G.T

@@ -10,7 +10,7 @@ import numpy as np
 from sextant.base.strict_params import StrictParams, nested, param, within
 from sextant.objects.ball_motion import (
     BallModes,
-    BallMotionSettings,
+    BallMotionParams,
     distance,
     jumped,
     merged,
@@ -26,14 +26,14 @@ Sighting = Tuple[np.ndarray, np.ndarray]  # position (2,) and covariance (2, 2),
 
 
 @dataclass(frozen=True)
-class BallTrackerSettings(StrictParams):
+class BallTrackerParams(StrictParams):
     """When a ball is believed, and how long."""
 
     begin: int = param(2, within(1, 100))  # sightings that agree, from which on there is a ball
     move: int = param(4, within(1, 100))  # the same elsewhere while it is not seen, after which it is there
     missed: int = param(8, within(1, 10000))  # looks that should show it and do not, after which it is gone
     memory: float = param(60.0, within(0.1, 3600))  # seconds after its last sighting that it is believed
-    motion: BallMotionSettings = nested(BallMotionSettings)
+    motion: BallMotionParams = nested(BallMotionParams)
 
 
 class BallEstimate(NamedTuple):
@@ -81,9 +81,9 @@ _NOTHING = _Known(_Look(-np.inf, [], lambda position: False), None, None)
 class BallTracker:
     """Looks may come late and in any order within a second."""
 
-    def __init__(self, settings: BallTrackerSettings):
+    def __init__(self, params: BallTrackerParams):
         """:raises ValueError: a setting out of range"""
-        self._settings = settings
+        self._params = params
         self._known: List[_Known] = [_NOTHING]  # by stamp
 
     def look(
@@ -109,9 +109,9 @@ class BallTracker:
     def at(self, stamp: float) -> Optional[BallEstimate]:
         """At any later moment, or one within the last second; None: nobody knows."""
         track = next((each.track for each in reversed(self._known) if each.look.stamp <= stamp), None)
-        if track is None or stamp - track.stamp > self._settings.memory:
+        if track is None or stamp - track.stamp > self._params.memory:
             return None
-        mean, covariance = merged(moved_on(track.modes, stamp - track.stamp, self._settings.motion))
+        mean, covariance = merged(moved_on(track.modes, stamp - track.stamp, self._params.motion))
         return BallEstimate(mean[:2], mean[2:], covariance, track.stamp)
 
     def clear(self) -> None:
@@ -123,27 +123,27 @@ class BallTracker:
         if used is not None:
             return _Known(look, track, None)
         rival = self._rival(known.rival, look)
-        needed = self._settings.begin if track is None else self._settings.move
+        needed = self._params.begin if track is None else self._params.move
         if rival is not None and rival.seen >= needed:
             return _Known(look, _Track(rival.stamp, rival.modes), None)
         return _Known(look, track, rival)
 
     def _followed(self, track: Optional[_Track], look: _Look) -> Tuple[Optional[_Track], Optional[int]]:
         """The track after a look, and which sighting is of it."""
-        settings = self._settings
-        if track is None or look.stamp - track.stamp > settings.memory:
+        params = self._params
+        if track is None or look.stamp - track.stamp > params.memory:
             return None, None
-        modes = jumped(track.modes, look.stamp - track.stamp, settings.motion)
+        modes = jumped(track.modes, look.stamp - track.stamp, params.motion)
         best = _nearest(modes, look.sightings)
         if best is not None:
             return _Track(look.stamp, seen_again(modes, *look.sightings[best])), best
-        here = merged(moved_on(track.modes, look.stamp - track.stamp, settings.motion))[0][:2]
+        here = merged(moved_on(track.modes, look.stamp - track.stamp, params.motion))[0][:2]
         missed = track.missed + bool(look.should_see(here))
-        return (None if missed >= settings.missed else track._replace(missed=missed)), None
+        return (None if missed >= params.missed else track._replace(missed=missed)), None
 
     def _rival(self, rival: Optional[_Rival], look: _Look) -> Optional[_Rival]:
         """The ball that is not the one that is followed; the surest sighting is the first."""
-        motion = self._settings.motion
+        motion = self._params.motion
         if not look.sightings:
             return rival if rival and look.stamp - rival.stamp < LATEST else None
         if rival is not None:

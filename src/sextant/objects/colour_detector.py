@@ -45,7 +45,7 @@ def _check_ranges(ranges: Dict[str, ColourRange]) -> str:
 
 
 @dataclass(frozen=True)
-class ColourSettings(StrictParams):
+class ColourParams(StrictParams):
     """What colours there are, and how large a blot must be."""
 
     ranges: Dict[str, ColourRange] = param(RANGES, _check_ranges)
@@ -77,11 +77,11 @@ def _range(name: str, fields: Any) -> ColourRange:
 class ColourDetector:
     """As YoloDetector, by colour."""
 
-    def __init__(self, settings: ColourSettings):
+    def __init__(self, params: ColourParams):
         """:raises ValueError: a setting out of range"""
-        self._settings = settings
-        self.classes = list(settings.ranges)
-        self._limits = [_limits(colours) for colours in settings.ranges.values()]
+        self._params = params
+        self.classes = list(params.ranges)
+        self._limits = [_limits(colours) for colours in params.ranges.values()]
         self.seconds: Dict[str, float] = {}  # of each stage of the last picture
 
     def detect(self, image: np.ndarray) -> Detections:
@@ -97,20 +97,20 @@ class ColourDetector:
         for number, limits in enumerate(self._limits):
             rows += [(*row, number) for row in self._blots(_mask(hsv, limits))]
         table = np.array(rows, float).reshape(-1, 6)
-        table = table[np.argsort(-table[:, 4], kind="stable")][: self._settings.most]
+        table = table[np.argsort(-table[:, 4], kind="stable")][: self._params.most]
         self.seconds = {"colours": time.perf_counter() - begin}
         return Detections(table[:, :4], table[:, 4], table[:, 5].astype(int))
 
     def _blots(self, mask: np.ndarray) -> List[Tuple[float, ...]]:
         """left, top, right, bottom, score."""
-        least, rows = self._settings.least_area, []
+        least, rows = self._params.least_area, []
         for outline in cv2.findContours(mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)[0]:
             left, top, width, height = cv2.boundingRect(outline)
             if width * height < least:
                 continue
             area = cv2.contourArea(outline) + 0.5 * len(outline) + 1.0  # pixels, by Pick's theorem
             fill = min(1.0, area / (width * height))
-            if area >= least and fill >= self._settings.least_fill:
+            if area >= least and fill >= self._params.least_fill:
                 score = fill * area / (area + least)
                 rows.append((left, top, left + width, top + height, score))
         return rows

@@ -24,7 +24,7 @@ class MeasuredDepth(NamedTuple):
 
 
 @dataclass(frozen=True)
-class DepthScaleSettings(StrictParams):
+class DepthScaleParams(StrictParams):
     """How exact both are."""
 
     range_sigma: float = param(0.004, within(1e-6, 1))  # of a depth at 1 m, growing with its square, metres
@@ -78,7 +78,7 @@ def _metres(text: str, where: str) -> float:
     return value
 
 
-def estimate_depth_scale(measured: Sequence[MeasuredDepth], settings: DepthScaleSettings) -> DepthScale:
+def estimate_depth_scale(measured: Sequence[MeasuredDepth], params: DepthScaleParams) -> DepthScale:
     """Weighted least squares through the origin. The deviation is larger where the residuals are (Birge 1932,
     "The calculation of errors by the method of least squares").
 
@@ -87,7 +87,7 @@ def estimate_depth_scale(measured: Sequence[MeasuredDepth], settings: DepthScale
     if not measured:
         raise ValueError("no distance was measured")
     told, true = np.array(measured, float).T
-    sigmas = np.hypot(settings.range_sigma * true**2, settings.tape_sigma)
+    sigmas = np.hypot(params.range_sigma * true**2, params.tape_sigma)
     (scale,), (deviation,), residuals = _fitted(told[:, np.newaxis], true, sigmas)
     doubts = []
     for name, other, unit in (("an offset", np.ones_like(told), "m"), ("a curvature", told**2, "1/m")):

@@ -26,7 +26,7 @@ TILT = 0.1  # radians by which what is known of the camera's tilt may be wrong
 
 
 @dataclass(frozen=True)
-class LocatorSettings(StrictParams):
+class ObjectLocatorParams(StrictParams):
     """How depth becomes a place, and how sure it is."""
 
     scale: float = param(1.0, within(0.5, 2))  # that depths are multiplied by
@@ -61,7 +61,7 @@ class ObjectLocator:
 
     def __init__(
         self,
-        settings: LocatorSettings,
+        params: ObjectLocatorParams,
         colour: PinholeCamera,
         depth: PinholeCamera,
         T_colour_depth: np.ndarray,
@@ -70,7 +70,7 @@ class ObjectLocator:
 
         :raises ValueError: a setting out of range
         """
-        self._settings, self._colour, self._depth = settings, colour, depth
+        self._params, self._colour, self._depth = params, colour, depth
         self._T_depth_colour = np.linalg.inv(T_colour_depth)
         width, height = depth.size
         x, y = np.meshgrid(np.arange(width), np.arange(height))
@@ -113,7 +113,7 @@ class ObjectLocator:
             for each in self._fits(box, tangents, kind, pixels, seen, step)
             if _is_on_floor(each.position, kind, T_base_colour)
         ]
-        if not fits or fits[0].points < self._settings.fewest:
+        if not fits or fits[0].points < self._params.fewest:
             return self._too_near(box, tangents, kind, pixels, T_base_colour)
         others = (each for each in fits[1:] if np.linalg.norm(each.position - fits[0].position) > kind.radius)
         if any(each.points > AMBIGUOUS * fits[0].points for each in others):
@@ -124,11 +124,11 @@ class ObjectLocator:
         self, box: np.ndarray, tangents: BoxTangents, kind: ObjectKind, pixels: np.ndarray, T_base_colour
     ) -> Optional[LocatedObject]:
         """A pillar that is nearer than depth begins, by how wide it looks: the robot must know of it."""
-        settings, focal = self._settings, self._colour.focal_length
+        params, focal = self._params, self._colour.focal_length
         off = abs(pixels[:, 0] - 0.5 * (box[0] + box[2])) / (box[2] - box[0])
-        deviation = np.hypot(settings.pixel_sigma, settings.size_sigma * (box[2] - box[0]))
+        deviation = np.hypot(params.pixel_sigma, params.size_sigma * (box[2] - box[0]))
         is_whole = min(box[0], self._colour.size[0] - box[2]) > SURE * deviation
-        if kind.shape != "pillar" or not is_whole or np.count_nonzero(off < INNER) >= settings.fewest:
+        if kind.shape != "pillar" or not is_whole or np.count_nonzero(off < INNER) >= params.fewest:
             return None
         left, right = tangents.normals
         half = 0.5 * np.arccos(np.clip(-left @ right, -1.0, 1.0))
@@ -144,10 +144,10 @@ class ObjectLocator:
         self, box: np.ndarray, tangents: BoxTangents, kind: ObjectKind, pixels, seen: np.ndarray, step: int
     ) -> List["_Fit"]:
         """All places that the box may show, that with the most points in it first."""
-        settings, found = self._settings, []
-        sigma, alike, radius = settings.range_sigma, (settings.lump / step) ** 2, kind.radius
+        params, found = self._params, []
+        sigma, alike, radius = params.range_sigma, (params.lump / step) ** 2, kind.radius
         inside = np.all((pixels >= box[:2]) & (pixels <= box[2:]), axis=1)
-        for far in likely_ranges(seen[inside], tangents.middle, radius, sigma, settings.fewest):
+        for far in likely_ranges(seen[inside], tangents.middle, radius, sigma, params.fewest):
             sides = self._outlines(box, tangents, max(far, radius), kind, pixels, seen)
             fit = sides and fit_round(seen, far * tangents.middle, radius, sides, sigma, alike)
             if fit and sides.agree(fit.position, radius) and not goes_on(seen, fit, radius, sides, sigma):
@@ -159,8 +159,8 @@ class ObjectLocator:
     def _told(
         self, position: np.ndarray, covariance: np.ndarray, T_base_colour: np.ndarray
     ) -> Optional[LocatedObject]:
-        covariance = covariance + self._settings.scale_sigma**2 * np.outer(position, position)
-        if np.linalg.eigvalsh(covariance)[-1] > (self._settings.worst**2) * (position @ position):
+        covariance = covariance + self._params.scale_sigma**2 * np.outer(position, position)
+        if np.linalg.eigvalsh(covariance)[-1] > (self._params.worst**2) * (position @ position):
             return None
         return LocatedObject(position + T_base_colour[:2, 3], covariance)
 
@@ -168,17 +168,17 @@ class ObjectLocator:
         self, depth: np.ndarray, box: np.ndarray, kind: ObjectKind
     ) -> Tuple[np.ndarray, np.ndarray, int]:
         """About a box: (n, 3) in the colour camera's frame, their pixels (n, 2), the step between them."""
-        settings, size = self._settings, box[2:] - box[:2]
+        params, size = self._params, box[2:] - box[:2]
         low, high = box[:2] - [GROWN * size[0], 0.0], box[2:] + [GROWN * size[0], 0.0]
         if kind.shape == "pillar":  # the floor at its foot is not of it
             low[1], high[1] = low[1] + 0.05 * size[1], high[1] - 0.05 * size[1]
         left, top, right, bottom = self._window(low, high)
         step = max(1, int(np.sqrt((right - left) * (bottom - top) / MOST_POINTS)))
         window = slice(top, bottom, step), slice(left, right, step)
-        found = settings.scale * depth[window].astype(float)
-        which = (found >= settings.nearest) & (found <= settings.farthest)
+        found = params.scale * depth[window].astype(float)
+        which = (found >= params.nearest) & (found <= params.farthest)
         points = self._rays[window][which] * found[which][:, np.newaxis] + self._offset
-        points = points[points[:, 2] > 0.5 * settings.nearest]
+        points = points[points[:, 2] > 0.5 * params.nearest]
         pixels = self._colour.project(points) + 0.5
         near = np.all((pixels >= low) & (pixels <= high), axis=1)
         return points[near], pixels[near], step
@@ -188,7 +188,7 @@ class ObjectLocator:
         around = np.array([[low[0], low[1]], [high[0], low[1]], [low[0], high[1]], [high[0], high[1]]]) - 0.5
         rays = self._colour.rays(around)
         T = self._T_depth_colour
-        ends = np.vstack([rays * z for z in (self._settings.nearest, self._settings.farthest)])
+        ends = np.vstack([rays * z for z in (self._params.nearest, self._params.farthest)])
         found = self._depth.project(ends @ T[:3, :3].T + T[:3, 3])
         size = np.array(self._depth.size)
         first = np.clip(np.floor(found.min(axis=0)), 0, size).astype(int)
@@ -200,8 +200,8 @@ class ObjectLocator:
     ) -> Optional[Planes]:
         """The sides of the box that are the object's outline, not the picture's border or another's; None: it
         would be far wider there than the box, or narrower, and nothing tells why."""
-        settings, size, focal = self._settings, np.tile(box[2:] - box[:2], 2), self._colour.focal_length
-        deviations = np.hypot(settings.pixel_sigma, settings.size_sigma * size)  # of sides, pixels
+        params, size, focal = self._params, np.tile(box[2:] - box[:2], 2), self._colour.focal_length
+        deviations = np.hypot(params.pixel_sigma, params.size_sigma * size)  # of sides, pixels
         limits = np.array([*box[:2], *(np.array(self._colour.size) - box[2:])])
         is_inside = limits > SURE * deviations
         wide = 2.0 * np.arcsin(min(1.0, kind.radius / far))

@@ -20,7 +20,7 @@ MULTIPLE = 32  # pixels: an input that is asked for as 240 is exported as 256
 
 
 @dataclass(frozen=True)
-class YoloSettings(StrictParams):
+class YoloParams(StrictParams):
     """Which network, and what of its finds is told."""
 
     model: str = ""  # ONNX file
@@ -36,19 +36,19 @@ class YoloSettings(StrictParams):
 class YoloDetector:
     """Finds objects in colour pictures. Not thread-safe."""
 
-    def __init__(self, settings: YoloSettings, threads: int = 0):
+    def __init__(self, params: YoloParams, threads: int = 0):
         """:param threads: 0: as many as OpenCV has
 
         :raises OSError: the model cannot be read
         :raises ValueError: a setting out of range, or no such model, and what to do
         """
-        if not settings.model:
+        if not params.model:
             raise ValueError("model is empty, it must be an ONNX file")
-        self._settings = settings
-        facts = read_model(settings.model)
-        self.classes = _classes(settings, facts)
-        self.size = _size(settings, facts)  # width and height of the input, pixels
-        self._network = open_network(settings.model, settings.backend, threads or cv2.getNumThreads())
+        self._params = params
+        facts = read_model(params.model)
+        self.classes = _classes(params, facts)
+        self.size = _size(params, facts)  # width and height of the input, pixels
+        self._network = open_network(params.model, params.backend, threads or cv2.getNumThreads())
         self.seconds: Dict[str, float] = {}  # of each stage of the last picture
         grey = np.full((1, 3, self.size[1], self.size[0]), GREY / 255.0, np.float32)
         self._decoded(self._network(grey))  # refuses what cannot be used
@@ -66,55 +66,55 @@ class YoloDetector:
         prepared = time.perf_counter()
         outputs = self._network(blob)
         run = time.perf_counter()
-        settings = self._settings
+        params = self._params
         found = self._decoded(outputs)
         found = found._replace(boxes=box.to_image(found.boxes, size))
-        found = suppressed(found, settings.overlap, settings.class_agnostic, settings.most)
+        found = suppressed(found, params.overlap, params.class_agnostic, params.most)
         stages = {"letter box": prepared - begin, "network": run - prepared}
         self.seconds = {**stages, "decoding": time.perf_counter() - run}
         return found
 
     def _decoded(self, outputs: List[np.ndarray]) -> Detections:
         try:
-            return decoded(outputs, self.size, len(self.classes), self._settings.confidence)
+            return decoded(outputs, self.size, len(self.classes), self._params.confidence)
         except ValueError as error:
-            raise ValueError(f"{self._settings.model}: {error}") from None
+            raise ValueError(f"{self._params.model}: {error}") from None
 
 
-def _classes(settings: YoloSettings, facts: ModelFacts) -> List[str]:
+def _classes(params: YoloParams, facts: ModelFacts) -> List[str]:
     """Names, of the settings or of the model."""
     written = facts.notes.get("names", "")
     try:
         names = ast.literal_eval(written) if written else {}
         told = [str(names[i]) for i in range(len(names))]
     except (ValueError, SyntaxError, KeyError, TypeError):
-        raise ValueError(f"{settings.model}: its names of classes cannot be read: {written[:80]}") from None
-    if settings.classes and told and len(settings.classes) != len(told):
-        asked, known = len(settings.classes), ", ".join(told)
-        raise ValueError(f"classes are {asked} names, but {settings.model} has {len(told)}: {known}")
-    classes = list(settings.classes) or told
+        raise ValueError(f"{params.model}: its names of classes cannot be read: {written[:80]}") from None
+    if params.classes and told and len(params.classes) != len(told):
+        asked, known = len(params.classes), ", ".join(told)
+        raise ValueError(f"classes are {asked} names, but {params.model} has {len(told)}: {known}")
+    classes = list(params.classes) or told
     if not classes:
-        raise ValueError(f"{settings.model}: does not name its classes: set classes")
+        raise ValueError(f"{params.model}: does not name its classes: set classes")
     return classes
 
 
-def _size(settings: YoloSettings, facts: ModelFacts) -> Tuple[int, int]:
+def _size(params: YoloParams, facts: ModelFacts) -> Tuple[int, int]:
     """Width and height of what the model takes."""
     taken = facts.input
     if taken.channels not in (0, 3):
         raise ValueError(
-            f"{settings.model}: takes {taken.channels} channel; it must take red, green and blue"
+            f"{params.model}: takes {taken.channels} channel; it must take red, green and blue"
         )
-    return _side(settings, "width", taken.width), _side(settings, "height", taken.height)
+    return _side(params, "width", taken.width), _side(params, "height", taken.height)
 
 
-def _side(settings: YoloSettings, name: str, fixed: int) -> int:
+def _side(params: YoloParams, name: str, fixed: int) -> int:
     """:param fixed: pixels that the model takes, 0: any"""
-    asked = -(-settings.size // MULTIPLE) * MULTIPLE
+    asked = -(-params.size // MULTIPLE) * MULTIPLE
     if fixed % MULTIPLE:
-        raise ValueError(f"{settings.model}: takes a {name} of {fixed}; it must be a multiple of {MULTIPLE}")
+        raise ValueError(f"{params.model}: takes a {name} of {fixed}; it must be a multiple of {MULTIPLE}")
     if fixed and asked not in (0, fixed):
-        raise ValueError(f"size is {settings.size}, but {settings.model} takes a {name} of {fixed}")
+        raise ValueError(f"size is {params.size}, but {params.model} takes a {name} of {fixed}")
     if not fixed and not asked:
-        raise ValueError(f"size must be set: {settings.model} takes any {name}")
+        raise ValueError(f"size must be set: {params.model} takes any {name}")
     return fixed or asked

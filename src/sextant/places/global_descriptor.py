@@ -24,7 +24,7 @@ CHANNELS = {
 
 
 @dataclass(frozen=True)
-class GlobalDescriptorSettings(StrictParams):
+class GlobalDescriptorParams(StrictParams):
     """Which network, and what it takes: (pixel / 255 - mean) / std of every channel."""
 
     model: str = ""  # ONNX file
@@ -48,24 +48,24 @@ class GlobalDescriptorSettings(StrictParams):
 class GlobalDescriptor:
     """Makes one vector of a picture, always the same of the same. Not thread-safe."""
 
-    def __init__(self, settings: GlobalDescriptorSettings, threads: int = 0):
+    def __init__(self, params: GlobalDescriptorParams, threads: int = 0):
         """:param threads: 0: as many as OpenCV has
 
         :raises OSError: the model cannot be read
         :raises ValueError: a setting out of range, or no model of one image to one vector, and what to do
         """
-        if not settings.model:
+        if not params.model:
             raise ValueError("model is empty, it must be an ONNX file")
-        self._settings = settings
-        facts = read_model(settings.model)
-        only(settings.model, "output", facts.outputs)
-        self.size = _size(settings, facts.input)  # width and height, pixels
-        self._network = open_network(settings.model, settings.backend, threads or cv2.getNumThreads())
+        self._params = params
+        facts = read_model(params.model)
+        only(params.model, "output", facts.outputs)
+        self.size = _size(params, facts.input)  # width and height, pixels
+        self._network = open_network(params.model, params.backend, threads or cv2.getNumThreads())
         noise = np.random.default_rng(0).integers(0, 256, (*self.size[::-1], 3), np.uint8)
         made = self._network(self._blob(noise))[0]
         if made.size < 2 or made.size != max(made.shape):
             shape = "×".join(str(size) for size in made.shape)
-            reason = f"{settings.model}: makes {shape} of a picture, it must make one vector"
+            reason = f"{params.model}: makes {shape} of a picture, it must make one vector"
             raise ValueError(f"{reason}; does it end in pooling?")
 
     def describe(self, image: np.ndarray) -> np.ndarray:
@@ -80,32 +80,32 @@ class GlobalDescriptor:
         length = np.linalg.norm(vector)
         if not np.isfinite(length):
             raise ValueError(
-                f"{self._settings.model}: makes what is no number of a picture; mean, std right?"
+                f"{self._params.model}: makes what is no number of a picture; mean, std right?"
             )
         return (vector / (length or 1.0)).astype(np.float32)
 
     def _blob(self, image: np.ndarray) -> np.ndarray:
-        count, of_bgr, of_grey = CHANNELS[self._settings.channels]
+        count, of_bgr, of_grey = CHANNELS[self._params.channels]
         small = cv2.resize(image, self.size, interpolation=cv2.INTER_AREA)
         conversion = of_bgr if image.ndim == 3 else of_grey
         if conversion is not None:
             small = cv2.cvtColor(small, conversion)
         parts = small.reshape(self.size[1], self.size[0], count) / 255.0
-        normal = (parts - self._settings.mean) / self._settings.std
+        normal = (parts - self._params.mean) / self._params.std
         return np.ascontiguousarray(normal.transpose(2, 0, 1)[np.newaxis], np.float32)
 
 
-def _size(settings: GlobalDescriptorSettings, taken: ImageInput) -> Tuple[int, int]:
+def _size(params: GlobalDescriptorParams, taken: ImageInput) -> Tuple[int, int]:
     """Width and height of what the model takes."""
-    count = CHANNELS[settings.channels][0]
+    count = CHANNELS[params.channels][0]
     if taken.channels not in (0, count):
-        raise ValueError(f"{settings.model}: takes {taken.channels} channels; {settings.channels} is {count}")
+        raise ValueError(f"{params.model}: takes {taken.channels} channels; {params.channels} is {count}")
     for name, wanted, fixed in (
-        ("width", settings.width, taken.width),
-        ("height", settings.height, taken.height),
+        ("width", params.width, taken.width),
+        ("height", params.height, taken.height),
     ):
         if wanted and fixed and wanted != fixed:
-            raise ValueError(f"{name} is {wanted}, but {settings.model} takes {fixed}")
+            raise ValueError(f"{name} is {wanted}, but {params.model} takes {fixed}")
         if not wanted and not fixed:
-            raise ValueError(f"{name} must be set: {settings.model} takes any")
-    return settings.width or taken.width, settings.height or taken.height
+            raise ValueError(f"{name} must be set: {params.model} takes any")
+    return params.width or taken.width, params.height or taken.height

@@ -42,7 +42,7 @@ class BeliefParams(StrictParams):
             raise ParamError("restart + leave", "must be at most 1", self.restart + self.leave)
 
 
-class Hypothesis(NamedTuple):
+class BeliefPeak(NamedTuple):
     """An answer: a place, and how probable it is that the robot is there or at one of those around it."""
 
     place: int
@@ -94,7 +94,7 @@ class PlaceBelief:
         weights /= weights.sum()
         self.places, self.nowhere = weights[:-1], float(weights[-1])
 
-    def hypotheses(self, count: int) -> List[Hypothesis]:
+    def hypotheses(self, count: int) -> List[BeliefPeak]:
         """The most probable places, each with those around it that no better one has; most probable first."""
         free = self.places.copy()
         found = []
@@ -104,7 +104,7 @@ class PlaceBelief:
                 break
             reach = self._tree.query_ball_point(self._positions[place], self._params.radius * self.spacing)
             around = np.array([each for each in sorted(reach) if free[each] > 0], int)
-            found.append(Hypothesis(place, float(free[around].sum()), around))
+            found.append(BeliefPeak(place, float(free[around].sum()), around))
             free[around] = 0
         return sorted(found, key=lambda each: -each.probability)
 

@@ -4,7 +4,7 @@
 
   magic and version | vectors | keypoints | index | table, JSON | length and checksum of the table, magic
 
-The table at the end names settings, photos, and where the other parts lie, with their checksums. The index
+The table at the end names parameters, photos, and where the other parts lie, with their checksums. The index
 is faiss's own format; it, the vectors and the keypoints are mapped into memory where they lie. Nothing in the
 file is run; a file of another version, cut short, or with a flipped bit is not read at all.
 """
@@ -19,7 +19,7 @@ import numpy as np
 
 import sextant
 from sextant.base.atomic_file import atomic_file
-from sextant.places.place_index import IndexedPhoto, IndexSettings, PlaceIndex
+from sextant.places.place_index import IndexedPhoto, IndexParams, PlaceIndex
 
 MAGIC = b"SEXTANT PLACES\n\0"
 VERSION = 3
@@ -65,22 +65,22 @@ def write_cache(path: Path, index: PlaceIndex) -> None:
         file.write(_END.pack(len(table), zlib.crc32(table), MAGIC))
 
 
-def read_cache(path: Path, settings: IndexSettings) -> PlaceIndex:
-    """What write_cache() wrote of an index with these settings.
+def read_cache(path: Path, params: IndexParams) -> PlaceIndex:
+    """What write_cache() wrote of an index with these parameters.
 
     :raises OSError: it cannot be read
-    :raises CacheError: it is no cache, or not all of one, or of another version or other settings
+    :raises CacheError: it is no cache, or not all of one, or of another version or other parameters
     """
     with open(path, "rb") as file:
         _check_begin(path, file.read(_BEGIN.size))
         try:
             table = _read_table(path, file)
-            if table["settings"] != settings.as_json():
+            if table["settings"] != params.as_json():
                 raise CacheError(f"{path}: is of other settings")
             for name, (begin, length, checksum) in table["parts"].items():
                 if _checksum(_opened(file), begin, length) != checksum:
                     raise CacheError(f"{path}: its part '{name}' is damaged")
-            return _index(_opened(file), table, settings)
+            return _index(_opened(file), table, params)
         except (KeyError, TypeError, ValueError, RuntimeError) as error:
             if isinstance(error, CacheError):
                 raise
@@ -94,7 +94,7 @@ def _opened(file: IO) -> str:
 
 def _table(index: PlaceIndex, parts: Dict[str, Tuple[int, int, int]]) -> bytes:
     table = {
-        "settings": index.settings.as_json(),
+        "settings": index.params.as_json(),
         "photos": [photo._asdict() for photo in index.photos],
         "learned_from": index.learned_from,
         "parts": parts,
@@ -139,12 +139,12 @@ def _checksum(path: str, begin: int, length: int) -> int:
     return checksum
 
 
-def _index(path: str, table: Dict[str, Any], settings: IndexSettings) -> PlaceIndex:
+def _index(path: str, table: Dict[str, Any], params: IndexParams) -> PlaceIndex:
     photos = [IndexedPhoto(**{**photo, "state": tuple(photo["state"])}) for photo in table["photos"]]
     keypoints = _mapped(path, table, "keypoints").reshape(-1, 2)
     vectors = _mapped(path, table, "vectors").reshape(len(photos), -1)
     descriptors = sextant.DescriptorIndex.read(path, table["parts"]["index"][0])
-    return PlaceIndex(settings, photos, keypoints, descriptors, table["learned_from"], vectors)
+    return PlaceIndex(params, photos, keypoints, descriptors, table["learned_from"], vectors)
 
 
 def _mapped(path: str, table: Dict[str, Any], name: str) -> np.ndarray:

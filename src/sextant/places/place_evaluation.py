@@ -16,7 +16,7 @@ from tqdm import tqdm
 from sextant.place_maps.place_map import Photo, PlaceMap
 from sextant.places.place_index import PlaceIndex, decode_photo, photo_features
 from sextant.places.place_library import Library
-from sextant.places.place_localization import Localization, LocalizationParams, PlaceLocalizer, Status
+from sextant.places.place_localization import Localization, PlaceLocalizationParams, PlaceLocalizer, Status
 from sextant.places.place_metrics import (
     PrecisionRecall,
     calibration_error,
@@ -153,7 +153,7 @@ class PlaceEvaluation:
         }
 
 
-def evaluate(library: Library, params: LocalizationParams, queries: Sequence[Query]) -> PlaceEvaluation:
+def evaluate(library: Library, params: PlaceLocalizationParams, queries: Sequence[Query]) -> PlaceEvaluation:
     """Localizes the queries one after the other.
 
     :raises OSError: a picture cannot be read
@@ -165,7 +165,7 @@ def evaluate(library: Library, params: LocalizationParams, queries: Sequence[Que
     return begun.evaluation(library.place_map, outcomes)
 
 
-def evaluate_left_out(library: Library, params: LocalizationParams, tolerance: float) -> PlaceEvaluation:
+def evaluate_left_out(library: Library, params: PlaceLocalizationParams, tolerance: float) -> PlaceEvaluation:
     """Every photo of the map is a query to the map and the index without it.
 
     :param tolerance: as places_near()
@@ -185,7 +185,7 @@ class _Begun(NamedTuple):
     """What queries are asked of."""
 
     index: PlaceIndex
-    params: LocalizationParams
+    params: PlaceLocalizationParams
     localizer: PlaceLocalizer
     cost: Cost  # its resident bytes: those of the process before it
 
@@ -194,7 +194,7 @@ class _Begun(NamedTuple):
         return PlaceEvaluation(outcomes, pixels_of(place_map), self.cost._replace(resident_bytes=grown))
 
 
-def _begin(library: Library, params: LocalizationParams) -> _Begun:
+def _begin(library: Library, params: PlaceLocalizationParams) -> _Begun:
     before, begin, told = resident_bytes(), time.perf_counter(), []
 
     def report(line: str) -> None:
@@ -212,7 +212,7 @@ def _left_out(begun: _Begun, photo: Photo, others: PlaceMap, query: Query) -> Ou
     index = begun.index
     index.remove([each for each in index.photos if each.image == photo.image])
     outcome = _outcome(index, _ready(PlaceLocalizer(others, index, begun.params)), query)
-    index.add([photo.image], [photo_features(index.settings, query.path)])
+    index.add([photo.image], [photo_features(index.params, query.path)])
     return outcome
 
 
@@ -233,7 +233,7 @@ def _ready(localizer: PlaceLocalizer) -> PlaceLocalizer:
 
 
 def _outcome(index: PlaceIndex, localizer: PlaceLocalizer, query: Query) -> Outcome:
-    image = decode_photo(index.settings, query.path.read_bytes(), query.path)
+    image = decode_photo(index.params, query.path.read_bytes(), query.path)
     begin = time.perf_counter()
     found = localizer.localize(image)
     return Outcome(query, found, time.perf_counter() - begin)

@@ -18,7 +18,7 @@ import numpy as np
 import sextant
 from sextant.base.jobs import JobError, run_jobs
 from sextant.place_maps.photo_file import decode_colour, decode_grey
-from sextant.places.global_descriptor import GlobalDescriptor, GlobalDescriptorSettings
+from sextant.places.global_descriptor import GlobalDescriptor, GlobalDescriptorParams
 
 UNIT = 65535  # of a keypoint's coordinates: the longer side of its photo
 SAMPLES = 400_000  # descriptors that an index learns from, at most
@@ -50,12 +50,12 @@ def _fields(params: "sextant.FeatureParams") -> Dict[str, Any]:
 
 
 @dataclass(frozen=True)
-class IndexSettings:
+class IndexParams:
     """How photos are described and compared; another setting is another index."""
 
     features: Dict[str, Any] = field(default_factory=default_features)  # fields of sextant.FeatureParams
     matcher: str = "faiss"  # any of sextant.matcher_names() that compares what the extractor makes
-    global_descriptor: Optional[GlobalDescriptorSettings] = None  # None: photos have keypoints only
+    global_descriptor: Optional[GlobalDescriptorParams] = None  # None: photos have keypoints only
 
     @classmethod
     def of_profile(
@@ -64,10 +64,10 @@ class IndexSettings:
         detector: str,
         extractor: str,
         matcher: str,
-        network: GlobalDescriptorSettings,
+        network: GlobalDescriptorParams,
         orb_wta_k: int,
         **tuned: int,
-    ) -> "IndexSettings":
+    ) -> "IndexParams":
         """As people choose them.
 
         :param profile: one of PROFILES
@@ -98,7 +98,7 @@ class IndexSettings:
             _descriptor_of(self.global_descriptor)
 
     def as_json(self) -> Dict[str, Any]:
-        """What two settings that are the same have in common: of a model its content, wherever it lies.
+        """What two params that are the same have in common: of a model its content, wherever it lies.
 
         :raises OSError: the model cannot be read
         """
@@ -146,16 +146,16 @@ def content_digest(content: bytes) -> str:
     return hashlib.blake2b(content, digest_size=16).hexdigest()
 
 
-def photo_features(settings: IndexSettings, path: Path) -> PhotoFeatures:
+def photo_features(params: IndexParams, path: Path) -> PhotoFeatures:
     """Reads a photo and describes it.
 
     :raises OSError: it cannot be read
     :raises ValueError: it is no picture, or not all of one
     """
     state, content = file_state(path), path.read_bytes()
-    image, network = decode_photo(settings, content, path), settings.global_descriptor
+    image, network = decode_photo(params, content, path), params.global_descriptor
     vector = _descriptor_of(network).describe(image) if network else NO_VECTOR
-    found = sextant.FeatureExtractor(settings.feature_params()).extract(image)
+    found = sextant.FeatureExtractor(params.feature_params()).extract(image)
     if len(found.keypoints) > MOST_KEYPOINTS:
         raise ValueError(f"{len(found.keypoints)} keypoints, allowed are {MOST_KEYPOINTS}; set max_features")
     parts = found.keypoints[:, :2] * (UNIT / max(found.size))
@@ -163,29 +163,29 @@ def photo_features(settings: IndexSettings, path: Path) -> PhotoFeatures:
     return PhotoFeatures(content_digest(content), state, keypoints, found.descriptors, vector)
 
 
-def decode_photo(settings: IndexSettings, content: bytes, path: Path) -> np.ndarray:
+def decode_photo(params: IndexParams, content: bytes, path: Path) -> np.ndarray:
     """What is described of a photo: it in grey, or in colour for a global descriptor, at the size it takes.
 
     :raises: as decode_grey()
     """
-    side = settings.feature_params().max_side
-    if not settings.global_descriptor:
+    side = params.feature_params().max_side
+    if not params.global_descriptor:
         return decode_grey(content, path, side)
-    return decode_colour(content, path, side and max(side, *_descriptor_of(settings.global_descriptor).size))
+    return decode_colour(content, path, side and max(side, *_descriptor_of(params.global_descriptor).size))
 
 
-def _descriptor_of(settings: GlobalDescriptorSettings) -> GlobalDescriptor:
+def _descriptor_of(params: GlobalDescriptorParams) -> GlobalDescriptor:
     """The one of this process, loaded once."""
-    return _loaded(settings, file_state(Path(settings.model)), cv2.getNumThreads())
+    return _loaded(params, file_state(Path(params.model)), cv2.getNumThreads())
 
 
 @lru_cache(maxsize=1)
-def _loaded(settings: GlobalDescriptorSettings, _state: FileState, threads: int) -> GlobalDescriptor:
-    return GlobalDescriptor(settings, threads)
+def _loaded(params: GlobalDescriptorParams, _state: FileState, threads: int) -> GlobalDescriptor:
+    return GlobalDescriptor(params, threads)
 
 
 def extract_all(
-    settings: IndexSettings, paths: Sequence[Path], jobs: int = 1, scheduler: str = ""
+    params: IndexParams, paths: Sequence[Path], jobs: int = 1, scheduler: str = ""
 ) -> List[PhotoFeatures]:
     """Of all photos, with a progress bar.
 
@@ -193,7 +193,7 @@ def extract_all(
     :raises ValueError: photos that cannot be used, by name
     """
     results = run_jobs(
-        partial(photo_features, settings), paths, jobs, scheduler, return_errors=True, progress="photos"
+        partial(photo_features, params), paths, jobs, scheduler, return_errors=True, progress="photos"
     )
     features = list(results)
     errors = [each for each in features if isinstance(each, JobError)]
@@ -208,14 +208,14 @@ class PlaceIndex:
 
     def __init__(
         self,
-        settings: IndexSettings,
+        params: IndexParams,
         photos: Iterable[IndexedPhoto],
         keypoints: np.ndarray,
         descriptors: "sextant.DescriptorIndex",
         learned_from: int,
         vectors: Optional[np.ndarray] = None,
     ):
-        self.settings = settings
+        self.params = params
         self.learned_from = learned_from  # photos, when it was made
         self.photos = list(photos)
         self.keypoints = keypoints  # uint16 (all, 2)
@@ -225,16 +225,16 @@ class PlaceIndex:
 
     @classmethod
     def built(
-        cls, settings: IndexSettings, images: Sequence[str], features: Sequence[PhotoFeatures]
+        cls, params: IndexParams, images: Sequence[str], features: Sequence[PhotoFeatures]
     ) -> "PlaceIndex":
         """:raises ValueError: the photos have nothing to be told apart by"""
         total = sum(len(each.descriptors) for each in features)
         if not total:
             raise ValueError("no keypoint in any photo of the map")
-        descriptors = sextant.DescriptorIndex(settings.matcher, _samples(features, total), total)
+        descriptors = sextant.DescriptorIndex(params.matcher, _samples(features, total), total)
         keypoints = np.zeros((0, 2), np.uint16)
         vectors = np.zeros((0, len(features[0].vector)), np.float32)
-        index = cls(settings, [], keypoints, descriptors, len(features), vectors)
+        index = cls(params, [], keypoints, descriptors, len(features), vectors)
         index.add(images, features)
         return index
 

@@ -11,7 +11,7 @@ from sextant.places.place_cache import CacheError, cache_path, read_cache, write
 from sextant.places.place_index import (
     NAMED_AT_MOST,
     IndexedPhoto,
-    IndexSettings,
+    IndexParams,
     PhotoFeatures,
     PlaceIndex,
     content_digest,
@@ -30,7 +30,7 @@ class Library:
 
     map_path: Path
     place_map: PlaceMap
-    settings: IndexSettings
+    params: IndexParams
     jobs: int = 1  # and scheduler: as in sextant.base.jobs.run_jobs()
     scheduler: str = ""
     report: Report = lambda line: None  # gets lines: what is built, and why
@@ -41,7 +41,7 @@ class Library:
         :raises OSError: the global descriptor's model cannot be read
         :raises ValueError: settings or photos that cannot be used, by name
         """
-        self.settings.validate()
+        self.params.validate()
         images = list(dict.fromkeys(photo.image for photo in self.place_map.photos))
         self._check_there(images)
         index = self._cached()
@@ -63,7 +63,7 @@ class Library:
 
     def _cached(self) -> Optional[PlaceIndex]:
         try:
-            return read_cache(cache_path(self.map_path), self.settings)
+            return read_cache(cache_path(self.map_path), self.params)
         except FileNotFoundError:
             return None
         except (OSError, CacheError) as error:
@@ -73,7 +73,7 @@ class Library:
     def _built(self, images: List[str]) -> PlaceIndex:
         features = self._describe(images)
         self._check_keypoints(len(each.keypoints) for each in features)
-        return PlaceIndex.built(self.settings, images, features)
+        return PlaceIndex.built(self.params, images, features)
 
     def _update(self, index: PlaceIndex, images: List[str]) -> bool:
         """Whether anything had to be changed; the state of a file that is the same one, too."""
@@ -108,7 +108,7 @@ class Library:
 
     def _describe(self, images: List[str]) -> List[PhotoFeatures]:
         paths = [self.place_map.folder / image for image in images]
-        features = extract_all(self.settings, paths, self.jobs, self.scheduler)
+        features = extract_all(self.params, paths, self.jobs, self.scheduler)
         empty = [image for image, each in zip(images, features) if not len(each.keypoints)]
         self._tell("without a keypoint", empty)
         return features
@@ -118,7 +118,7 @@ class Library:
             raise ValueError(f"{self.map_path}: no keypoint in any photo of the map")
 
     def _store(self, index: PlaceIndex) -> None:
-        if self.settings.matcher != "faiss":
+        if self.params.matcher != "faiss":
             return
         try:
             write_cache(cache_path(self.map_path), index)

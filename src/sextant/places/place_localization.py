@@ -10,7 +10,7 @@ import numpy as np
 
 from sextant.base.strict_params import StrictParams, nested, one_of, param, within
 from sextant.place_maps.place_map import Photo, PlaceMap
-from sextant.places.place_belief import BeliefParams, Hypothesis
+from sextant.places.place_belief import BeliefParams, BeliefPeak
 from sextant.places.place_estimate import PlaceEstimate, estimate, scale_of
 from sextant.places.place_index import PlaceIndex
 from sextant.places.place_matches import MatchedPhoto
@@ -32,7 +32,7 @@ class Status(IntEnum):
 
 
 @dataclass(frozen=True)
-class LocalizationParams(StrictParams):
+class PlaceLocalizationParams(StrictParams):
     """How pictures are recognized and taken together."""
 
     mode: str = param("filter", one_of(*MODES, VOTES))  # of sextant.places.place_modes.MODES, or votes
@@ -43,7 +43,7 @@ class LocalizationParams(StrictParams):
     belief: BeliefParams = nested(BeliefParams)
 
 
-class Answer(NamedTuple):
+class PlaceAnswer(NamedTuple):
     """A place, told by its likeliest photo."""
 
     photo: Photo
@@ -54,7 +54,7 @@ class Localization(NamedTuple):
     """What is known after a picture."""
 
     status: Status
-    answers: List[Answer]  # most probable first
+    answers: List[PlaceAnswer]  # most probable first
     nowhere: float  # probability
     estimate: Optional[PlaceEstimate]  # where the status is LOCALIZED
     found_again: bool  # it is LOCALIZED, and never was, was nowhere, or was elsewhere
@@ -84,9 +84,11 @@ class _Followed:
 class PlaceLocalizer:
     """Takes the pictures of one robot in their order. Not thread-safe."""
 
-    def __init__(self, place_map: PlaceMap, index: PlaceIndex, params: Optional[LocalizationParams] = None):
+    def __init__(
+        self, place_map: PlaceMap, index: PlaceIndex, params: Optional[PlaceLocalizationParams] = None
+    ):
         """:raises ValueError: a parameter out of range, or a photo that is not in the index"""
-        self._params = params or LocalizationParams()
+        self._params = params or PlaceLocalizationParams()
         self.scale = scale_of(place_map)
         self._positions = np.array([(place[0].x, place[0].y) for place in place_map.places()])
         self._pixels = np.array(self.scale or (1.0, 1.0))  # (2,) in metres, if possible
@@ -119,21 +121,21 @@ class PlaceLocalizer:
     def _told(self, seen: Recognition, gone: Optional[float]) -> Localization:
         belief = self._mode.belief
         found = belief.hypotheses(self._params.max_places)
-        answers = [Answer(seen.best_photos[each.place], each.probability) for each in found]
+        answers = [PlaceAnswer(seen.best_photos[each.place], each.probability) for each in found]
         status = _status(answers, belief.nowhere) if seen.usable else Status.UNUSABLE
         place = self._estimate(found[0], seen) if status == Status.LOCALIZED else None
         at = self._positions[found[0].place] * self._pixels if place else None
         again = self._followed.update(status, at, gone)
         return Localization(status, answers, belief.nowhere, place, again, seen.statistics, seen.match)
 
-    def _estimate(self, found: Hypothesis, seen: Recognition) -> PlaceEstimate:
+    def _estimate(self, found: BeliefPeak, seen: Recognition) -> PlaceEstimate:
         yaws = [seen.best_photos[place].yaw for place in found.around]
         probabilities = self._mode.belief.places[found.around]
         return estimate(self._positions[found.around], probabilities, yaws, self._spacing)
 
     def _voted(self, image: np.ndarray) -> Localization:
         votes = self._voter.vote(image)
-        answers = [Answer(*each) for each in zip(votes.photos, votes.probabilities)]
+        answers = [PlaceAnswer(*each) for each in zip(votes.photos, votes.probabilities)]
         status = _status(answers, 0.0) if answers else Status.UNUSABLE
         place, at = None, None
         if status == Status.LOCALIZED:
@@ -144,7 +146,7 @@ class PlaceLocalizer:
         return Localization(status, answers, 0.0, place, again, votes.statistics, votes.match)
 
 
-def _status(answers: List[Answer], nowhere: float) -> Status:
+def _status(answers: List[PlaceAnswer], nowhere: float) -> Status:
     if nowhere > 0.5:
         return Status.NOWHERE
     return Status.LOCALIZED if answers and answers[0].probability > 0.5 else Status.AMBIGUOUS

@@ -64,10 +64,10 @@ class PlaceRecognizer:
     def __init__(self, place_map: PlaceMap, index: PlaceIndex, params: Optional[RecognitionParams] = None):
         """:raises ValueError: a parameter out of range, or a photo that is not in the index"""
         self._params, self._index = params or RecognitionParams(), index
-        self._extractor = sextant.FeatureExtractor(index.settings.feature_params())
+        self._extractor = sextant.FeatureExtractor(index.params.feature_params())
         self._photos = MapPhotos(place_map, index)
-        settings = index.settings.global_descriptor
-        self._descriptor = GlobalDescriptor(settings) if settings and self._params.network_weight else None
+        network = index.params.global_descriptor
+        self._descriptor = GlobalDescriptor(network) if network and self._params.network_weight else None
 
     def recognize(self, image: np.ndarray) -> Recognition:
         """:param image: uint8, (height, width) grey or (height, width, 3) BGR"""

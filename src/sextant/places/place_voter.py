@@ -30,7 +30,7 @@ class PlaceVoter:
         self._index = index
         self._min_matches, self._max_photos = min_matches, max_photos
         self._photos = MapPhotos(place_map, index)
-        self._extractor = sextant.FeatureExtractor(index.settings.feature_params())
+        self._extractor = sextant.FeatureExtractor(index.params.feature_params())
 
     def vote(self, image: np.ndarray) -> Votes:
         """:param image: uint8, (height, width) grey or (height, width, 3) BGR"""

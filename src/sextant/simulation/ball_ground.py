@@ -30,7 +30,7 @@ def _shares(noise: OdometryNoise) -> str:
 
 
 @dataclass(frozen=True)
-class DriveParams(StrictParams):
+class RobotParams(StrictParams):
     """A round robot on two wheels, far heavier than a ball. The figures are a Kobuki's."""
 
     radius: float = param(0.177, within(1e-3, 2))  # metres
@@ -78,13 +78,13 @@ class BallGround:
         ball: Optional[Tuple[float, float]],
         robot: Sequence[float],
         ball_params: Optional[BallParams] = None,
-        drive: Optional[DriveParams] = None,
+        drive: Optional[RobotParams] = None,
         seed: int = 0,
     ):
         """:param size: of the floor, metres. :param robot: (3,) x, y, yaw
 
         """
-        self.ball_params, self.drive = ball_params or BallParams(), drive or DriveParams()
+        self.ball_params, self.drive = ball_params or BallParams(), drive or RobotParams()
         self.half = 0.5 * np.asarray(size, float)
         self.pillars = list(pillars)
         self.stamp = 0.0

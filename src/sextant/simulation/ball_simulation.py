@@ -10,7 +10,7 @@ import numpy as np
 import sextant
 from sextant.base.strict_params import StrictParams, nested, param, within
 from sextant.objects.object_kinds import BALL
-from sextant.simulation.ball_ground import BallGround, BallParams, DriveParams
+from sextant.simulation.ball_ground import BallGround, BallParams, RobotParams
 from sextant.simulation.ball_world import BallWorld
 from sextant.simulation.rgbd_camera import RgbdCamera, RgbdParams, RgbdPicture
 
@@ -32,7 +32,7 @@ class BallSimulationParams(StrictParams):
     seed: int = param(0, within(0, 2**31 - 1))  # of surfaces, paint, light and all noise
     flicker: float = param(0.15, within(0, 1))  # share by which the light changes
     ball: BallParams = nested(BallParams)
-    drive: DriveParams = nested(DriveParams)
+    drive: RobotParams = nested(RobotParams)
     camera: RgbdParams = nested(RgbdParams)
 
 

@@ -11,24 +11,24 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from sextant.base.atomic_file import atomic_file
-from sextant.objects.yolo_detector import YoloDetector, YoloSettings
+from sextant.objects.yolo_detector import YoloDetector, YoloParams
 from sextant.training.mean_precision import DetectorScore, KnownObjects, detector_score
 
 LEAST = 0.01  # score of a box that counts in a mean precision
 
 
 def scored(
-    images: Sequence[np.ndarray], known: Sequence[KnownObjects], settings: YoloSettings
+    images: Sequence[np.ndarray], known: Sequence[KnownObjects], params: YoloParams
 ) -> DetectorScore:
-    """A network at the threshold of its settings.
+    """A network at the threshold of its parameters.
 
     :param images: uint8 (height, width, 3), red first
     :raises OSError: the model cannot be read
     :raises ValueError: as YoloDetector
     """
-    detector = YoloDetector(replace(settings, confidence=LEAST))
+    detector = YoloDetector(replace(params, confidence=LEAST))
     found = [detector.detect(image) for image in images]
-    return detector_score(found, known, len(detector.classes), settings.confidence)
+    return detector_score(found, known, len(detector.classes), params.confidence)
 
 
 def plot_confusion(path: Path, score: DetectorScore, classes: Sequence[str]) -> None:

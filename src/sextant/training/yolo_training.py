@@ -27,7 +27,7 @@ KEPT = 0.3  # share of an object that has to be in a changed picture for it to b
 
 
 @dataclass(frozen=True)
-class TrainingSettings(StrictParams):
+class TrainingParams(StrictParams):
     """How long, and how pictures are changed each time they are shown."""
 
     epochs: int = param(15, within(1, 10000))  # times that every picture is shown
@@ -44,7 +44,7 @@ class TrainingSettings(StrictParams):
 
 
 def train(
-    pictures: PictureSet, classes: int, settings: TrainingSettings, checkpoint: Path, progress: str = ""
+    pictures: PictureSet, classes: int, params: TrainingParams, checkpoint: Path, progress: str = ""
 ) -> YoloNetwork:
     """The network that was learnt, ready to be used.
 
@@ -52,36 +52,36 @@ def train(
     :raises OSError: it cannot be read or written
     :raises ValueError: a setting out of range, or the checkpoint is of another training
     """
-    torch.manual_seed(settings.seed)
-    state = _State(pictures, classes, settings)
+    torch.manual_seed(params.seed)
+    state = _State(pictures, classes, params)
     state.load(checkpoint)
-    for epoch in range(state.epoch, settings.epochs):
+    for epoch in range(state.epoch, params.epochs):
         loss = state.show_all(epoch, progress)
         state.save(checkpoint)
         if progress:
-            print(f"epoch {epoch + 1} of {settings.epochs}: loss {loss:.3f}", flush=True)
+            print(f"epoch {epoch + 1} of {params.epochs}: loss {loss:.3f}", flush=True)
     return state.kept.eval()
 
 
 class _State:
     """Of a training."""
 
-    def __init__(self, pictures: PictureSet, classes: int, settings: TrainingSettings):
-        self._pictures, self._settings = pictures, settings
+    def __init__(self, pictures: PictureSet, classes: int, params: TrainingParams):
+        self._pictures, self._params = pictures, params
         self._network = YoloNetwork(classes).to(memory_format=torch.channels_last)
         self._loss = YoloLoss(pictures.images.shape[1], classes)
         self.kept = copy.deepcopy(self._network).requires_grad_(False)  # averaged
-        self._optimizer = torch.optim.AdamW(_groups(self._network, settings.decay), settings.rate)
-        self._steps = math.ceil(len(pictures.images) / settings.batch)
+        self._optimizer = torch.optim.AdamW(_groups(self._network, params.decay), params.rate)
+        self._steps = math.ceil(len(pictures.images) / params.batch)
         self.epoch = 0
         pictures_of = dict(zip(("pictures", "size"), pictures.images.shape))
         # A checkpoint is of one training. As text: PyTorch reads no real numbers without running a file.
-        self._about = {name: str(value) for name, value in {**asdict(settings), **pictures_of}.items()}
+        self._about = {name: str(value) for name, value in {**asdict(params), **pictures_of}.items()}
 
     def show_all(self, epoch: int, progress: str) -> float:
         """Every picture once; the mean loss."""
-        random = np.random.default_rng([self._settings.seed, epoch])
-        order, batch, losses = random.permutation(len(self._pictures.images)), self._settings.batch, []
+        random = np.random.default_rng([self._params.seed, epoch])
+        order, batch, losses = random.permutation(len(self._pictures.images)), self._params.batch, []
         self._network.train()
         for step in tqdm(range(self._steps), disable=None if progress else True, desc=progress):
             chosen = _chosen(self._pictures, order[step * batch :][:batch])
@@ -93,7 +93,7 @@ class _State:
         """From one batch; its loss."""
         for group in self._optimizer.param_groups:
             group["lr"] = self._rate(step)
-        images, targets = changed(pictures, self._settings, random)
+        images, targets = changed(pictures, self._params, random)
         loss = self._loss(self._network(images), targets)
         self._optimizer.zero_grad()
         loss.backward()
@@ -104,12 +104,12 @@ class _State:
 
     def _rate(self, step: int) -> float:
         """It grows, and then falls as a cosine (Loshchilov and Hutter 2017, "SGDR")."""
-        share = step / (self._settings.epochs * self._steps)
+        share = step / (self._params.epochs * self._steps)
         fall = LAST_RATE + (1.0 - LAST_RATE) * 0.5 * (1.0 + math.cos(math.pi * share))
-        return self._settings.rate * fall * min(1.0, (step + 1) / WARM_UP)
+        return self._params.rate * fall * min(1.0, (step + 1) / WARM_UP)
 
     def _keep(self, step: int) -> None:
-        share = min(self._settings.average, (1 + step) / (10 + step))
+        share = min(self._params.average, (1 + step) / (10 + step))
         for kept, now in zip(self.kept.state_dict().values(), self._network.state_dict().values()):
             if kept.dtype.is_floating_point:
                 kept.mul_(share).add_(now.detach(), alpha=1.0 - share)
@@ -159,14 +159,14 @@ def _chosen(pictures: PictureSet, which: np.ndarray) -> PictureSet:
 
 
 def changed(
-    pictures: PictureSet, settings: TrainingSettings, random: np.random.Generator
+    pictures: PictureSet, params: TrainingParams, random: np.random.Generator
 ) -> Tuple[Tensor, Targets]:
     """Mirrored, moved, larger or smaller, in another light; float (n, 3, size, size) in [0, 1]."""
     count, size = len(pictures.images), pictures.images.shape[1]
     images = torch.from_numpy(pictures.images).permute(0, 3, 1, 2).float() / 255.0
-    zoom = np.exp(random.uniform(np.log(1.0 - settings.zoom), np.log(1.0 + settings.zoom), count))
+    zoom = np.exp(random.uniform(np.log(1.0 - params.zoom), np.log(1.0 + params.zoom), count))
     mirror = np.where(random.random(count) < 0.5, -1.0, 1.0)
-    shift = random.uniform(-settings.shift, settings.shift, (count, 2)) * size
+    shift = random.uniform(-params.shift, params.shift, (count, 2)) * size
     images = _moved(images, zoom, mirror, shift)
     boxes, inside = _moved_boxes(pictures.boxes, zoom, mirror, shift, size)
     targets = Targets(
@@ -174,7 +174,7 @@ def changed(
         torch.from_numpy(pictures.exists & (inside > 0.0)),
         torch.from_numpy(pictures.counts & _is_enough(boxes, inside)),
     )  # fmt: skip
-    return _lit(images, settings, random), targets
+    return _lit(images, params, random), targets
 
 
 def _moved(images: Tensor, zoom: np.ndarray, mirror: np.ndarray, shift: np.ndarray) -> Tensor:
@@ -211,14 +211,14 @@ def _is_enough(boxes: np.ndarray, inside: np.ndarray) -> np.ndarray:
     return (inside >= KEPT) & ((boxes[..., 2:] - boxes[..., :2]).min(axis=-1) >= LEAST_SIDE)
 
 
-def _lit(images: Tensor, settings: TrainingSettings, random: np.random.Generator) -> Tensor:
+def _lit(images: Tensor, params: TrainingParams, random: np.random.Generator) -> Tensor:
     """Brightness, contrast, tint, noise."""
     count = len(images)
-    bright = np.exp(random.uniform(-settings.light, settings.light, (count, 1, 1, 1)))
-    contrast = np.exp(random.uniform(-settings.light, settings.light, (count, 1, 1, 1)))
-    tint = np.exp(random.uniform(-settings.tint, settings.tint, (count, 3, 1, 1)))
+    bright = np.exp(random.uniform(-params.light, params.light, (count, 1, 1, 1)))
+    contrast = np.exp(random.uniform(-params.light, params.light, (count, 1, 1, 1)))
+    tint = np.exp(random.uniform(-params.tint, params.tint, (count, 3, 1, 1)))
     mean = images.mean((1, 2, 3), keepdim=True)
     images = (images - mean) * torch.from_numpy(contrast).float() + mean
     images = images * torch.from_numpy(bright * tint).float()
-    sigma = torch.from_numpy(random.uniform(0.0, settings.noise, (count, 1, 1, 1))).float()
+    sigma = torch.from_numpy(random.uniform(0.0, params.noise, (count, 1, 1, 1))).float()
     return (images + sigma * torch.randn_like(images)).clamp(0.0, 1.0)

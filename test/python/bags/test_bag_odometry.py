@@ -6,8 +6,8 @@ from written_bags import SMALL, WrittenBag, flat, nanoseconds
 
 import sextant
 from sextant.bags.bag_file import BagError
+from sextant.bags.bag_params import BagParams
 from sextant.bags.drive_reader import read_drive
-from sextant.bags.read_options import ReadOptions
 
 TURNED = sextant.pose_from_xyz_rpy([0.1, -0.2, 0.3], [0.1, -0.4, 1.2])
 
@@ -23,7 +23,7 @@ def read_with_odometry(tmp_path, write, **options):
         bag.info("/cam/camera_info", SMALL)
         bag.image("/cam/image_raw", flat(), 0.0)
         write(bag)
-    return read_drive(tmp_path / "a.bag", ReadOptions(**{"mounts": {"camera": TURNED}, **options}))
+    return read_drive(tmp_path / "a.bag", BagParams(**{"mounts": {"camera": TURNED}, **options}))
 
 
 def test_odometry_is_brought_into_order(tmp_path):

@@ -11,10 +11,10 @@ from made_photos import picture
 from written_bags import SMALL, START, WrittenBag, header
 
 from sextant.bags.bag_file import BagError
-from sextant.bags.drive_photos import PhotoOptions, read_drive_photos
+from sextant.bags.drive_photos import PhotoParams, read_drive_photos
 from sextant.nodes.base.conversions import pose_to_message
 
-OPTIONS = PhotoOptions(distance=0.999)  # so that rounding does not decide
+OPTIONS = PhotoParams(distance=0.999)  # so that rounding does not decide
 
 
 def seed_of(photo):
@@ -42,7 +42,7 @@ def test_a_metre_from_photo_to_photo(tmp_path):
 
 def test_a_turn_has_photos_too(tmp_path):
     read = read_drive_photos(
-        write_drive(tmp_path / "hall.bag", 7.01), PhotoOptions(distance=0.999, turn=np.radians(29.9))
+        write_drive(tmp_path / "hall.bag", 7.01), PhotoParams(distance=0.999, turn=np.radians(29.9))
     )
     yaws = [photo.yaw for photo in read.photos]
     assert yaws == pytest.approx([0.0] * 5 + [np.radians(each) for each in (30, 60, 90)], abs=1e-6)
@@ -61,11 +61,11 @@ def test_a_mount_can_be_named(tmp_path):
         for i in range(9):
             bag.image("/image", picture(i, SIZE), i / RATE)
             bag.transforms([("map", "base_link", pose(i / RATE))], i / RATE, "/tf")
-    read = read_drive_photos(str(path), PhotoOptions(mounts={"camera": LEFT}))
+    read = read_drive_photos(str(path), PhotoParams(mounts={"camera": LEFT}))
     np.testing.assert_allclose(xy(read.photos), [(x, 2.5) for x in range(3)], atol=1e-6)
     assert read.photos[0].name == f"hall_{START // 10**9}.000.jpg"
     with pytest.raises(BagError, match="name the mounts"):
-        read_drive_photos(str(path), PhotoOptions())
+        read_drive_photos(str(path), PhotoParams())
 
 
 def write_poses(path, camera_tf=True):
@@ -81,7 +81,7 @@ def write_poses(path, camera_tf=True):
 
 
 def test_poses_of_a_topic_in_place_of_tf(tmp_path):
-    read = read_drive_photos(write_poses(tmp_path / "a.bag"), PhotoOptions(pose="pose"))
+    read = read_drive_photos(write_poses(tmp_path / "a.bag"), PhotoParams(pose="pose"))
     assert read.frame == "room"
     np.testing.assert_allclose(xy(read.photos), [(x + 0.25, 2.0) for x in range(4)], atol=1e-6)
     assert read.warnings == ("4 of 17 images have no pose",)
@@ -89,7 +89,7 @@ def test_poses_of_a_topic_in_place_of_tf(tmp_path):
 
 def test_without_any_mount_a_position_is_known_but_no_yaw(tmp_path):
     """Poses of a base, z up: as an optical frame it would look at the ceiling."""
-    read = read_drive_photos(write_poses(tmp_path / "a.bag", camera_tf=False), PhotoOptions(pose="pose"))
+    read = read_drive_photos(write_poses(tmp_path / "a.bag", camera_tf=False), PhotoParams(pose="pose"))
     np.testing.assert_allclose(xy(read.photos), [(x, 2.0) for x in range(4)], atol=1e-6)
     assert {photo.yaw for photo in read.photos} == {None}
     assert any("taken as the base itself" in each for each in read.warnings)
@@ -105,7 +105,7 @@ def test_of_pictures_almost_alike_the_sharpest_is_taken(tmp_path):
         bag.transforms([("map", "camera", MOUNT)])
         for i in range(8):
             bag.image("/image", image(i), i / RATE)
-    (photo,) = read_drive_photos(str(tmp_path / "a.bag"), PhotoOptions(base_frame="camera")).photos
+    (photo,) = read_drive_photos(str(tmp_path / "a.bag"), PhotoParams(base_frame="camera")).photos
     assert photo.name == f"a_{START // 10**9}.750.jpg"
 
 
@@ -116,7 +116,7 @@ def test_poses_that_stop_for_a_while_part_the_path(tmp_path):
             bag.image("/image", picture(i, SIZE), i / RATE)
             if i < 5 or i > 11:
                 bag.transforms([("map", "base_link", pose(i / RATE))], i / RATE, "/tf")
-    read = read_drive_photos(str(tmp_path / "a.bag"), PhotoOptions())
+    read = read_drive_photos(str(tmp_path / "a.bag"), PhotoParams())
     assert [len(path) for path in read.paths] == [5, 5]
     assert read.warnings == ("7 of 17 images have no pose",)
     assert len(read.photos) == 4  # at 0, 1, 3 and 4 m
@@ -132,7 +132,7 @@ def test_colours_stay_in_both_kinds_of_images(tmp_path):
                 bag.encoded(topic, red[:, :, ::-1], "rgb8", 0.0)
             else:
                 bag.compressed(topic, red, 0.0)
-        (photo,) = read_drive_photos(str(tmp_path / f"{name}.bag"), PhotoOptions(base_frame="camera")).photos
+        (photo,) = read_drive_photos(str(tmp_path / f"{name}.bag"), PhotoParams(base_frame="camera")).photos
         pixels = cv2.imdecode(np.frombuffer(photo.jpeg, np.uint8), cv2.IMREAD_COLOR)
         assert np.abs(pixels.astype(int) - red).max() < 5
 
@@ -142,7 +142,7 @@ def test_damaged_images_are_counted(tmp_path):
         bag.transforms([("map", "camera", MOUNT)])
         bag.compressed("/a/image/compressed", b"no picture", 0.0)
         bag.compressed("/a/image/compressed", picture(1, SIZE), 0.25)
-    read = read_drive_photos(str(tmp_path / "a.bag"), PhotoOptions(base_frame="camera"))
+    read = read_drive_photos(str(tmp_path / "a.bag"), PhotoParams(base_frame="camera"))
     assert len(read.photos) == 1 and "1 of 2 messages were left out" in read.warnings[0]
 
 
@@ -153,25 +153,25 @@ def test_one_camera_of_several_has_to_be_named(tmp_path):
         for topic in ("/a/image_raw", "/b/image_raw", "/a/image_color"):
             bag.image(topic, picture(1, SIZE), 0.0)
         bag.encoded("/c/depth", np.ones((48, 64), np.float32), "32FC1", 0.0)
-    path, options = str(tmp_path / "a.bag"), PhotoOptions(base_frame="camera")
+    path, options = str(tmp_path / "a.bag"), PhotoParams(base_frame="camera")
     with pytest.raises(BagError, match="several cameras.*name the topic of one: /a/image_raw, /b/image_raw"):
         read_drive_photos(path, options)
-    named = PhotoOptions(base_frame="camera", image="b/image_raw")
+    named = PhotoParams(base_frame="camera", image="b/image_raw")
     assert read_drive_photos(path, named).photos[0].name.startswith("a_b_")
     with pytest.raises(BagError, match="there are no images on /d"):
-        read_drive_photos(path, PhotoOptions(image="/d"))
+        read_drive_photos(path, PhotoParams(image="/d"))
 
 
 def test_what_is_missing_is_named(tmp_path):
     path = write_drive(tmp_path / "a.bag", poses=False)
     with pytest.raises(BagError, match="tf does not connect 'map' with 'base_link'"):
-        read_drive_photos(path, PhotoOptions())
+        read_drive_photos(path, PhotoParams())
     with pytest.raises(BagError, match="there are no poses on /pose"):
-        read_drive_photos(path, PhotoOptions(pose="/pose"))
+        read_drive_photos(path, PhotoParams(pose="/pose"))
     with WrittenBag(tmp_path / "b.bag") as bag:
         bag.odometry("/odom", pose(0), 0.0)
     with pytest.raises(BagError, match="there are no pictures in it; its topics are: /odom"):
-        read_drive_photos(str(tmp_path / "b.bag"), PhotoOptions())
+        read_drive_photos(str(tmp_path / "b.bag"), PhotoParams())
 
 
 def test_poses_of_another_time_are_of_no_use(tmp_path):
@@ -180,11 +180,11 @@ def test_poses_of_another_time_are_of_no_use(tmp_path):
         bag.image("/image", picture(1, SIZE), 0.0)
         bag.transforms([("map", "base_link", pose(0))], 9.0, "/tf")
     with pytest.raises(BagError, match="no image of /image has a pose"):
-        read_drive_photos(str(tmp_path / "a.bag"), PhotoOptions())
+        read_drive_photos(str(tmp_path / "a.bag"), PhotoParams())
 
 
 @pytest.mark.parametrize("field", ["distance", "turn", "every"])
 @pytest.mark.parametrize("value", [0, -1, float("nan")])
 def test_what_cannot_be_is_refused(field, value):
     with pytest.raises(ValueError, match=f"{field}(:| is) "):
-        PhotoOptions(**{field: value})
+        PhotoParams(**{field: value})

@@ -12,14 +12,14 @@ from std_msgs.msg import String
 from written_bags import SMALL, WrittenBag, calibration_file, flat, small_drive
 
 from sextant.bags.bag_file import BagError
+from sextant.bags.bag_params import BagParams
 from sextant.bags.drive_reader import read_drive
-from sextant.bags.read_options import ReadOptions
 from sextant.simulation.camera import camera_calibration
 
 
 def refusal(path, **options):
     with pytest.raises(BagError) as caught:
-        read_drive(path, ReadOptions(**options))
+        read_drive(path, BagParams(**options))
     error = pickle.loads(pickle.dumps(caught.value))
     assert str(error) == str(caught.value)
     assert error.advice
@@ -58,7 +58,7 @@ def test_a_bag_that_is_damaged_in_the_middle_can_be_read_up_to_there(small, tmp_
     assert said.startswith("is damaged from ")
     end = float(said.split("`end` at ")[1].split(" ")[0])
     assert 3.0 < end < 17.0
-    assert len(read_drive(tmp_path / "damaged.bag", ReadOptions(end=end)).images) == round(2 * end) + 1
+    assert len(read_drive(tmp_path / "damaged.bag", BagParams(end=end)).images) == round(2 * end) + 1
 
 
 def test_a_bag_with_nothing_in_it(tmp_path):
@@ -163,8 +163,8 @@ def test_a_clock_that_jumps_back(tmp_path):
     path = written(tmp_path, again)
     said = refusal(path)
     assert said.startswith("the clock of /cam/image_raw jumps back by 2.000 s at 8.000 s")
-    assert len(read_drive(path, ReadOptions(start=8.0)).images) == 3
-    assert len(read_drive(path, ReadOptions(end=7.5)).images) == 4
+    assert len(read_drive(path, BagParams(start=8.0)).images) == 3
+    assert len(read_drive(path, BagParams(end=7.5)).images) == 4
 
 
 @pytest.mark.parametrize(
@@ -248,7 +248,7 @@ def test_markers_whose_calibration_changes(tmp_path):
 def test_calibration_files_that_cannot_be_used(small, tmp_path, changes, said):
     path = calibration_file(tmp_path / "cam.yaml", SMALL, **changes)
     with pytest.raises(BagError) as caught:
-        read_drive(small, ReadOptions(calibrations={"/cam/image_raw": path}))
+        read_drive(small, BagParams(calibrations={"/cam/image_raw": path}))
     assert caught.value.path == path and said in caught.value.what
 
 

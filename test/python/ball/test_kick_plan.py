@@ -9,13 +9,13 @@ from sextant.ball.floor_grid import FloorGrid, FloorGridParams
 from sextant.ball.goal import goal_between
 from sextant.ball.kick_plan import Kick, KickParams, KickPlanner, spread, straight_ahead
 from sextant.ball.path_planner import Disc, FreeFloor
-from sextant.simulation.ball_ground import BallGround, DriveParams
+from sextant.simulation.ball_ground import BallGround, RobotParams
 from sextant.simulation.odometry import OdometryNoise
 
 PARAMS = KickParams()
 POSTS = [Disc(0.0, -0.5, 0.05), Disc(0.0, 0.5, 0.05)]
 HALF_GOAL = 0.5
-EXACT = DriveParams(slip=0.0, noise=OdometryNoise(0.0, 0.0, 0.0))
+EXACT = RobotParams(slip=0.0, noise=OdometryNoise(0.0, 0.0, 0.0))
 
 
 def goal_before(ball):

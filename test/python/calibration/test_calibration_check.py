@@ -112,8 +112,8 @@ def judge(truth, calibration, count=10, **settings):
 def test_a_right_calibration_passes(truth, count):
     states, checks = judge(truth, truth, count)
     assert states[GOOD] >= 0.95 * count
-    # honest: over the four findings the error is within its deviation, of the mean over all sessions
-    squares = [(finding.error / finding.sigma) ** 2 for each in checks for finding in each.findings]
+    # honest: over the four properties the error is within its deviation, of the mean over all sessions
+    squares = [(one.error / one.sigma) ** 2 for each in checks for one in each.deviations]
     assert np.mean(squares) < 1.3
     assert all(each.reasons == ["the calibration is still good"] for each in checks if each.state == GOOD)
 
@@ -138,7 +138,7 @@ def test_a_wrong_calibration_is_found(truth, change, words, count):
 
 def test_tells_by_how_much():
     _, checks = judge(USUAL, changed(USUAL, focal=1.05, shift=(20.0, -12.0)), count=6)
-    errors = np.mean([[finding.error for finding in each.findings] for each in checks], axis=0)
+    errors = np.mean([[one.error for one in each.deviations] for each in checks], axis=0)
     np.testing.assert_allclose(errors, [5.0, 20.0, -12.0, 0.0], atol=0.6)
 
 

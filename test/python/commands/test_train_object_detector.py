@@ -11,7 +11,7 @@ from PIL import Image
 
 from sextant.commands.train_object_detector import main
 from sextant.objects.object_kinds import KINDS
-from sextant.objects.yolo_detector import YoloDetector, YoloSettings
+from sextant.objects.yolo_detector import YoloDetector, YoloParams
 
 HAS_TORCH = importlib.util.find_spec("torch") is not None
 needs_torch = pytest.mark.skipif(not HAS_TORCH, reason="PyTorch is optional: apt install python3-torch")
@@ -23,7 +23,7 @@ def test_a_quick_training_makes_a_network_and_goes_on_where_it_was(tmp_path, cap
     assert main([str(folder), "--quick", "--size", "64"]) == 0
     said = capsys.readouterr().out
     assert "epoch 2 of 2" in said and "mean" in said and all(name in said for name in KINDS)
-    detector = YoloDetector(YoloSettings(model=str(folder / "objects.onnx")))
+    detector = YoloDetector(YoloParams(model=str(folder / "objects.onnx")))
     assert (detector.classes, detector.size) == (list(KINDS), (64, 64))
     detector.detect(np.zeros((48, 64, 3), np.uint8))
     with Image.open(folder / "confusion.png") as picture:

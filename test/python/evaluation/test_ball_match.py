@@ -9,12 +9,12 @@ from PIL import Image
 from sextant.ball.ball_player import BallPlayerParams
 from sextant.evaluation.ball_film import BallFilm
 from sextant.evaluation.ball_match import play
-from sextant.objects.colour_detector import ColourDetector, ColourSettings
-from sextant.objects.object_locator import LocatorSettings
+from sextant.objects.colour_detector import ColourDetector, ColourParams
+from sextant.objects.object_locator import ObjectLocatorParams
 from sextant.simulation.ball_world import drawn_world
 
 TASK, SEED = 2, 3
-PARAMS = BallPlayerParams(locator=LocatorSettings(scale=1.04))
+PARAMS = BallPlayerParams(locator=ObjectLocatorParams(scale=1.04))
 
 
 @pytest.fixture(scope="module")
@@ -28,7 +28,7 @@ def played(tmp_path_factory):
         balls.append(simulation.ground.ball.copy())
         known.append([landmark.position for landmark in player.timeline.slam.filter.landmarks])
 
-    result = play(TASK, SEED, ColourDetector(ColourSettings()), PARAMS, watch=watch)
+    result = play(TASK, SEED, ColourDetector(ColourParams()), PARAMS, watch=watch)
     return result, film, known[-1], np.array(balls)
 
 

@@ -6,7 +6,7 @@ import pytest
 import yaml
 from foreign_maps import TAGS, example_map, refused
 
-from sextant.markers.formats.map_file import MapFileError, MapOptions
+from sextant.markers.formats.map_file import MapFileError, MapFormatParams
 from sextant.markers.map_formats import read_map, write_map
 
 
@@ -70,10 +70,10 @@ def test_apriltag_ros_refuses(tmp_path, text, reason):
 def test_a_bundle_is_chosen(tmp_path):
     path = tmp_path / "tags.yaml"
     path.write_text(bundles("{id: 1, size: 0.1}", "{id: 2, size: 0.1}"))
-    (marker,) = read_map(str(path), "apriltag_ros", MapOptions(bundle="b1")).marker_map.markers
+    (marker,) = read_map(str(path), "apriltag_ros", MapFormatParams(bundle="b1")).marker_map.markers
     assert marker.id == 2
     with pytest.raises(MapFileError, match="has no bundle 'b', only b0, b1"):
-        read_map(str(path), "apriltag_ros", MapOptions(bundle="b"))
+        read_map(str(path), "apriltag_ros", MapFormatParams(bundle="b"))
 
 
 def test_a_file_without_end(tmp_path):

@@ -8,7 +8,7 @@ import pytest
 from foreign_maps import CORNERS, DATA, PRINTS, corners_in_map, read_file, refused, variances
 
 import sextant
-from sextant.markers.formats.map_file import MapFileError, MapOptions
+from sextant.markers.formats.map_file import MapFileError, MapFormatParams
 from sextant.markers.map_formats import read_map
 
 
@@ -22,7 +22,7 @@ def test_variance_of_fiducial_slam_is_of_all_six_axes():
 @pytest.mark.parametrize("family", ["DICT_APRILTAG_16h5", "DICT_APRILTAG_36h11", "tag25h9"])
 def test_fiducial_slam_has_apriltags_upside_down(tmp_path, family):
     """The print of OpenCV, which aruco_detect finds, is ours turned by 180 degrees."""
-    options = MapOptions(family=family, size=0.2)
+    options = MapFormatParams(family=family, size=0.2)
     read = read_map(str(DATA / "fiducial_slam.txt"), "fiducial_slam", options)
     for marker in read.marker_map.markers:
         np.testing.assert_allclose(corners_in_map(marker), np.roll(CORNERS[marker.id], 2, axis=0), atol=1e-8)

@@ -10,7 +10,7 @@ import yaml
 from foreign_maps import CORNERS, DATA, FILES, corners_in_map, example_map, read_file
 
 import sextant
-from sextant.markers.formats.map_file import MapFileError, MapOptions, decimal
+from sextant.markers.formats.map_file import MapFileError, MapFormatParams, decimal
 from sextant.markers.map_formats import FORMATS, guess_read_format, guess_write_format, read_map, write_map
 
 # ---- known answers --------------------------------------------------------------------------------------
@@ -77,7 +77,7 @@ def test_round_trip(tmp_path, name):
     written = example_map(family=family)
     write_map(written, path, name)
     assert guess_read_format(path) == name
-    assert_same(written, read_map(path, name, MapOptions(**options)).marker_map)
+    assert_same(written, read_map(path, name, MapFormatParams(**options)).marker_map)
 
 
 @pytest.mark.parametrize("name", ["yaml", "fiducial_slam", "tagslam"])
@@ -86,12 +86,12 @@ def test_round_trip_of_a_covariance(tmp_path, name):
     path = str(tmp_path / file)
     warnings = write_map(example_map(exact=False), path, name)
     assert not any("covariance" in warning for warning in warnings)
-    for marker in read_map(path, name, MapOptions(**options)).marker_map.markers:
+    for marker in read_map(path, name, MapFormatParams(**options)).marker_map.markers:
         np.testing.assert_allclose(marker.covariance, 0.0025 * np.eye(6), atol=1e-12)
 
 
 def test_frame_is_the_one_that_is_asked_for():
-    read = read_map(str(DATA / "tags.yaml"), "apriltag_ros", MapOptions(frame="dock", bundle="room"))
+    read = read_map(str(DATA / "tags.yaml"), "apriltag_ros", MapFormatParams(frame="dock", bundle="room"))
     assert read.marker_map.frame == "dock"
 
 
@@ -132,7 +132,7 @@ def test_what_is_lost_in_writing_is_told(tmp_path, name, parts):
 def test_text_keeps_frames_and_names(tmp_path):
     path = str(tmp_path / "map.txt")
     write_map(with_extras(tmp_path), path, "text")
-    read = read_map(path, "text", MapOptions(family="tag36h11", size=0.2, frame="hall"))
+    read = read_map(path, "text", MapFormatParams(family="tag36h11", size=0.2, frame="hall"))
     assert [marker.name for marker in read.marker_map.markers] == ["door_7"]
     assert [frame.name for frame in read.marker_map.frames] == ["camera"]
     assert read.warnings == ["the parents of the frames 'camera': taken as 'hall'"]
@@ -169,7 +169,7 @@ def test_text_keeps_frames_and_names(tmp_path):
 )
 def test_options_that_are_refused(name, options, reason):
     with pytest.raises(MapFileError, match=reason):
-        read_map(str(DATA / "tags.yaml"), name, MapOptions(**options))
+        read_map(str(DATA / "tags.yaml"), name, MapFormatParams(**options))
 
 
 def several_families():
@@ -209,7 +209,7 @@ def test_a_file_that_cannot_be_written(tmp_path, name):
 def test_a_file_that_cannot_be_read(tmp_path, name):
     file, options, _ = TRIPS[name]
     with pytest.raises(MapFileError, match="cannot be read: No such file"):
-        read_map(str(tmp_path / file), name, MapOptions(**options))
+        read_map(str(tmp_path / file), name, MapFormatParams(**options))
 
 
 @pytest.mark.parametrize("name", FILES)
@@ -274,4 +274,4 @@ def test_sextant_tells_its_own_by_the_ending(tmp_path, name, file):
     with pytest.raises(MapFileError, match="rename it"):
         write_map(example_map(), str(tmp_path / file), name)
     with pytest.raises(MapFileError, match="rename it"):
-        read_map(str(tmp_path / file), name, MapOptions(**TRIPS[name][1]))
+        read_map(str(tmp_path / file), name, MapFormatParams(**TRIPS[name][1]))

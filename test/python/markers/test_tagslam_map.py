@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from foreign_maps import TAGS, example_map, read_file, refused, variances
 
-from sextant.markers.formats.map_file import MapFileError, MapOptions, decimal
+from sextant.markers.formats.map_file import MapFileError, MapFormatParams, decimal
 from sextant.markers.map_formats import read_map, write_map
 
 NOISE = "position_noise: {x: 0.01, y: 0.01, z: 0.01}, rotation_noise: {x: 0.001, y: 0.001, z: 0.001}"
@@ -126,8 +126,8 @@ def test_one_body_of_tagslam_is_chosen(tmp_path):
     with pytest.raises(MapFileError, match="body 'cart' moves"):
         read_map(path, "tagslam", TAGS)
     with pytest.raises(MapFileError, match="has no body 'hall', only room, cart"):
-        read_map(path, "tagslam", MapOptions(bundle="hall"))
-    (marker,) = read_map(path, "tagslam", MapOptions(bundle="room")).marker_map.markers
+        read_map(path, "tagslam", MapFormatParams(bundle="hall"))
+    (marker,) = read_map(path, "tagslam", MapFormatParams(bundle="room")).marker_map.markers
     assert marker.id == 1
 
 

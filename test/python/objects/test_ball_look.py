@@ -5,7 +5,7 @@ import pytest
 
 from sextant.geometry.pinhole_camera import PinholeCamera
 from sextant.objects.ball_look import BallLook
-from sextant.objects.ball_tracker import BallTracker, BallTrackerSettings
+from sextant.objects.ball_tracker import BallTracker, BallTrackerParams
 from sextant.objects.ball_view import BallView
 from sextant.objects.object_kinds import KINDS
 from sextant.objects.object_locator import LocatedObject
@@ -30,7 +30,7 @@ def look(*seen):
 
 def followed(*looks):
     """After looks 0.1 s apart."""
-    tracker = BallTracker(BallTrackerSettings())
+    tracker = BallTracker(BallTrackerParams())
     for number, each in enumerate(looks):
         each.tell(tracker, 0.1 * number, POSE)
     return tracker.at(0.1 * (len(looks) - 1))

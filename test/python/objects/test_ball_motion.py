@@ -8,7 +8,7 @@ from sextant.objects.ball_motion import (
     LIES,
     ROLLS,
     BallModes,
-    BallMotionSettings,
+    BallMotionParams,
     distance,
     jumped,
     merged,
@@ -18,7 +18,7 @@ from sextant.objects.ball_motion import (
 )
 from sextant.simulation.ball_ground import BallGround
 
-SETTINGS = BallMotionSettings()
+SETTINGS = BallMotionParams()
 NOISE = np.diag([0.01, 0.01]) ** 2
 
 
@@ -43,7 +43,7 @@ def test_it_rolls_as_the_simulated_ball_does(seconds):
 @pytest.mark.parametrize("seconds", [0.2, 1.0, 5.0])
 def test_its_covariance_is_that_of_many_balls(seconds):
     random = np.random.default_rng(1)
-    sigma, settings = 0.02, BallMotionSettings(rolling_sigma=0.0)
+    sigma, settings = 0.02, BallMotionParams(rolling_sigma=0.0)
     begun = random.multivariate_normal([1.0, 2.0, 0.5, 0.2], sigma**2 * np.eye(4), 4000)
     ended = []
     for each in begun:
@@ -90,4 +90,4 @@ def test_a_far_sighting_is_far_in_every_mode():
 )
 def test_a_setting_out_of_range_is_named(name, value):
     with pytest.raises(ValueError, match=f"{name}: must be within .*, is {value}"):
-        BallMotionSettings(**{name: value})
+        BallMotionParams(**{name: value})

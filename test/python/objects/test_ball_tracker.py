@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sextant.objects.ball_tracker import BallTracker, BallTrackerSettings
+from sextant.objects.ball_tracker import BallTracker, BallTrackerParams
 from sextant.simulation.ball_ground import BallGround, Pillar
 
 RATE = 15.0  # pictures a second
@@ -26,7 +26,7 @@ class Roll:
         self.random = np.random.default_rng([seed, 9])
         self.ground = BallGround((10.0, 10.0), list(pillars), (0.0, 0.0), (-4.0, -4.0, 0.0))
         self.ground.ball_velocity = np.array(velocity, float)
-        self.tracker = BallTracker(BallTrackerSettings(**settings))
+        self.tracker = BallTracker(BallTrackerParams(**settings))
         self.errors, self.nees = [], []
 
     def sighting(self):
@@ -91,7 +91,7 @@ def test_a_ball_out_of_view_is_kept_less_and_less_surely_up_to_a_minute():
 
 
 def test_a_ball_that_should_be_seen_and_is_not_is_gone():
-    tracker = BallTracker(BallTrackerSettings(missed=5))
+    tracker = BallTracker(BallTrackerParams(missed=5))
     for i in range(5):
         tracker.look(0.1 * i, [seen([1.0, 0.0])], always)
     for i in range(5, 9):
@@ -102,7 +102,7 @@ def test_a_ball_that_should_be_seen_and_is_not_is_gone():
 
 
 def test_where_it_is_looked_for_is_where_it_would_be():
-    tracker, asked = BallTracker(BallTrackerSettings()), []
+    tracker, asked = BallTracker(BallTrackerParams()), []
     for i in range(10):
         tracker.look(0.1 * i, [seen([0.06 * i, 0.5])], always)
     tracker.look(1.4, [], asked.append)
@@ -110,7 +110,7 @@ def test_where_it_is_looked_for_is_where_it_would_be():
 
 
 def test_of_several_the_one_that_fits_is_followed():
-    tracker = BallTracker(BallTrackerSettings())
+    tracker = BallTracker(BallTrackerParams())
     for i in range(20):
         balls = [seen([3.0, 3.0]), seen([1.0, 0.0])] if i > 3 else [seen([1.0, 0.0])]
         tracker.look(0.1 * i, balls, always)
@@ -118,7 +118,7 @@ def test_of_several_the_one_that_fits_is_followed():
 
 
 def test_a_ball_elsewhere_is_believed_after_some_sightings():
-    tracker = BallTracker(BallTrackerSettings(move=4, missed=100))
+    tracker = BallTracker(BallTrackerParams(move=4, missed=100))
     for i in range(10):
         tracker.look(0.1 * i, [seen([1.0, 0.0])], always)
     for i in range(10, 14):
@@ -128,7 +128,7 @@ def test_a_ball_elsewhere_is_believed_after_some_sightings():
 
 
 def test_one_sighting_of_something_is_no_ball():
-    tracker = BallTracker(BallTrackerSettings(begin=2))
+    tracker = BallTracker(BallTrackerParams(begin=2))
     tracker.look(0.0, [seen([1.0, 0.0])], always)
     assert tracker.at(0.0) is None
     tracker.look(0.1, [seen([2.0, 1.0])], always)
@@ -139,7 +139,7 @@ def test_one_sighting_of_something_is_no_ball():
 
 def test_looks_that_come_late_count_as_if_they_had_not():
     looks = [(0.1 * i, [seen([0.05 * i, 0.02 * (i % 3)])], always) for i in range(12)]
-    in_order, mixed = BallTracker(BallTrackerSettings()), BallTracker(BallTrackerSettings())
+    in_order, mixed = BallTracker(BallTrackerParams()), BallTracker(BallTrackerParams())
     for look in looks:
         in_order.look(*look)
     for i in (0, 1, 2, 4, 3, 5, 8, 6, 7, 9, 11, 10):
@@ -151,7 +151,7 @@ def test_looks_that_come_late_count_as_if_they_had_not():
 
 
 def test_an_earlier_moment_and_forgetting():
-    tracker = BallTracker(BallTrackerSettings())
+    tracker = BallTracker(BallTrackerParams())
     for i in range(10):
         tracker.look(0.1 * i, [seen([0.06 * i, 0.0])], always)
     assert tracker.at(0.5).position[0] == pytest.approx(0.3, abs=0.05)
@@ -163,4 +163,4 @@ def test_an_earlier_moment_and_forgetting():
 @pytest.mark.parametrize("name, value", [("begin", 0), ("move", 0), ("missed", 0), ("memory", 0.0)])
 def test_a_setting_out_of_range_is_named(name, value):
     with pytest.raises(ValueError, match=f"{name}: must be within .*, is {value}"):
-        BallTracker(BallTrackerSettings(**{name: value}))
+        BallTracker(BallTrackerParams(**{name: value}))

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
-from sextant.objects.colour_detector import RANGES, ColourDetector, ColourRange, ColourSettings, ranges_of
+from sextant.objects.colour_detector import RANGES, ColourDetector, ColourParams, ColourRange, ranges_of
 from sextant.objects.object_kinds import KINDS
 from sextant.simulation.ball_simulation import BallSimulation, BallSimulationParams
 from sextant.simulation.ball_world import TASKS, drawn_world
@@ -23,7 +23,7 @@ PAINT = {
 
 
 def found_of(image, **settings):
-    return ColourDetector(ColourSettings(**settings)).detect(image)
+    return ColourDetector(ColourParams(**settings)).detect(image)
 
 
 # ---- in the simulation ------------------------------------------------------------------------------------
@@ -46,7 +46,7 @@ def looking_at_something(seed):
 @pytest.fixture(scope="module")
 def looked():
     """(found, boxes, classes, whether each should be found) of every picture."""
-    detector, rows = ColourDetector(ColourSettings()), []
+    detector, rows = ColourDetector(ColourParams()), []
     for seed in range(2000, 2000 + PICTURES):
         simulation, ranges = looking_at_something(seed)
         picture = simulation.take_picture()
@@ -171,7 +171,7 @@ def test_ranges_of_a_dictionary():
 )
 def test_settings_that_cannot_be_are_refused(settings, reason):
     with pytest.raises(ValueError, match=reason):
-        ColourDetector(ColourSettings(**settings))
+        ColourDetector(ColourParams(**settings))
 
 
 @pytest.mark.parametrize(

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from sextant.objects.depth_scale import (
-    DepthScaleSettings,
+    DepthScaleParams,
     MeasuredDepth,
     estimate_depth_scale,
     read_measured_depths,
 )
 
-SETTINGS = DepthScaleSettings()
+SETTINGS = DepthScaleParams()
 DISTANCES = np.array([0.5, 1.0, 1.5, 2.0, 3.0])
 
 
@@ -69,7 +69,7 @@ def test_nothing_measured_and_settings_out_of_range_are_refused():
     with pytest.raises(ValueError, match="no distance was measured"):
         estimate_depth_scale([], SETTINGS)
     with pytest.raises(ValueError, match="tape_sigma: must be"):
-        DepthScaleSettings(tape_sigma=-1.0)
+        DepthScaleParams(tape_sigma=-1.0)
 
 
 def test_a_file_is_read_line_by_line(tmp_path):

@@ -8,10 +8,10 @@ from made_yolo import constant_network
 
 from sextant.base.strict_params import parse_params
 from sextant.nodes.objects.object_detector_params import ObjectDetectorParams
-from sextant.objects.colour_detector import ColourSettings
+from sextant.objects.colour_detector import ColourParams
 from sextant.objects.object_kinds import KINDS
 from sextant.objects.shipped_model import shipped_model
-from sextant.objects.yolo_detector import YoloSettings
+from sextant.objects.yolo_detector import YoloParams
 
 CUP = {"cup": {"hue": 150, "around": 10, "saturation": 100, "value": 50}}
 
@@ -21,7 +21,7 @@ def params(**values):
 
 
 def test_defaults_are_those_of_the_library():
-    assert (params().network, params().colours) == (YoloSettings(), ColourSettings())
+    assert (params().network, params().colours) == (YoloParams(), ColourParams())
     assert list(params().ranges) == list(KINDS)
 
 

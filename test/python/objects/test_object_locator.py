@@ -7,7 +7,7 @@ import pytest
 
 from sextant.geometry.pinhole_camera import PinholeCamera
 from sextant.objects.object_kinds import KINDS
-from sextant.objects.object_locator import LocatorSettings, ObjectLocator
+from sextant.objects.object_locator import ObjectLocator, ObjectLocatorParams
 from sextant.simulation.ball_ground import Pillar
 from sextant.simulation.ball_simulation import BallSimulation, BallSimulationParams
 from sextant.simulation.ball_world import BallWorld
@@ -33,7 +33,7 @@ class Scene:
         camera = self.simulation.camera
         models = PinholeCamera.of(camera.colour), PinholeCamera.of(camera.depth)
         T = np.linalg.inv(camera.T_base_colour) @ camera.T_base_depth
-        return ObjectLocator(LocatorSettings(**{"scale": SCALE, **settings}), *models, T)
+        return ObjectLocator(ObjectLocatorParams(**{"scale": SCALE, **settings}), *models, T)
 
     def located(self, number, box=None, depth=None, **settings):
         kind = KINDS["ball" if number == len(self.truth) - 1 else "red_pillar"]
@@ -141,7 +141,7 @@ def test_a_depth_image_of_another_size_is_refused_with_both_sizes():
 )
 def test_a_setting_out_of_range_is_named(settings):
     with pytest.raises(ValueError, match=f"{next(iter(settings))}: must be within .*, is"):
-        LocatorSettings(**settings)
+        ObjectLocatorParams(**settings)
 
 
 @pytest.mark.parametrize("x, slope", [(0.6, 0.65), (0.6, 0.66), (0.64, 0.64), (0.64, 0.65), (0.72, 0.63)])

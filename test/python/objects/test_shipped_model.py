@@ -9,7 +9,7 @@ import pytest
 
 from sextant.objects.object_kinds import KINDS
 from sextant.objects.shipped_model import shipped_model
-from sextant.objects.yolo_detector import YoloDetector, YoloSettings
+from sextant.objects.yolo_detector import YoloDetector, YoloParams
 from sextant.simulation.ball_ground import Pillar
 from sextant.simulation.ball_simulation import BallSimulation, BallSimulationParams
 from sextant.simulation.ball_world import BallWorld
@@ -36,7 +36,7 @@ def picture(seed):
 
 
 def detector(backend, **settings):
-    return YoloDetector(YoloSettings(str(shipped_model()), backend, **settings), 1)
+    return YoloDetector(YoloParams(str(shipped_model()), backend, **settings), 1)
 
 
 def test_it_is_small_and_knows_the_kinds():

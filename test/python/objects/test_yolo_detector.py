@@ -12,7 +12,7 @@ import pytest
 from made_yolo import ConvolvedDetector, constant_network
 from onnx import helper
 
-from sextant.objects.yolo_detector import YoloDetector, YoloSettings
+from sextant.objects.yolo_detector import YoloDetector, YoloParams
 
 needs_onnxruntime = pytest.mark.skipif(
     importlib.util.find_spec("onnxruntime") is None, reason="no onnxruntime (optional)"
@@ -31,7 +31,7 @@ def answer(*rows):
 
 
 def detector(model, backend="opencv", **settings):
-    return YoloDetector(YoloSettings(str(model), backend, **settings), 1)
+    return YoloDetector(YoloParams(str(model), backend, **settings), 1)
 
 
 def noise(width=96, height=96, seed=3):
@@ -208,7 +208,7 @@ def test_names_of_the_settings_count(tmp_path):
 )
 def test_settings_that_cannot_be_are_refused(settings, reason):
     with pytest.raises(ValueError, match=reason):
-        YoloDetector(YoloSettings(**{"model": "net.onnx", **settings}))
+        YoloDetector(YoloParams(**{"model": "net.onnx", **settings}))
 
 
 def test_a_file_that_is_not_there_or_is_no_model(tmp_path):

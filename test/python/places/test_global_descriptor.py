@@ -15,7 +15,7 @@ import pytest
 from made_network import CELLS, logarithm_network, pooling_network, projection_network, written
 from onnx import TensorProto, helper
 
-from sextant.places.global_descriptor import GlobalDescriptor, GlobalDescriptorSettings
+from sextant.places.global_descriptor import GlobalDescriptor, GlobalDescriptorParams
 
 WITHOUT_ONNXRUNTIME = importlib.util.find_spec("onnxruntime") is None
 BACKENDS = [
@@ -46,7 +46,7 @@ def cells(image):
 class TestEveryBackend:
     def test_a_vector_is_what_the_network_makes(self, tmp_path, backend):
         model = pooling_network(tmp_path / "net.onnx")
-        descriptor = GlobalDescriptor(GlobalDescriptorSettings(model, backend, **PLAIN))
+        descriptor = GlobalDescriptor(GlobalDescriptorParams(model, backend, **PLAIN))
         vector = descriptor.describe(noise())
         assert descriptor.size == (96, 64)
         assert vector.dtype == np.float32 and vector == pytest.approx(cells(noise()[:, :, ::-1]), abs=1e-6)
@@ -54,7 +54,7 @@ class TestEveryBackend:
 
     def test_means_and_deviations_are_of_channels_from_0_to_1(self, tmp_path, backend):
         matrix = np.random.default_rng(2).normal(size=(5, 3)).astype(np.float32)
-        settings = GlobalDescriptorSettings(
+        settings = GlobalDescriptorParams(
             projection_network(tmp_path / "net.onnx", matrix), backend, 40, 30, "BGR"
         )
         vector = GlobalDescriptor(settings).describe(noise((40, 30)))
@@ -63,7 +63,7 @@ class TestEveryBackend:
 
     def test_the_same_gives_the_same(self, tmp_path, backend):
         matrix = np.random.default_rng(3).normal(size=(64, 3)).astype(np.float32)
-        settings = GlobalDescriptorSettings(
+        settings = GlobalDescriptorParams(
             projection_network(tmp_path / "net.onnx", matrix), backend, 320, 240
         )
         vectors = [
@@ -76,7 +76,7 @@ class TestEveryBackend:
     def test_a_network_that_makes_no_number_is_refused(self, tmp_path, backend):
         model = logarithm_network(tmp_path / "net.onnx")
         with pytest.raises(ValueError, match="net.onnx: makes what is no number of a picture"):
-            GlobalDescriptor(GlobalDescriptorSettings(model, backend, mean=(1.0, 1.0, 1.0))).describe(noise())
+            GlobalDescriptor(GlobalDescriptorParams(model, backend, mean=(1.0, 1.0, 1.0))).describe(noise())
 
     def test_a_network_that_makes_a_picture_is_refused(self, tmp_path, backend):
         nodes = [helper.make_node("Relu", ["image"], ["vector"])]
@@ -84,14 +84,14 @@ class TestEveryBackend:
         with pytest.raises(
             ValueError, match="net.onnx: makes 1×3×32×48 of a picture, it must make one vector"
         ):
-            GlobalDescriptor(GlobalDescriptorSettings(model, backend))
+            GlobalDescriptor(GlobalDescriptorParams(model, backend))
 
     def test_a_network_that_cannot_be_run_is_refused(self, tmp_path, backend):
         nodes = [helper.make_node("Reshape", ["image", "shape"], ["vector"])]
         weights = [("shape", np.array([1, 7], np.int64))]
         model = written(tmp_path / "net.onnx", nodes, (1, 3, 8, 8), weights=weights)
         with pytest.raises(ValueError, match=r"net.onnx: .* cannot run it \("):
-            GlobalDescriptor(GlobalDescriptorSettings(model, backend))
+            GlobalDescriptor(GlobalDescriptorParams(model, backend))
 
 
 @pytest.fixture
@@ -100,20 +100,20 @@ def pooling(tmp_path):
 
 
 def test_a_picture_of_any_size_is_made_to_fit(pooling):
-    descriptor = GlobalDescriptor(GlobalDescriptorSettings(pooling, **PLAIN))
+    descriptor = GlobalDescriptor(GlobalDescriptorParams(pooling, **PLAIN))
     image = cv2.GaussianBlur(noise((480, 640)), (0, 0), 20)
     assert descriptor.describe(image) == pytest.approx(cells(image[:, :, ::-1]), abs=2e-3)  # of bytes
 
 
 def test_grey_is_three_channels_that_are_the_same(pooling):
-    descriptor = GlobalDescriptor(GlobalDescriptorSettings(pooling))
+    descriptor = GlobalDescriptor(GlobalDescriptorParams(pooling))
     grey = noise()[:, :, 0]
     assert np.array_equal(descriptor.describe(grey), descriptor.describe(cv2.merge([grey] * 3)))
 
 
 def test_a_network_of_one_channel_sees_grey(tmp_path):
     model = pooling_network(tmp_path / "net.onnx", channels=1)
-    descriptor = GlobalDescriptor(GlobalDescriptorSettings(model, **GREY))
+    descriptor = GlobalDescriptor(GlobalDescriptorParams(model, **GREY))
     grey = cv2.cvtColor(noise(), cv2.COLOR_BGR2GRAY)
     for image in (grey, noise()):
         assert descriptor.describe(image) == pytest.approx(cells(grey), abs=1e-6)
@@ -121,7 +121,7 @@ def test_a_network_of_one_channel_sees_grey(tmp_path):
 
 def test_a_picture_of_which_the_network_makes_zeros_has_no_direction(pooling):
     black = np.zeros((64, 96), np.uint8)
-    assert not GlobalDescriptor(GlobalDescriptorSettings(pooling, **PLAIN)).describe(black).any()
+    assert not GlobalDescriptor(GlobalDescriptorParams(pooling, **PLAIN)).describe(black).any()
 
 
 @pytest.mark.parametrize(
@@ -129,7 +129,7 @@ def test_a_picture_of_which_the_network_makes_zeros_has_no_direction(pooling):
 )
 def test_what_is_no_picture_is_refused(pooling, image):
     with pytest.raises(ValueError, match="must be uint8, grey or BGR"):
-        GlobalDescriptor(GlobalDescriptorSettings(pooling)).describe(image)
+        GlobalDescriptor(GlobalDescriptorParams(pooling)).describe(image)
 
 
 @pytest.mark.parametrize(
@@ -148,13 +148,13 @@ def test_what_is_no_picture_is_refused(pooling, image):
 )
 def test_settings_that_cannot_be_are_refused(pooling, changed, reason):
     with pytest.raises(ValueError, match=reason):
-        GlobalDescriptor(GlobalDescriptorSettings(**{"model": pooling, **changed}))
+        GlobalDescriptor(GlobalDescriptorParams(**{"model": pooling, **changed}))
 
 
 def test_a_network_for_any_size_needs_one(tmp_path):
     model = projection_network(tmp_path / "net.onnx", np.ones((2, 3), np.float32))
     with pytest.raises(ValueError, match="height must be set: .*net.onnx takes any"):
-        GlobalDescriptor(GlobalDescriptorSettings(model, width=64))
+        GlobalDescriptor(GlobalDescriptorParams(model, width=64))
 
 
 def two_inputs(path):
@@ -206,12 +206,12 @@ def weights_elsewhere(path):
 def test_a_file_that_is_no_such_network_is_refused(tmp_path, write, reason):
     write(tmp_path / "net.onnx")
     with pytest.raises(ValueError, match=reason):
-        GlobalDescriptor(GlobalDescriptorSettings(str(tmp_path / "net.onnx")))
+        GlobalDescriptor(GlobalDescriptorParams(str(tmp_path / "net.onnx")))
 
 
 def test_a_file_that_is_not_there_is_an_os_error(tmp_path):
     with pytest.raises(FileNotFoundError):
-        GlobalDescriptor(GlobalDescriptorSettings(str(tmp_path / "net.onnx")))
+        GlobalDescriptor(GlobalDescriptorParams(str(tmp_path / "net.onnx")))
 
 
 def test_an_operator_that_opencv_lacks_is_named_with_what_to_do(tmp_path):
@@ -219,19 +219,19 @@ def test_an_operator_that_opencv_lacks_is_named_with_what_to_do(tmp_path):
     model = written(tmp_path / "net.onnx", nodes, (1, 3, 8, 8))
     reason = "net.onnx: OpenCV's dnn lacks the operator Einsum; install onnxruntime: pip install onnxruntime"
     with pytest.raises(ValueError, match=reason):
-        GlobalDescriptor(GlobalDescriptorSettings(model, "opencv"))
+        GlobalDescriptor(GlobalDescriptorParams(model, "opencv"))
 
 
 def test_without_onnxruntime_opencv_is_taken(pooling, monkeypatch):
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     monkeypatch.setitem(sys.modules, "onnxruntime", None)  # cannot be imported
-    assert len(GlobalDescriptor(GlobalDescriptorSettings(pooling)).describe(noise())) == 3 * CELLS * CELLS
+    assert len(GlobalDescriptor(GlobalDescriptorParams(pooling)).describe(noise())) == 3 * CELLS * CELLS
     with pytest.raises(ValueError, match="backend is onnxruntime: .*; install onnxruntime: pip install"):
-        GlobalDescriptor(GlobalDescriptorSettings(pooling, "onnxruntime"))
+        GlobalDescriptor(GlobalDescriptorParams(pooling, "onnxruntime"))
 
 
 def test_the_page_names_every_setting():
     page = (Path(__file__).resolve().parents[3] / "doc/place_networks.md").read_text()
     table = page.partition("| field |")[2].partition("\n\n")[0]
     named = [name for line in table.splitlines()[2:] for name in re.findall(r"`(\w+)`", line.split("|")[1])]
-    assert named == [field.name for field in dataclasses.fields(GlobalDescriptorSettings)]
+    assert named == [field.name for field in dataclasses.fields(GlobalDescriptorParams)]

@@ -12,12 +12,12 @@ from made_network import projection_network
 from made_photos import picture, shifted, written_photos
 
 from sextant.place_maps.place_map import Overview, Photo, PlaceMap
-from sextant.places.global_descriptor import GlobalDescriptorSettings
+from sextant.places.global_descriptor import GlobalDescriptorParams
 from sextant.places.place_estimate import PlaceEstimate
 from sextant.places.place_evaluation import Cost, Outcome, PlaceEvaluation, evaluate, evaluate_left_out
-from sextant.places.place_index import IndexSettings, plain_features
+from sextant.places.place_index import IndexParams, plain_features
 from sextant.places.place_library import Library
-from sextant.places.place_localization import Answer, Localization, LocalizationParams, Status
+from sextant.places.place_localization import Localization, PlaceAnswer, PlaceLocalizationParams, Status
 from sextant.places.place_queries import Query
 from sextant.places.place_recognition import RecognitionParams
 
@@ -27,7 +27,7 @@ PLACES = [Photo(i, f"{i}.png", 10.0 * i, 5.0) for i in range(12)]
 def outcome(right, answers, status=Status.AMBIGUOUS, estimate=None, position=None, seconds=0.1):
     """:param right: numbers of places; answers: pairs of a number and a probability"""
     query = Query(Path("q.png"), frozenset((PLACES[i].x, PLACES[i].y) for i in right), position)
-    told = [Answer(PLACES[number], probability) for number, probability in answers]
+    told = [PlaceAnswer(PLACES[number], probability) for number, probability in answers]
     return Outcome(query, Localization(status, told, 0.0, estimate, False, None, None), seconds)
 
 
@@ -118,7 +118,7 @@ def test_what_was_not_measured_is_no_number():
 
 
 def library_of(place_map, settings=None):
-    return Library(place_map.folder / "park.txt", place_map, settings or IndexSettings())
+    return Library(place_map.folder / "park.txt", place_map, settings or IndexParams())
 
 
 def queries_of(folder, place_map, *seeds):
@@ -136,18 +136,20 @@ def queries_of(folder, place_map, *seeds):
 def test_photos_that_are_seen_again_are_found(mode, tmp_path):
     place_map = written_photos(tmp_path, 5)
     queries = queries_of(tmp_path, place_map, *range(5))
-    found = evaluate(library_of(place_map), LocalizationParams(mode=mode), queries)
+    found = evaluate(library_of(place_map), PlaceLocalizationParams(mode=mode), queries)
     figures = found.figures()
     assert figures["recall@1"] == 1.0 and figures["nowhere"] == 0 and figures["area"] == pytest.approx(1)
     assert figures["said_nowhere_wrongly"] == 0.0 and figures["position_error"] < 15
     assert not found.cost.is_loaded and figures["index_mb"] > 0
-    assert evaluate(library_of(place_map), LocalizationParams(mode=mode), queries[:1]).cost.is_loaded
+    assert evaluate(library_of(place_map), PlaceLocalizationParams(mode=mode), queries[:1]).cost.is_loaded
 
 
 def test_a_place_that_the_map_does_not_have_is_nowhere(tmp_path):
     place_map = written_photos(tmp_path, 5)
     found = evaluate(
-        library_of(place_map), LocalizationParams(mode="single"), queries_of(tmp_path, place_map, 20, 21, 3)
+        library_of(place_map),
+        PlaceLocalizationParams(mode="single"),
+        queries_of(tmp_path, place_map, 20, 21, 3),
     )
     assert (found.nowhere(False), found.nowhere(True), found.recall(1)) == (1.0, 0.0, 1.0)
 
@@ -163,11 +165,11 @@ def test_a_network_sees_the_colours_of_queries(tmp_path):
     photos = tuple(Photo(i, f"{i}.png", 100.0 * i, 50.0) for i in range(len(tints)))
     place_map = PlaceMap(tmp_path, Overview("park.png", 1000, 100), photos)
     model = projection_network(tmp_path / "net.onnx", np.eye(3, dtype=np.float32))
-    network = GlobalDescriptorSettings(model, width=64, height=48, mean=(0, 0, 0), std=(1, 1, 1))
+    network = GlobalDescriptorParams(model, width=64, height=48, mean=(0, 0, 0), std=(1, 1, 1))
     queries = [Query(tmp_path / f"q{i}.png", frozenset({(100.0 * i, 50.0)})) for i in range(len(tints))]
     found = evaluate(
-        library_of(place_map, IndexSettings(global_descriptor=network)),
-        LocalizationParams("single", recognition=RecognitionParams(network_weight=10.0)),
+        library_of(place_map, IndexParams(global_descriptor=network)),
+        PlaceLocalizationParams("single", recognition=RecognitionParams(network_weight=10.0)),
         queries,
     )
     assert found.recall(1) == 1.0
@@ -184,11 +186,11 @@ def twins(folder):
 
 @pytest.mark.parametrize(
     "mode, settings",
-    [("single", None), ("votes", IndexSettings(plain_features("SIFT", "SIFT"), "BruteForce"))],
+    [("single", None), ("votes", IndexParams(plain_features("SIFT", "SIFT"), "BruteForce"))],
 )
 def test_a_photo_that_is_left_out_finds_its_twin_and_never_itself(mode, settings, tmp_path):
     library = library_of(twins(tmp_path), settings)
-    found = evaluate_left_out(library, LocalizationParams(mode=mode), 10.0)
+    found = evaluate_left_out(library, PlaceLocalizationParams(mode=mode), 10.0)
     assert found.recall(1) == 1.0 and len(found.ranks) == 4
     for each in found.outcomes:
         assert each.query.path.name not in [answer.photo.image for answer in each.found.answers]
@@ -199,9 +201,11 @@ def test_a_photo_that_is_left_out_finds_its_twin_and_never_itself(mode, settings
 def test_modes_that_carry_on_leave_no_photo_out(tmp_path):
     library = library_of(written_photos(tmp_path, 2))
     with pytest.raises(ValueError, match="left out in single or votes"):
-        evaluate_left_out(library, LocalizationParams(mode="filter"), 10.0)
+        evaluate_left_out(library, PlaceLocalizationParams(mode="filter"), 10.0)
 
 
 def test_of_one_photo_none_is_left_out(tmp_path):
     with pytest.raises(ValueError, match="park.txt: of less than two"):
-        evaluate_left_out(library_of(written_photos(tmp_path, 1)), LocalizationParams(mode="single"), 10.0)
+        evaluate_left_out(
+            library_of(written_photos(tmp_path, 1)), PlaceLocalizationParams(mode="single"), 10.0
+        )

@@ -13,11 +13,11 @@ from made_photos import picture, shifted, written_photos
 import sextant
 from sextant.places import place_index
 from sextant.places.place_cache import VERSION, CacheError, cache_path, read_cache
-from sextant.places.place_index import IndexSettings, content_digest, default_features, plain_features
+from sextant.places.place_index import IndexParams, content_digest, default_features, plain_features
 from sextant.places.place_library import Library
 from sextant.places.place_votes import count_votes
 
-SETTINGS = IndexSettings()
+SETTINGS = IndexParams()
 
 
 @pytest.fixture
@@ -33,7 +33,7 @@ def index_of(place_map, settings=SETTINGS, **more):
 
 def image_of(index, seed):
     """The photo that gets most votes for a picture."""
-    params = index.settings.feature_params()
+    params = index.params.feature_params()
     found = sextant.FeatureExtractor(params).extract(shifted(picture(seed), 5, 3))
     distances, owners, _ = index.descriptors.search(found.descriptors, 2)
     owner = count_votes(distances, owners, 1, 1).photos[0]
@@ -150,7 +150,7 @@ def test_many_more_photos_make_an_index_anew(place_map):
 
 def test_other_settings_are_another_index(place_map):
     index_of(place_map)
-    other = IndexSettings({**default_features(), "support": 1.5})
+    other = IndexParams({**default_features(), "support": 1.5})
     _, lines = index_of(place_map, other)
     assert lines[0] == f"{cache_of(place_map)}: is of other settings; building it anew"
     assert index_of(place_map, other)[1] == []
@@ -265,7 +265,7 @@ def test_several_processes_describe_the_same(place_map):
     ],
 )
 def test_any_pair_finds_photos(place_map, detector, extractor, matcher):
-    settings = IndexSettings(plain_features(detector, extractor), matcher)
+    settings = IndexParams(plain_features(detector, extractor), matcher)
     for _ in range(2):  # built, then as stored
         index, _ = index_of(place_map, settings)
         assert [image_of(index, seed) for seed in range(6)] == [f"{seed}.png" for seed in range(6)]
@@ -273,13 +273,13 @@ def test_any_pair_finds_photos(place_map, detector, extractor, matcher):
 
 def test_an_invalid_pair_is_refused_before_anything_is_read(place_map):
     with pytest.raises(ValueError, match="extractor AKAZE describes keypoints of detector AKAZE only"):
-        index_of(place_map, IndexSettings(plain_features("SIFT", "AKAZE")))
+        index_of(place_map, IndexParams(plain_features("SIFT", "AKAZE")))
     with pytest.raises(
         ValueError, match="matcher is 'FlannBased'; for what extractor ORB makes it must be one of"
     ):
-        index_of(place_map, IndexSettings(plain_features("ORB", "ORB"), "FlannBased"))
+        index_of(place_map, IndexParams(plain_features("ORB", "ORB"), "FlannBased"))
     with pytest.raises(ValueError, match="max_sides: unknown; known are detector"):
-        index_of(place_map, IndexSettings({"max_sides": 3}))
+        index_of(place_map, IndexParams({"max_sides": 3}))
 
 
 def test_an_empty_map_is_refused(place_map):

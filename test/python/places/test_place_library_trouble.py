@@ -16,16 +16,16 @@ from made_photos import picture, shifted, written_photos
 
 from sextant.places import place_cache
 from sextant.places.place_cache import CacheError, cache_path, read_cache
-from sextant.places.place_index import IndexSettings
+from sextant.places.place_index import IndexParams
 from sextant.places.place_library import Library
-from sextant.places.place_localization import LocalizationParams, PlaceLocalizer, Status
+from sextant.places.place_localization import PlaceLocalizationParams, PlaceLocalizer, Status
 
-SETTINGS, COUNT = IndexSettings(), 6
+SETTINGS, COUNT = IndexParams(), 6
 BUILD = """
 import os, signal, sys
 from pathlib import Path
 from sextant.places import place_cache, place_library
-from sextant.places.place_index import IndexSettings
+from sextant.places.place_index import IndexParams
 from sextant.place_maps.place_map_file import read_place_map
 
 def die(*_):
@@ -35,7 +35,7 @@ path, killed_at = Path(sys.argv[1]), sys.argv[2]
 if killed_at:
     module, name = killed_at.split(".")
     setattr({"place_cache": place_cache, "place_library": place_library}[module], name, die)
-place_library.Library(path, read_place_map(path), IndexSettings(), report=print).index()
+place_library.Library(path, read_place_map(path), IndexParams(), report=print).index()
 """
 
 
@@ -59,7 +59,7 @@ def building(place_map, killed_at=""):
 
 
 def found(place_map, index, seed, mode="single"):
-    localizer = PlaceLocalizer(place_map, index, LocalizationParams(mode=mode))
+    localizer = PlaceLocalizer(place_map, index, PlaceLocalizationParams(mode=mode))
     return localizer.localize(shifted(picture(seed), 5, 3))
 
 
@@ -183,5 +183,7 @@ def test_small_maps_work(tmp_path, mode):
     index, _ = index_of(two)
     answer = found(two, index, 1, mode)
     assert answer.answers[0].photo.id == 1
-    empty = PlaceLocalizer(two, index, LocalizationParams(mode=mode)).localize(np.zeros((1, 1), np.uint8))
+    empty = PlaceLocalizer(two, index, PlaceLocalizationParams(mode=mode)).localize(
+        np.zeros((1, 1), np.uint8)
+    )
     assert empty.status == Status.UNUSABLE

@@ -10,8 +10,8 @@ import yaml
 from made_photos import index_of, picture, shifted, written_photos
 
 from sextant.place_maps.place_map import MetricFrame
-from sextant.places.place_index import IndexSettings, plain_features
-from sextant.places.place_localization import LocalizationParams, PlaceLocalizer, Status
+from sextant.places.place_index import IndexParams, plain_features
+from sextant.places.place_localization import PlaceLocalizationParams, PlaceLocalizer, Status
 
 COUNT = 24
 ELSEWHERE, EMPTY = 200, np.full((240, 320), 90, np.uint8)
@@ -26,12 +26,12 @@ def place_map(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def index(place_map):
-    return index_of(place_map, IndexSettings())
+    return index_of(place_map, IndexParams())
 
 
 @pytest.fixture(scope="module")
 def plain_index(place_map):
-    return index_of(place_map, IndexSettings(plain_features("SIFT", "SIFT"), "FlannBased"))
+    return index_of(place_map, IndexParams(plain_features("SIFT", "SIFT"), "FlannBased"))
 
 
 def seen(place, seed=0, noise=6.0):
@@ -44,7 +44,7 @@ def overgrown(place):
 
 
 def localizer(place_map, index, mode, **changed):
-    return PlaceLocalizer(place_map, index, LocalizationParams(mode=mode, **changed))
+    return PlaceLocalizer(place_map, index, PlaceLocalizationParams(mode=mode, **changed))
 
 
 @pytest.mark.parametrize("mode", ["filter", "sequence", "single"])
@@ -146,7 +146,7 @@ def test_votes_are_shares_of_the_matches(place_map, plain_index):
 
 def test_the_only_one_with_votes_is_certain(tmp_path):
     alone = written_photos(tmp_path, 1)
-    index = index_of(alone, IndexSettings(plain_features("SIFT", "SIFT"), "BruteForce"))
+    index = index_of(alone, IndexParams(plain_features("SIFT", "SIFT"), "BruteForce"))
     found = localizer(alone, index, "votes").localize(seen(0))
     assert [(answer.photo.id, answer.probability) for answer in found.answers] == [(0, 1.0)]
 
@@ -192,4 +192,4 @@ def test_the_numbers_of_a_status_are_those_of_the_message():
 )
 def test_parameters_out_of_range_are_refused(place_map, index, changed, reason):
     with pytest.raises(ValueError, match=reason):
-        PlaceLocalizer(place_map, index, LocalizationParams(**changed))
+        PlaceLocalizer(place_map, index, PlaceLocalizationParams(**changed))

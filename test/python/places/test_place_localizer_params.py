@@ -7,7 +7,7 @@ from made_photos import written_photos
 
 from sextant.base.strict_params import parse_params
 from sextant.nodes.places.place_localizer_params import PlaceLocalizerParams
-from sextant.places.place_localization import LocalizationParams
+from sextant.places.place_localization import PlaceLocalizationParams
 
 
 def made(**values):
@@ -15,7 +15,7 @@ def made(**values):
 
 
 def test_without_any_the_defaults_are_the_librarys():
-    assert made().localization == LocalizationParams()
+    assert made().localization == PlaceLocalizationParams()
 
 
 def test_every_one_arrives_where_it_belongs():
@@ -37,7 +37,7 @@ def map_file(tmp_path):
 
 
 def settings(map_file, **values):
-    return made(map_file=map_file, **values).photo_library(print).settings
+    return made(map_file=map_file, **values).photo_library(print).params
 
 
 def test_only_the_tuned_profile_makes_pictures_smaller(map_file):

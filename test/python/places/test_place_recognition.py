@@ -12,7 +12,7 @@ from made_photos import index_of, picture, shifted, written_photos
 
 from sextant.place_maps.place_map import Overview, Photo, PlaceMap
 from sextant.places.place_belief import PlaceBelief
-from sextant.places.place_index import IndexSettings, plain_features
+from sextant.places.place_index import IndexParams, plain_features
 from sextant.places.place_metrics import precision_recall
 from sextant.places.place_recognition import PlaceRecognizer, RecognitionParams
 
@@ -69,7 +69,7 @@ def test_photos_of_one_place_speak_for_it_together(tmp_path):
 
 def test_a_turned_picture_of_plain_features_is_recognized(place_map, tmp_path):
     recognizer = PlaceRecognizer(
-        place_map, index_of(place_map, IndexSettings(plain_features("SIFT", "SIFT")))
+        place_map, index_of(place_map, IndexParams(plain_features("SIFT", "SIFT")))
     )
     assert recognizer.recognize(cv2.rotate(picture(7), cv2.ROTATE_180)).scores.argmax() == 7
 

@@ -10,9 +10,9 @@ import pytest
 from made_network import logarithm_network, pooling_network
 from made_photos import index_of, picture, shifted, written_photos
 
-from sextant.places.global_descriptor import GlobalDescriptorSettings
-from sextant.places.place_index import IndexSettings
-from sextant.places.place_localization import LocalizationParams, PlaceLocalizer, Status
+from sextant.places.global_descriptor import GlobalDescriptorParams
+from sextant.places.place_index import IndexParams
+from sextant.places.place_localization import PlaceLocalizationParams, PlaceLocalizer, Status
 from sextant.places.place_recognition import PlaceRecognizer, RecognitionParams, contrast
 
 COUNT = 30
@@ -26,8 +26,8 @@ def place_map(tmp_path_factory):
 @pytest.fixture(scope="module")
 def index(place_map):
     model = pooling_network(place_map.folder / "net.onnx")
-    shown = GlobalDescriptorSettings(model, mean=(0.5, 0.5, 0.5), std=(1.0, 1.0, 1.0))
-    return index_of(place_map, IndexSettings(global_descriptor=shown))
+    shown = GlobalDescriptorParams(model, mean=(0.5, 0.5, 0.5), std=(1.0, 1.0, 1.0))
+    return index_of(place_map, IndexParams(global_descriptor=shown))
 
 
 @pytest.fixture(scope="module")
@@ -108,7 +108,7 @@ def test_of_a_picture_of_nothing_the_network_is_not_asked(recognizer_of, noise, 
 
 @pytest.mark.parametrize("image", [covered(), covered(1.0, 10), covered()[..., 0] + 255])
 def test_a_picture_of_nothing_is_unusable_for_a_network_too(place_map, index, image):
-    robot = PlaceLocalizer(place_map, index, LocalizationParams())
+    robot = PlaceLocalizer(place_map, index, PlaceLocalizationParams())
     before = [robot.localize(blurred(place, 1)) for place in (3, 4, 5)][-1]
     after = robot.localize(image)
     assert (before.status, after.status) == (Status.LOCALIZED, Status.UNUSABLE)
@@ -116,8 +116,8 @@ def test_a_picture_of_nothing_is_unusable_for_a_network_too(place_map, index, im
 
 def test_a_picture_that_the_network_makes_no_number_of_leaves_no_trace(place_map):
     model = logarithm_network(place_map.folder / "log.onnx")
-    shown = GlobalDescriptorSettings(model, mean=(0.25, 0.25, 0.25))
-    index = index_of(place_map, IndexSettings(global_descriptor=shown))
+    shown = GlobalDescriptorParams(model, mean=(0.25, 0.25, 0.25))
+    index = index_of(place_map, IndexParams(global_descriptor=shown))
     robot, other = (PlaceLocalizer(place_map, index) for _ in range(2))
     for each in (robot, other):
         each.localize(blurred(3, 1))
@@ -142,7 +142,7 @@ def test_contrast_is_that_of_the_parts():
 
 
 def test_with_weight_0_it_is_as_if_there_were_none(place_map, index, recognizer_of):
-    plain = PlaceRecognizer(place_map, index_of(place_map, replace(index.settings, global_descriptor=None)))
+    plain = PlaceRecognizer(place_map, index_of(place_map, replace(index.params, global_descriptor=None)))
     for image in (blurred(3, 1), blurred(4, 25), picture(100)):
         with_it, without = recognizer_of[0].recognize(image), plain.recognize(image)
         assert np.array_equal(with_it.scores, without.scores)

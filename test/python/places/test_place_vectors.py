@@ -11,9 +11,9 @@ import pytest
 from made_network import pooling_network, projection_network
 from made_photos import picture, written_photos
 
-from sextant.places.global_descriptor import GlobalDescriptor, GlobalDescriptorSettings
+from sextant.places.global_descriptor import GlobalDescriptor, GlobalDescriptorParams
 from sextant.places.place_cache import CacheError, cache_path, read_cache
-from sextant.places.place_index import IndexSettings, default_features, photo_features
+from sextant.places.place_index import IndexParams, default_features, photo_features
 from sextant.places.place_library import Library
 
 
@@ -25,7 +25,7 @@ def place_map(tmp_path):
 @pytest.fixture
 def settings(tmp_path):
     model = pooling_network(tmp_path / "net.onnx")
-    return IndexSettings(global_descriptor=GlobalDescriptorSettings(model, std=[1.0, 1.0, 1.0]))
+    return IndexParams(global_descriptor=GlobalDescriptorParams(model, std=[1.0, 1.0, 1.0]))
 
 
 def index_of(place_map, settings, **more):
@@ -48,7 +48,7 @@ def test_every_photo_has_its_vector(place_map, settings):
 def test_a_second_start_maps_them_from_the_cache(place_map, settings):
     first, _ = index_of(place_map, settings)
     second, lines = index_of(place_map, settings)
-    assert lines == [] and second.settings == settings
+    assert lines == [] and second.params == settings
     assert isinstance(second.vectors, np.memmap) and second.vectors.flags.aligned
     assert np.array_equal(second.vectors, first.vectors)
 
@@ -87,9 +87,9 @@ def test_the_same_network_elsewhere_or_run_by_another_is_the_same_index(place_ma
 
 
 def test_with_and_without_are_two_indices(place_map, settings):
-    index_of(place_map, IndexSettings())
+    index_of(place_map, IndexParams())
     assert len(index_of(place_map, settings)[1]) == 2
-    index, lines = index_of(place_map, IndexSettings())
+    index, lines = index_of(place_map, IndexParams())
     assert len(lines) == 2 and index.vectors.shape == (5, 0)
 
 
@@ -115,18 +115,18 @@ def test_a_network_that_cannot_be_used_is_refused_before_any_photo_is_read(place
 
 def test_networks_see_colours_that_are_one_grey(tmp_path):
     model = projection_network(tmp_path / "net.onnx", np.eye(3, dtype=np.float32))
-    shown = GlobalDescriptorSettings(model, width=32, height=32, mean=[0, 0, 0], std=[1, 1, 1])
+    shown = GlobalDescriptorParams(model, width=32, height=32, mean=[0, 0, 0], std=[1, 1, 1])
     path = tmp_path / "red.png"
     cv2.imwrite(str(path), np.full((48, 64, 3), (0, 0, 255), np.uint8))  # BGR
-    vector = photo_features(IndexSettings(global_descriptor=shown), path).vector
+    vector = photo_features(IndexParams(global_descriptor=shown), path).vector
     assert vector == pytest.approx([1, 0, 0], abs=1e-6)
 
 
 def test_a_large_photo_is_read_as_large_as_the_network_wants_it(tmp_path):
     path = tmp_path / "large.jpg"
     cv2.imwrite(str(path), cv2.resize(picture(1), (2048, 1536)))
-    shown = GlobalDescriptorSettings(pooling_network(tmp_path / "net.onnx", (1024, 768)), backend="opencv")
-    small = IndexSettings({**default_features(), "max_side": 256}, global_descriptor=shown)
+    shown = GlobalDescriptorParams(pooling_network(tmp_path / "net.onnx", (1024, 768)), backend="opencv")
+    small = IndexParams({**default_features(), "max_side": 256}, global_descriptor=shown)
     found = photo_features(small, path)
     whole = GlobalDescriptor(shown).describe(cv2.imread(str(path)))
     assert found.vector == pytest.approx(whole, abs=1e-3)

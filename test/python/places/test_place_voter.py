@@ -7,11 +7,11 @@ import pytest
 from made_photos import picture, shifted, written_photos
 
 from sextant.place_maps.place_map import Photo
-from sextant.places.place_index import IndexSettings, PlaceIndex, extract_all, plain_features
+from sextant.places.place_index import IndexParams, PlaceIndex, extract_all, plain_features
 from sextant.places.place_matches import MapPhotos, Matches
 from sextant.places.place_voter import PlaceVoter
 
-PLAIN = IndexSettings(plain_features("SIFT", "SIFT"), "BruteForce")
+PLAIN = IndexParams(plain_features("SIFT", "SIFT"), "BruteForce")
 
 
 @pytest.fixture(scope="module")

@@ -20,7 +20,7 @@ from sextant.nodes.ball.ball_task_node_params import BallTaskNodeParams
 from sextant.nodes.evaluation.drive_recorder import RecorderParams
 from sextant.nodes.images.publish_image import PublisherParams
 from sextant.nodes.markers.marker_broadcaster import BroadcasterParams
-from sextant.nodes.objects.object_locator_params import ObjectLocatorParams
+from sextant.nodes.objects.object_locator_node_params import ObjectLocatorNodeParams
 from sextant.nodes.places.place_localizer_params import PlaceLocalizerParams
 from sextant.nodes.places.place_visualizer import VisualizerParams
 from sextant.nodes.simulation.ball_simulator import BallSimulatorParams
@@ -90,7 +90,7 @@ RECORDS = {
     "ball_task": BallTaskNodeParams,
     "drive_recorder": RecorderParams,
     "landmark_simulator": LandmarkSimulatorParams,
-    "object_locator": ObjectLocatorParams,
+    "object_locator": ObjectLocatorNodeParams,
     "place_localizer": PlaceLocalizerParams,
     "place_visualizer": VisualizerParams,
     "publish_image": PublisherParams,

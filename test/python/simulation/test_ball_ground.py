@@ -7,11 +7,11 @@ import math
 import numpy as np
 import pytest
 
-from sextant.simulation.ball_ground import STEP, BallGround, BallParams, DriveParams, Pillar
+from sextant.simulation.ball_ground import STEP, BallGround, BallParams, Pillar, RobotParams
 from sextant.simulation.odometry import OdometryNoise
 
 BALL = BallParams()
-EXACT = DriveParams(slip=0.0, noise=OdometryNoise(0.0, 0.0, 0.0))
+EXACT = RobotParams(slip=0.0, noise=OdometryNoise(0.0, 0.0, 0.0))
 REACH = EXACT.radius + BALL.radius  # between the middles of robot and ball that touch
 FAR = (-9.0, -9.0, 0.0)  # where a robot is in nobody's way
 
@@ -114,7 +114,7 @@ def test_speeds_change_no_faster_than_they_can_and_stay_within_limits():
 
 def test_a_command_leads_around_a_circle():
     ground = ground_of(
-        robot=(1.0, 2.0, 0.5), drive=DriveParams(slip=0.0, noise=EXACT.noise, acceleration=100.0)
+        robot=(1.0, 2.0, 0.5), drive=RobotParams(slip=0.0, noise=EXACT.noise, acceleration=100.0)
     )
     ground.rolled = ground.robot  # from the same place
     ground.command(0.4, 0.8)
@@ -149,9 +149,9 @@ def test_a_pillar_stops_the_robot(yaw, turned):
     assert not ground.is_bumped and len(ground.touches) == 1
 
 
-@pytest.mark.parametrize("noise", [EXACT.noise, DriveParams().noise])
+@pytest.mark.parametrize("noise", [EXACT.noise, RobotParams().noise])
 def test_a_wall_stops_the_robot_and_is_touched_once(noise):
-    ground = ground_of(robot=(9.0, 0.0, 0.3), drive=DriveParams(slip=0.0, noise=noise))
+    ground = ground_of(robot=(9.0, 0.0, 0.3), drive=RobotParams(slip=0.0, noise=noise))
     ground.command(0.4, 0.0)
     for _ in range(200):
         ground.advance(0.05)
@@ -173,7 +173,7 @@ def test_a_ball_between_robot_and_wall_stays_in_the_room():
 def test_wheels_lose_as_much_as_they_slip_and_no_more():
     shares = []
     for seed in range(40):
-        ground = ground_of(robot=(0.0, 0.0, 0.0), drive=DriveParams(slip=0.1, noise=EXACT.noise), seed=seed)
+        ground = ground_of(robot=(0.0, 0.0, 0.0), drive=RobotParams(slip=0.1, noise=EXACT.noise), seed=seed)
         ground.command(0.5, 0.0)
         ground.advance(4.0)
         way = math.hypot(ground.robot.x, ground.robot.y)
@@ -188,7 +188,7 @@ def test_what_wheels_tell_errs_with_the_root_of_way_and_turn():
     for command, deviation in (((0.5, 0.0), 0.02), ((0.0, 1.0), 0.04)):
         off = []
         for seed in range(100):
-            drive = DriveParams(slip=0.0, noise=noise, acceleration=100.0, turn_acceleration=1000.0)
+            drive = RobotParams(slip=0.0, noise=noise, acceleration=100.0, turn_acceleration=1000.0)
             ground = ground_of(robot=(0.0, 0.0, 0.0), drive=drive, seed=seed)
             ground.command(*command)
             ground.advance(2.0)
@@ -199,7 +199,7 @@ def test_what_wheels_tell_errs_with_the_root_of_way_and_turn():
 
 
 def test_a_robot_that_stands_does_not_move():
-    ground = ground_of(robot=(1.0, 2.0, 0.5), drive=DriveParams())
+    ground = ground_of(robot=(1.0, 2.0, 0.5), drive=RobotParams())
     ground.advance(1.0)
     assert (ground.robot.x, ground.robot.y, ground.robot.yaw) == (1.0, 2.0, 0.5)
     assert (ground.stamp, ground.touches) == (pytest.approx(1.0), [])
@@ -208,7 +208,7 @@ def test_a_robot_that_stands_does_not_move():
 def test_the_same_seed_gives_the_same_drive():
     def end(seed):
         ground = ground_of(
-            [Pillar(1.2, 0.1, 0.05, "")], (0.6, 0.02), (0.0, 0.0, 0.0), DriveParams(), seed=seed
+            [Pillar(1.2, 0.1, 0.05, "")], (0.6, 0.02), (0.0, 0.0, 0.0), RobotParams(), seed=seed
         )
         ground.command(0.5, 0.1)
         ground.advance(4.0)
@@ -222,8 +222,8 @@ def test_the_same_seed_gives_the_same_drive():
     [
         (BallParams, {"radius": 0.0}),
         (BallParams, {"bounce": 1.1}),
-        (DriveParams, {"acceleration": float("nan")}),
-        (DriveParams, {"noise": OdometryNoise(angle_per_metre=-1.0)}),
+        (RobotParams, {"acceleration": float("nan")}),
+        (RobotParams, {"noise": OdometryNoise(angle_per_metre=-1.0)}),
     ],
 )
 def test_what_is_out_of_range_is_refused_by_name(cls, wrong):

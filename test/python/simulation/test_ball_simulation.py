@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from sextant.objects.object_kinds import KINDS
-from sextant.simulation.ball_ground import DriveParams, Pillar
+from sextant.simulation.ball_ground import Pillar, RobotParams
 from sextant.simulation.ball_simulation import BallSimulation, BallSimulationParams, drawn_light, drawn_paint
 from sextant.simulation.ball_world import BallWorld, drawn_world
 from sextant.simulation.rgbd_camera import RgbdParams
@@ -42,7 +42,7 @@ def test_boxes_hold_what_has_the_colour_of_their_class(task):
     names = set()
     for seed in range(8):
         simulation = BallSimulation(
-            drawn_world(task, seed), BallSimulationParams(seed=seed, drive=DriveParams(acceleration=100.0))
+            drawn_world(task, seed), BallSimulationParams(seed=seed, drive=RobotParams(acceleration=100.0))
         )
         simulation.ground.command(0.0, 2.0)
         for _ in range(6):

@@ -34,7 +34,7 @@ from sextant.markers.formats.losses import (
 )
 from sextant.markers.formats.map_file import (
     MapFileError,
-    MapOptions,
+    MapFormatParams,
     ReadMap,
     WrittenMap,
     decimal,
@@ -55,20 +55,20 @@ FAMILIES = (
 POSE_NAMES = ("x", "y", "z", "qw", "qx", "qy", "qz")
 
 
-def read_apriltag_ros(path: str, options: MapOptions) -> ReadMap:
-    """One bundle; options.bundle names it where there are several, options.family the family.
+def read_apriltag_ros(path: str, params: MapFormatParams) -> ReadMap:
+    """One bundle; params.bundle names it where there are several, params.family the family.
 
     :raises MapFileError: no bundle, several of them and none named, or what apriltag_ros would not read,
         "file:line: reason"
     """
-    family = options.known_family(FAMILIES[0])
+    family = params.known_family(FAMILIES[0])
     if family not in FAMILIES:
         raise MapFileError(f"{path}: apriltag_ros does not know {family}, only {', '.join(FAMILIES)}")
     root = read_yaml(path)
     root.require("a tags.yaml", [], ["standalone_tags", "tag_bundles"])
     standalone = _standalone_sizes(root)
-    bundle = _chosen(root, _bundles(root), options.bundle)
-    marker_map = options.empty_map()
+    bundle = _chosen(root, _bundles(root), params.bundle)
+    marker_map = params.empty_map()
     for tag in bundle.tables("layout"):
         with told_as(tag.mistake):
             marker_map.add(_marker(tag, family, standalone))

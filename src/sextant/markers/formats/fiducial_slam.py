@@ -29,7 +29,7 @@ import sextant
 from sextant.markers.formats.losses import lost_frames, lost_names, only_family, only_size, require_markers
 from sextant.markers.formats.map_file import (
     MapFileError,
-    MapOptions,
+    MapFormatParams,
     ReadMap,
     WrittenMap,
     decimal,
@@ -51,20 +51,20 @@ _NUMBERS = {sextant.canonical_family(name): number for number, name in enumerate
 _TURNED = {sextant.canonical_family(name) for name in APRILTAGS}
 
 
-def read_fiducial_slam(path: str, options: MapOptions) -> ReadMap:
+def read_fiducial_slam(path: str, params: MapFormatParams) -> ReadMap:
     """A map file; options give family and size, which it does not say.
 
     :raises MapFileError: the first line that is none of the format, "file:line: reason"
     """
-    family = options.known_family()
+    family = params.known_family()
     if family not in _NUMBERS:
         raise MapFileError(f"{path}: aruco_detect does not know {family}, only {', '.join(DICTIONARIES)}")
-    marker_map = options.empty_map()
+    marker_map = params.empty_map()
     for number, line in enumerate(read_text(path).split("\n"), 1):
         words = line.partition("#")[0].split()
         if words:
             with told_as(_mistake(path, number)):
-                marker_map.add(_marker(words, family, options.size))
+                marker_map.add(_marker(words, family, params.size))
     return ReadMap(marker_map, _warnings(marker_map))
 
 

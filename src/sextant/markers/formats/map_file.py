@@ -17,7 +17,7 @@ class MapFileError(RuntimeError):
 
 
 @dataclass(frozen=True)
-class MapOptions:
+class MapFormatParams:
     """What a format leaves open; None: not said."""
 
     frame: Optional[str] = None  # tf frame of the map, default "map"

@@ -8,7 +8,7 @@ import numpy as np
 
 import sextant
 from sextant.markers.formats.losses import lost_covariances
-from sextant.markers.formats.map_file import MapFileError, MapOptions, ReadMap
+from sextant.markers.formats.map_file import MapFileError, MapFormatParams, ReadMap
 
 YAML_ENDINGS = (".yaml", ".yml")
 
@@ -17,20 +17,20 @@ def has_yaml_ending(path: str) -> bool:
     return path.endswith(YAML_ENDINGS)
 
 
-def read_yaml_map(path: str, _options: MapOptions) -> ReadMap:
+def read_yaml_map(path: str, _params: MapFormatParams) -> ReadMap:
     """:raises MapFileError: not the ending, or the core's "file:line: reason" """
     _require_ending(path, True)
     return ReadMap(_core(sextant.read_marker_map, path))
 
 
-def read_text_map(path: str, options: MapOptions) -> ReadMap:
+def read_text_map(path: str, params: MapFormatParams) -> ReadMap:
     """Options give family and size, which the lines do not say; other frames become children of the map's.
 
     :raises MapFileError: a YAML ending, or the core's "file:line: reason"
     """
     _require_ending(path, False)
     text = sextant.TextMapParams()
-    text.frame, text.family, text.size = options.frame or "map", options.known_family(), options.size
+    text.frame, text.family, text.size = params.frame or "map", params.known_family(), params.size
     marker_map = _core(sextant.read_marker_map, path, text)
     names = ", ".join(f"'{frame.name}'" for frame in marker_map.frames)
     told = f"the parents of the frames {names}: taken as '{text.frame}'"

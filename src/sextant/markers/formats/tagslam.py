@@ -28,7 +28,7 @@ import numpy as np
 
 import sextant
 from sextant.markers.formats.located_yaml import Table, read_yaml
-from sextant.markers.formats.map_file import MapFileError, MapOptions, ReadMap, told_as
+from sextant.markers.formats.map_file import MapFileError, MapFormatParams, ReadMap, told_as
 from sextant.markers.formats.tagslam_noise import NAMES as NOISE_NAMES
 from sextant.markers.formats.tagslam_noise import in_map_axes, read_noise, read_vector
 
@@ -51,19 +51,19 @@ FOUND_LATER = "tagslam finds it while it runs, convert the poses.yaml that it wr
 PLACEHOLDER = np.eye(6)
 
 
-def read_tagslam(path: str, options: MapOptions) -> ReadMap:
-    """The tags of all bodies that stand still, or of the one that options.bundle names.
+def read_tagslam(path: str, params: MapFormatParams) -> ReadMap:
+    """The tags of all bodies that stand still, or of the one that params.bundle names.
 
     :raises MapFileError: a body with tags that moves, a tag without a pose, anything that tagslam would not
         read: "file:line: reason"
     """
-    family = options.known_family(DEFAULT_FAMILY)
+    family = params.known_family(DEFAULT_FAMILY)
     if not family.startswith("tag"):
         raise MapFileError(f"{path}: tagslam has AprilTags only, {family} is none")
     root = read_yaml(path)
     root.require("a tagslam.yaml", ["bodies"], FILE_NAMES)
-    reader = _Reader(options, family, _is_output(root))
-    bodies = _bodies(root, options.bundle)
+    reader = _Reader(params, family, _is_output(root))
+    bodies = _bodies(root, params.bundle)
     for name, body in bodies.items():
         reader.read_body(name, body)
     return ReadMap(reader.marker_map, [*reader.warnings(), *_ignored(root, reader.marker_map)])
@@ -98,8 +98,8 @@ def _require_body(name: str, body: Table) -> None:
 class _Reader:
     """Puts the tags of one body after another into a map."""
 
-    def __init__(self, options: MapOptions, family: str, output: bool):
-        self.marker_map = options.empty_map()
+    def __init__(self, params: MapFormatParams, family: str, output: bool):
+        self.marker_map = params.empty_map()
         self._family, self._output = family, output
         self._bodies: List[str] = []
         self._unknown: List[int] = []  # ids whose deviations are the placeholder

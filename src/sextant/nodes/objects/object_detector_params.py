@@ -6,10 +6,10 @@ from dataclasses import dataclass, replace
 from typing import Any, Callable, Dict
 
 from sextant.base.strict_params import StrictParams, nested, one_of, param, within
-from sextant.objects.colour_detector import RANGES, ColourDetector, ColourSettings, ranges_of
+from sextant.objects.colour_detector import RANGES, ColourDetector, ColourParams, ranges_of
 from sextant.objects.detection import Detector
 from sextant.objects.shipped_model import shipped_model
-from sextant.objects.yolo_detector import YoloDetector, YoloSettings
+from sextant.objects.yolo_detector import YoloDetector, YoloParams
 
 
 def _ranges(value: Dict[str, Any]) -> str:
@@ -27,11 +27,11 @@ class ObjectDetectorParams(StrictParams):
 
     detector: str = param("network", one_of("network", "colour"))
     threads: int = param(1, within(0, 256))  # of the network; 0: as many as there are cores
-    network: YoloSettings = nested(YoloSettings)  # without a model: the one that comes with Sextant
+    network: YoloParams = nested(YoloParams)  # without a model: the one that comes with Sextant
     ranges: Dict[str, Dict[str, Any]] = param(
         {name: colours._asdict() for name, colours in RANGES.items()}, _ranges
     )
-    colours: ColourSettings = nested(ColourSettings, only=("least_area", "least_fill", "most"))
+    colours: ColourParams = nested(ColourParams, only=("least_area", "least_fill", "most"))
 
     def opened(self) -> Detector:
         """The detector, ready.

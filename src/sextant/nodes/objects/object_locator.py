@@ -19,7 +19,7 @@ from sextant.msg import LandmarkSightings, ObjectBox, Objects
 from sextant.nodes.base.params import read_params
 from sextant.nodes.base.stamp_pairs import Pair, StampPairs
 from sextant.nodes.objects.ball_follower import BallFollower, Followed
-from sextant.nodes.objects.object_locator_params import ObjectLocatorParams
+from sextant.nodes.objects.object_locator_node_params import ObjectLocatorNodeParams
 from sextant.nodes.objects.object_locator_report import ObjectLocatorReport
 from sextant.nodes.objects.object_messages import (
     SeenObject,
@@ -41,7 +41,7 @@ BUFFER = 2**24  # bytes, of a connection
 class ObjectLocatorNode:
     """Works in the callbacks, one at a time."""
 
-    def __init__(self, params: ObjectLocatorParams):
+    def __init__(self, params: ObjectLocatorNodeParams):
         self._params, self._kinds = params, kinds_of(params.kinds)
         self._radius = min(
             [kind.radius for kind in self._kinds.values() if kind.shape == "ball"], default=0.0
@@ -147,7 +147,7 @@ class ObjectLocatorNode:
 def main() -> None:
     """Runs the node; a parameter that cannot be taken ends it with status 1 and the reason."""
     rospy.init_node("object_locator")
-    node = ObjectLocatorNode(read_params(ObjectLocatorParams))
+    node = ObjectLocatorNode(read_params(ObjectLocatorNodeParams))
     try:
         node.run()
     except rospy.ROSException:

@@ -9,7 +9,7 @@ from sensor_msgs.msg import CameraInfo
 
 from sextant.geometry.pinhole_camera import PinholeCamera
 from sextant.nodes.objects.camera_geometry import CameraGeometry, same_pose
-from sextant.objects.object_locator import LocatorSettings, ObjectLocator
+from sextant.objects.object_locator import ObjectLocator, ObjectLocatorParams
 
 COLOUR, DEPTH = "camera_info", "depth/camera_info"
 
@@ -17,8 +17,8 @@ COLOUR, DEPTH = "camera_info", "depth/camera_info"
 class RgbdLocator:
     """Made anew when a calibration changes, or where one camera is beside the other."""
 
-    def __init__(self, settings: LocatorSettings, base_frame: str):
-        self._settings, self._base_frame = settings, base_frame
+    def __init__(self, params: ObjectLocatorParams, base_frame: str):
+        self._params, self._base_frame = params, base_frame
         self._geometry = CameraGeometry()
         self._locator: Optional[ObjectLocator] = None
         self._made_for: Tuple[PinholeCamera, ...] = ()
@@ -44,6 +44,6 @@ class RgbdLocator:
         cameras = self.colour, self._geometry.camera(DEPTH)
         is_same = cameras == self._made_for and same_pose(T_colour_depth, self._T_colour_depth)
         if self._locator is None or not is_same:
-            self._locator = ObjectLocator(self._settings, *cameras, T_colour_depth)
+            self._locator = ObjectLocator(self._params, *cameras, T_colour_depth)
             self._made_for, self._T_colour_depth = cameras, T_colour_depth
         return self._locator, T_base_colour

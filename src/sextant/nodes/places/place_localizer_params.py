@@ -9,10 +9,10 @@ from typing import Callable
 import sextant
 from sextant.base.strict_params import StrictParams, nested, not_empty, one_of, param, required, within
 from sextant.place_maps.place_map_file import read_place_map
-from sextant.places.global_descriptor import GlobalDescriptorSettings
-from sextant.places.place_index import PROFILES, IndexSettings
+from sextant.places.global_descriptor import GlobalDescriptorParams
+from sextant.places.place_index import PROFILES, IndexParams
 from sextant.places.place_library import Library
-from sextant.places.place_localization import LocalizationParams
+from sextant.places.place_localization import PlaceLocalizationParams
 
 _FEATURES = sextant.FeatureParams()
 _LOCALIZATION = (
@@ -28,17 +28,17 @@ class PlaceLocalizerParams(StrictParams):
 
     map_file: str = required(not_empty)
     wait_for_map: float = param(0.0, within(0.0, 3600.0))  # seconds that the map may not be there yet
-    localization: LocalizationParams = nested(LocalizationParams, only=_LOCALIZATION)
+    localization: PlaceLocalizationParams = nested(PlaceLocalizationParams, only=_LOCALIZATION)
     profile: str = param("tuned", one_of(*PROFILES))  # plain: detector and extractor as OpenCV has them
     detector: str = param(_FEATURES.detector, one_of(*sextant.feature_names()))
     extractor: str = param(_FEATURES.extractor, one_of(*sextant.feature_names()))
-    matcher: str = param(IndexSettings().matcher, one_of(*sextant.matcher_names()))
+    matcher: str = param(IndexParams().matcher, one_of(*sextant.matcher_names()))
     orb_wta_k: int = param(_FEATURES.orb_wta_k, within(2, 4))  # points that decide a bit
     max_side: int = param(_FEATURES.max_side, within(0, 16384))  # pixels; of profile tuned; 0: any
     max_features: int = param(_FEATURES.max_features, within(0, 1000000))  # of profile tuned; 0: all
     use_odometry: bool = param(False)  # hear odom
     network: str = param("")  # ONNX file of a global descriptor
-    descriptor: GlobalDescriptorSettings = nested(GlobalDescriptorSettings, "network_", _NETWORK)
+    descriptor: GlobalDescriptorParams = nested(GlobalDescriptorParams, "network_", _NETWORK)
     initialpose: str = param("never", one_of("never", "found_again"))  # when it is told unasked
     compressed: bool = param(False)  # hear image/compressed
     jobs: int = param(1, within(1, 256))  # processes that describe the map's photos
@@ -50,8 +50,8 @@ class PlaceLocalizerParams(StrictParams):
         :raises OSError, ValueError: as sextant.place_maps.place_map_file.read_place_map()
         """
         path, network = Path(self.map_file), replace(self.descriptor, model=self.network)
-        settings = IndexSettings.of_profile(
+        params = IndexParams.of_profile(
             self.profile, self.detector, self.extractor, self.matcher, network, self.orb_wta_k,
             max_side=self.max_side, max_features=self.max_features,
         )  # fmt: skip
-        return Library(path, read_place_map(path), settings, self.jobs, self.scheduler, report)
+        return Library(path, read_place_map(path), params, self.jobs, self.scheduler, report)

@@ -12,7 +12,7 @@ from sextant.msg import PlaceHypotheses, PlaceHypothesis, Places
 from sextant.nodes.base.conversions import pose_to_message
 from sextant.place_maps.place_map import GeoCorners, MetricFrame, PlaceMap
 from sextant.places.place_estimate import PlaceEstimate, geographic_covariance, metric_pose, scale_of
-from sextant.places.place_localization import Answer, Localization, Status
+from sextant.places.place_localization import Localization, PlaceAnswer, Status
 
 NAN = float("nan")
 
@@ -32,7 +32,7 @@ def hypotheses_message(place_map: PlaceMap, found: Localization, header: Header)
     return PlaceHypotheses(header, int(found.status), found.nowhere, name, places)
 
 
-def _hypothesis(place_map: PlaceMap, answer: Answer) -> PlaceHypothesis:
+def _hypothesis(place_map: PlaceMap, answer: PlaceAnswer) -> PlaceHypothesis:
     photo, frame = answer.photo, place_map.georeference
     position, latitude, longitude = Point(NAN, NAN, NAN), NAN, NAN
     if isinstance(frame, MetricFrame):

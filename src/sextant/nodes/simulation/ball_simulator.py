@@ -39,7 +39,7 @@ from sextant.nodes.simulation.simulator_messages import (
     reading_to_message,
     truth_to_message,
 )
-from sextant.simulation.ball_ground import BallParams, DriveParams
+from sextant.simulation.ball_ground import BallParams, RobotParams
 from sextant.simulation.ball_simulation import BallSimulation, BallSimulationParams
 from sextant.simulation.ball_world import TASKS, drawn_world
 from sextant.simulation.odometry import OdometryReading, SteppedOdometry
@@ -47,7 +47,7 @@ from sextant.simulation.rgbd_camera import RgbdParams
 
 START = 10_000_000_000  # first stamp, nanoseconds: a clock that is 10 s behind tells a time, too
 QUEUE = 30  # messages; a listener that stumbles loses none
-CAMERA, DRIVE, BALL = RgbdParams(), DriveParams(), BallParams()
+CAMERA, DRIVE, BALL = RgbdParams(), RobotParams(), BallParams()
 WORLD = BallSimulationParams()
 
 
@@ -101,7 +101,7 @@ class BallSimulatorParams:
             holes=self.holes,
         )
         ball = BallParams(rolling=self.rolling, bounce=self.bounce)
-        return BallSimulationParams(seed, self.flicker, ball, DriveParams(slip=self.slip), camera)
+        return BallSimulationParams(seed, self.flicker, ball, RobotParams(slip=self.slip), camera)
 
 
 class Beat:

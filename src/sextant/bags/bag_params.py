@@ -17,7 +17,7 @@ def _families() -> Sequence[str]:
 
 
 @dataclass(frozen=True)
-class ReadOptions:
+class BagParams:
     """What is read of a bag. An image topic is named as it is, or without its `/compressed`.
 
     Which cameras: the topics in `images` and `markers`, if any is named. Else all recorded markers

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sextant.bags.read_options import ReadOptions
+from sextant.bags.bag_params import BagParams
 
 
 @pytest.mark.parametrize(
@@ -23,9 +23,9 @@ from sextant.bags.read_options import ReadOptions
 )
 def test_options_that_cannot_be(options, said):
     with pytest.raises(ValueError) as caught:
-        ReadOptions(**options)
+        BagParams(**options)
     assert said in str(caught.value)
 
 
 def test_defaults_are_valid():
-    ReadOptions()
+    BagParams()

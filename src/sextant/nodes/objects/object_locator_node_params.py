@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from typing import Any, Dict
 
 from sextant.base.strict_params import StrictParams, nested, not_empty, param, within
-from sextant.objects.ball_tracker import BallTrackerSettings
+from sextant.objects.ball_tracker import BallTrackerParams
 from sextant.objects.object_kinds import KINDS, kinds_of
-from sextant.objects.object_locator import LocatorSettings
+from sextant.objects.object_locator import ObjectLocatorParams
 
 _BALL = ("begin", "move", "missed", "memory", "rolling")
 
@@ -23,12 +23,12 @@ def _kinds(value: Dict[str, Any]) -> str:
 
 
 @dataclass(frozen=True)
-class ObjectLocatorParams(StrictParams):
+class ObjectLocatorNodeParams(StrictParams):
     """What is looked at, how far it is believed, and what the objects are."""
 
     kinds: Dict[str, Dict[str, Any]] = param({name: kind._asdict() for name, kind in KINDS.items()}, _kinds)
     slop: float = param(0.05, within(0.0, 1.0))  # seconds between a picture and its depth image
     base_frame: str = param("base_link", not_empty)
     sure_range: float = param(2.5, within(0.1, 100.0))  # metres to which a ball is always detected
-    locator: LocatorSettings = nested(LocatorSettings)
-    ball: BallTrackerSettings = nested(BallTrackerSettings, only=_BALL)
+    locator: ObjectLocatorParams = nested(ObjectLocatorParams)
+    ball: BallTrackerParams = nested(BallTrackerParams, only=_BALL)
