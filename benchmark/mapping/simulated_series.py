@@ -13,7 +13,7 @@ from under_test import detector
 import sextant
 from sextant.evaluation.corner_scatter import LEAST, corner_noise
 from sextant.evaluation.pose_series import Truths, pose_series, series_statistics
-from sextant.localization.drive_sightings import DriveCamera, DriveSightings, SeenImage, SeenMarker
+from sextant.localization.drive_sightings import DriveCamera, DriveSightings, SeenImage
 from sextant.localization.located_drive import locate_drive
 from sextant.simulation.camera import camera_calibration
 from sextant.simulation.room import room_for
@@ -104,10 +104,10 @@ def _exact_corners(known, T_marker_camera: np.ndarray) -> np.ndarray:
 def _drive(known, corners: np.ndarray) -> DriveSightings:
     """What a bag of these corners (N, 4, 2) holds."""
     images = [
-        SeenImage(k * STEP, "camera", [SeenMarker(FAMILY, ID, each, np.full(4, -1.0))])
+        SeenImage(k * STEP, "camera", [sextant.Detection(FAMILY, ID, each)])
         for k, each in enumerate(corners)
     ]
-    return DriveSightings("series", {"camera": DriveCamera.of(known)}, images)
+    return DriveSightings("series", {"camera": DriveCamera(known)}, images)
 
 
 def _marker_map():

@@ -38,7 +38,21 @@ void bindCamera(py::module_& module) {
       .def_readwrite("D", &CameraCalibration::D)
       .def_readwrite("K", &CameraCalibration::K)
       .def_readwrite("R", &CameraCalibration::R)
-      .def_readwrite("P", &CameraCalibration::P);
+      .def_readwrite("P", &CameraCalibration::P)
+      .def(py::pickle(
+          [](const CameraCalibration& each) {
+            return py::make_tuple(each.width, each.height, each.distortion_model, each.D, each.K, each.R,
+                                  each.P);
+          },
+          [](const py::tuple& state) {
+            return CameraCalibration{state[0].cast<int>(),
+                                     state[1].cast<int>(),
+                                     state[2].cast<std::string>(),
+                                     state[3].cast<std::vector<double>>(),
+                                     state[4].cast<Eigen::Matrix3d>(),
+                                     state[5].cast<Eigen::Matrix3d>(),
+                                     state[6].cast<Eigen::Matrix<double, 3, 4>>()};
+          }));
   py::class_<CameraModel>(module, "CameraModel",
                           "Projection of a calibrated camera, optical frame to pixels.")
       .def(py::init([](const CameraCalibration& calibration, bool rectified) {

@@ -19,20 +19,30 @@ namespace {
 
 void bindMarker(py::module_& module) {
   py::class_<Detection>(module, "Detection", "A marker found in an image.")
-      .def(py::init([](const std::string& family, int id, const Corners& corners) {
-             Detection detection;
-             detection.key = {family, id};
-             detection.corners = corners;
-             return detection;
-           }),
-           "family"_a, "id"_a, "corners"_a)
+      .def(
+          py::init([](const std::string& family, int id, const Corners& corners, const CornerSigmas& sigmas) {
+            return Detection{{family, id}, corners, sigmas};
+          }),
+          "family"_a, "id"_a, "corners"_a, "corner_sigmas"_a = Detection().corner_sigmas)
       .def_property_readonly("family", [](const Detection& detection) { return detection.key.family; })
       .def_property_readonly("id", [](const Detection& detection) { return detection.key.id; })
       .def_readwrite("corners", &Detection::corners)
       .def_readwrite("corner_sigmas", &Detection::corner_sigmas,
                      "Four standard deviations of a corner's coordinates, pixels; -1: unknown.")
       .def_readonly("hamming", &Detection::hamming)
-      .def_readonly("decision_margin", &Detection::decision_margin);
+      .def_readonly("decision_margin", &Detection::decision_margin)
+      .def(py::pickle(
+          [](const Detection& each) {
+            return py::make_tuple(each.key.family, each.key.id, each.corners, each.corner_sigmas,
+                                  each.hamming, each.decision_margin);
+          },
+          [](const py::tuple& state) {
+            return Detection{{state[0].cast<std::string>(), state[1].cast<int>()},
+                             state[2].cast<Corners>(),
+                             state[3].cast<CornerSigmas>(),
+                             state[4].cast<int>(),
+                             state[5].cast<double>()};
+          }));
   module.def(
       "marker_corners",
       [](double size) {

@@ -6,7 +6,7 @@ import numpy as np
 from written_bags import WrittenBag
 
 import sextant
-from sextant.localization.drive_sightings import DriveCamera, DriveSightings, SeenImage, SeenMarker
+from sextant.localization.drive_sightings import DriveCamera, DriveSightings, SeenImage
 from sextant.simulation.camera import camera_calibration
 
 CALIBRATION = camera_calibration(1280, 720)
@@ -39,10 +39,10 @@ def noisy_corners(T_marker_camera, count, sigma, seed):
 def sightings(corners, sigmas=-1.0, id=ID):
     """DriveSightings of images with these corners (N, 4, 2); sigmas: told by each of them, pixels."""
     images = [
-        SeenImage(START + k * STEP, "/cam", [SeenMarker(FAMILY, id, each, np.full(4, sigmas))])
+        SeenImage(START + k * STEP, "/cam", [sextant.Detection(FAMILY, id, each, np.full(4, sigmas))])
         for k, each in enumerate(corners)
     ]
-    return DriveSightings("still.bag", {"/cam": DriveCamera.of(CALIBRATION)}, images)
+    return DriveSightings("still.bag", {"/cam": DriveCamera(CALIBRATION)}, images)
 
 
 def write_series(path, corners, sigma=-1.0):

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+import sextant
 from sextant.bags.bag_file import BagError
 from sextant.calibration.calibration_file import CalibrationFileError, read_calibration
 from sextant.localization.drive_sightings import DriveCamera
@@ -34,10 +35,14 @@ def camera_from_info(info: Any, rectified: bool) -> DriveCamera:
     whole = info.roi.width == 0 or info.roi.height == 0
     size = [info.width, info.height] if whole else [info.roi.width, info.roi.height]
     offset = np.array([0.0, 0.0] if whole else [info.roi.x_offset, info.roi.y_offset])
-    width, height = (int(side) for side in np.array(size) // binning)
-    K = _published(np.reshape(info.K, (3, 3)), binning, offset)
-    P = _published(np.reshape(info.P, (3, 4)), binning, offset)
-    return _checked(width, height, info.distortion_model, info.D, K, info.R, P, rectified)
+    published = sextant.CameraCalibration()
+    published.width, published.height = (int(side) for side in np.array(size) // binning)
+    published.distortion_model, published.D = info.distortion_model, list(info.D)
+    published.K = _published(np.reshape(info.K, (3, 3)), binning, offset)
+    published.R = np.reshape(info.R, (3, 3))
+    published.P = _published(np.reshape(info.P, (3, 4)), binning, offset)
+    sextant.CameraModel(published, rectified)  # refuses what it cannot project with
+    return DriveCamera(published, rectified)
 
 
 def _published(matrix: np.ndarray, binning: np.ndarray, offset: np.ndarray) -> np.ndarray:
@@ -48,21 +53,12 @@ def _published(matrix: np.ndarray, binning: np.ndarray, offset: np.ndarray) -> n
     return adapted
 
 
-def _checked(width, height, model, D, K, R, P, rectified) -> DriveCamera:
-    D, K, R, P = (tuple(float(value) for value in np.ravel(matrix)) for matrix in (D, K, R, P))
-    camera = DriveCamera(width, height, model, D, K, R, P, rectified, np.eye(4))
-    camera.model()
-    return camera
-
-
 def camera_from_file(path: str, rectified: bool) -> DriveCamera:
     """The camera of a YAML file as camera_calibration writes it; for images of the size that it names.
 
     :raises BagError: it cannot be read, or is no such file; names what is missing or wrong
     """
     try:
-        read = read_calibration(path)
+        return DriveCamera(read_calibration(path), rectified)
     except CalibrationFileError as error:
         raise BagError(path, error.what, "expected is a YAML file as camera_calibration writes it") from None
-    size, matrices = (read.width, read.height), (read.D, read.K, read.R, read.P)
-    return _checked(*size, read.distortion_model, *matrices, rectified)

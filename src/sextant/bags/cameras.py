@@ -12,7 +12,7 @@ from sextant.bags.calibrations import camera_from_file, camera_from_info, same_c
 from sextant.bags.camera_topics import COMPRESSED, IMAGE, MARKERS, CameraTopic
 from sextant.bags.pictures import grey_compressed, grey_image
 from sextant.bags.transforms import frame_name
-from sextant.localization.drive_sightings import DriveCamera, SeenMarker
+from sextant.localization.drive_sightings import DriveCamera
 from sextant.msg import MarkerArray
 
 NAME_A_FILE = "name the camera's calibration file in place of its camera_info"
@@ -58,22 +58,19 @@ class BagCamera:
         if frame and frame != self.frame:
             raise DamagedMessage(f"its frame is '{frame}', the first one's '{self.frame}'")
 
-    def markers(self, message: Any) -> List[SeenMarker]:
+    def markers(self, message: Any) -> List["sextant.Detection"]:
         """What is seen in it.
 
         :raises DamagedMessage: there is no picture in it, or one of another size than the calibration's
         """
         image = self._decoders[self.topic.type](message)
-        size, expected = image.shape[::-1], (self.camera.width, self.camera.height)
+        size, expected = image.shape[::-1], (self._model.width, self._model.height)
         if size != expected:
             raise DamagedMessage(
                 f"the image has {size[0]} x {size[1]} pixels, its calibration is for "
                 f"{expected[0]} x {expected[1]}"
             )
-        return [
-            SeenMarker(each.family, each.id, np.array(each.corners), np.array(each.corner_sigmas))
-            for each in self._detector.detect(image, self._model)
-        ]
+        return self._detector.detect(image, self._model)
 
 
 class MarkersCamera(BagCamera):
@@ -88,7 +85,7 @@ class MarkersCamera(BagCamera):
             return camera_from_file(self.topic.calibration, first.rectified)
         return self._from_info(first.camera_info, first.rectified, self.topic.topic)
 
-    def markers(self, message: Any) -> List[SeenMarker]:
+    def markers(self, message: Any) -> List["sextant.Detection"]:
         """What was seen; raises as BagCamera.markers(), and BagError when the calibration changes."""
         same = same_calibration(message.camera_info, self._first.camera_info)
         if not self.topic.calibration and not same:
@@ -98,7 +95,7 @@ class MarkersCamera(BagCamera):
         return [_recorded_marker(each) for each in message.markers]
 
 
-def _recorded_marker(marker: Any) -> SeenMarker:
+def _recorded_marker(marker: Any) -> "sextant.Detection":
     corners = np.array(marker.corners, dtype=float).reshape(4, 2)
     sigmas = np.array(marker.corner_sigmas, dtype=float)
     if not np.all(np.isfinite(corners)):
@@ -108,7 +105,7 @@ def _recorded_marker(marker: Any) -> SeenMarker:
     except ValueError:
         raise DamagedMessage(f"there is no family '{marker.family}'") from None
     # Nought is what a message has when nobody filled it in, and no corner is exact.
-    return SeenMarker(family, marker.id, corners, np.where(sigmas > 0.0, sigmas, -1.0))
+    return sextant.Detection(family, marker.id, corners, np.where(sigmas > 0.0, sigmas, -1.0))
 
 
 def one_info(bag: BagFile, topic: str) -> Any:

@@ -7,8 +7,9 @@ from typing import Collection, Dict, Iterator, List, Sequence, Tuple
 
 import numpy as np
 
+import sextant
 from sextant.evaluation.accuracy_yaml import CornerNoise
-from sextant.localization.drive_sightings import DriveSightings, SeenMarker
+from sextant.localization.drive_sightings import DriveSightings
 
 FEWEST = 20  # pairs of images, before which a scatter says little
 DISTURBED = 25.0  # times the usual square: somebody walked through the picture, or against the table
@@ -16,7 +17,7 @@ LEAST = 0.01  # pixels: nothing that a camera sees is more exact
 MOST = 3.0  # pixels: more is no noise
 
 Key = Tuple[str, int]  # family, id of a marker
-Track = List[SeenMarker]  # one marker, image after image
+Track = List["sextant.Detection"]  # one marker, image after image
 
 
 @dataclass(frozen=True)
@@ -25,7 +26,7 @@ class Scatter:
 
     pairs: int  # of images in a row
     variance: float  # of a corner coordinate, pixels^2
-    told: float  # the part of it that the corners tell of themselves (SeenMarker.sigmas), pixels^2
+    told: float  # the part of it that the corners tell of themselves (Detection.corner_sigmas), pixels^2
 
 
 def corner_noise(drives: Sequence[DriveSightings], keys: Collection[Key]) -> CornerNoise:
@@ -74,5 +75,5 @@ def _scatter(track: Track) -> List[Scatter]:
     steps = np.diff([marker.corners for marker in track], axis=0)
     variances = np.square(steps).mean(axis=(1, 2)) / 2.0
     calm = variances <= DISTURBED * np.median(variances)
-    told = np.square([np.maximum(marker.sigmas, 0.0) for marker in track]).mean(axis=1)
+    told = np.square([np.maximum(marker.corner_sigmas, 0.0) for marker in track]).mean(axis=1)
     return [Scatter(int(calm.sum()), float(variances[calm].mean()), float(told.mean()))]

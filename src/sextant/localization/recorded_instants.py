@@ -107,11 +107,6 @@ def _view(
     T_base_camera = drive.cameras[image.camera].T_base_camera
     if T_odom_base is not None and T_odom_then is not None and T_odom_then is not T_odom_base:
         T_base_camera = np.linalg.inv(T_odom_base) @ T_odom_then @ T_base_camera
-    detections = []
-    for marker in image.markers:
-        detection = sextant.Detection(marker.family, marker.id, marker.corners)
-        detection.corner_sigmas = list(marker.sigmas)
-        detections.append(detection)
-    view = sextant.MarkerView(models[image.camera], T_base_camera, detections)
+    view = sextant.MarkerView(models[image.camera], T_base_camera, image.markers)
     view.camera_index = index
     return view

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from still_series import FAMILY, ID, facing, noisy_corners, sightings
 
+import sextant
 from sextant.evaluation.corner_scatter import corner_noise as noise_of
-from sextant.localization.drive_sightings import SeenMarker
 
 T = facing(2.0)
 
@@ -63,6 +63,6 @@ def test_a_camera_that_moves():
 def test_false_detections_say_nothing():
     drive = sightings(noisy_corners(T, 500, 0.2, 1))
     for k, place in ((10, 0.0), (20, 80.0), (30, 7.0)):
-        false = SeenMarker(FAMILY, ID + 1, drive.images[k].markers[0].corners + place, np.full(4, -1.0))
+        false = sextant.Detection(FAMILY, ID + 1, drive.images[k].markers[0].corners + place)
         drive.images[k] = replace(drive.images[k], markers=[*drive.images[k].markers, false])
     assert corner_noise([drive]).sigma == pytest.approx(0.2, rel=0.05)

@@ -1,12 +1,14 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
+import pickle
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation, Slerp
 
 import sextant
 from sextant.geometry.poses import interpolated_poses
-from sextant.localization.drive_sightings import DriveCamera, DriveSightings, SeenImage, SeenMarker
+from sextant.localization.drive_sightings import DriveCamera, DriveSightings, SeenImage
 from sextant.localization.recorded_instants import camera_name, place_name, recorded_instants
 from sextant.simulation.camera import camera_calibration
 
@@ -15,12 +17,11 @@ MOUNT = sextant.pose_from_xyz_rpy([0.1, 0.2, 0.3], [0.4, 0.5, 0.6])
 
 
 def camera(T_base_camera=MOUNT):
-    K, R, P = (tuple(matrix.ravel()) for matrix in (LENS.K, LENS.R, LENS.P))
-    return DriveCamera(640, 480, "plumb_bob", tuple(LENS.D), K, R, P, False, T_base_camera)
+    return DriveCamera(LENS, T_base_camera=T_base_camera)
 
 
 def marker(marker_id=3):
-    return SeenMarker("tag36h11", marker_id, np.arange(8.0).reshape(4, 2), np.array([0.1, 0.2, 0.3, -1.0]))
+    return sextant.Detection("tag36h11", marker_id, np.arange(8.0).reshape(4, 2), [0.1, 0.2, 0.3, -1.0])
 
 
 def ms(milliseconds):
@@ -113,7 +114,7 @@ def test_a_camera_that_saw_earlier_is_put_where_it_then_was():
         T_odom_base = interpolated_poses(*stamped(odometry), np.array([ms(t)]), 0.5)[0]
         points = corners @ np.linalg.inv(T_map_odom @ T_odom_base @ mount).T
         pixels = np.array([sextant.CameraModel(LENS).project(point[:3]) for point in points])
-        images.append(SeenImage(ms(t), name, [SeenMarker("tag36h11", 3, pixels, np.full(4, -1.0))]))
+        images.append(SeenImage(ms(t), name, [sextant.Detection("tag36h11", 3, pixels)]))
     seen = DriveSightings("d", {name: camera(mount) for name in "ab"}, images, *stamped(odometry))
     instant = recorded_instants([seen]).instants[0]
     marker_map = sextant.MarkerMap()
@@ -154,3 +155,15 @@ def test_what_cannot_be_is_refused():
             recorded_instants([], near)
     with pytest.raises(ValueError, match="d.bag: an image is of 'c'"):
         recorded_instants([drive([(0, "c", True)])])
+
+
+def test_a_drive_can_be_pickled_bit_for_bit():
+    lens = camera_calibration(640, 480, distortion=[-0.2, 0.05, 1e-3, -1e-3, 0.1])
+    seen = DriveSightings("d.bag", {"a": DriveCamera(lens, True, MOUNT)}, [SeenImage(7, "a", [marker()])])
+    copy = pickle.loads(pickle.dumps(seen))
+    for name in ("width", "height", "distortion_model", "D", "K", "R", "P"):
+        assert np.array_equal(getattr(copy.cameras["a"].calibration, name), getattr(lens, name)), name
+    assert copy.cameras["a"].rectified and np.array_equal(copy.cameras["a"].T_base_camera, MOUNT)
+    [detection] = copy.images[0].markers
+    for name in ("family", "id", "corners", "corner_sigmas", "hamming", "decision_margin"):
+        assert np.array_equal(getattr(detection, name), getattr(marker(), name)), name
