@@ -14,7 +14,6 @@ from sextant.base.atomic_file import atomic_file
 from sextant.evaluation.pose_series import AXES, UNITS, SeriesStatistics, rotation_axes
 
 FEWEST = 7  # poses: of six or fewer the matrix is singular, which says of some direction that it is exact
-ABOUT = ("truth", "mean")
 
 
 @dataclass(frozen=True)
@@ -33,47 +32,26 @@ class ConstantCovariance:
     measured: str  # of which poses, for the file's reader
 
 
-def constant_covariance(
-    statistics: Sequence[SeriesStatistics],
-    distance: Optional[float] = None,
-    about: str = "truth",
-    frame: str = "",
-) -> ConstantCovariance:
-    """The covariance of one distance.
+def constant_covariance(statistics: Sequence[SeriesStatistics], frame: str = "") -> ConstantCovariance:
+    """The covariance of the worst distance of those with 7 poses or more, by the position's trace.
 
-    About the truth it is the mean of e e' with e the errors, so that its diagonal is the squared RMSE: a bias
-    that stays is an error that a filter has to reckon with. Axes whose truth is not known have no bias in it.
-    About the mean it is the spread alone (N - 1). Roll, pitch and yaw become rotations about the fixed axes
-    (pose_series.rotation_axes()), which is what PoseWithCovariance means.
+    It is the mean of e e' with e the errors, so that its diagonal is the squared RMSE: a bias that stays is
+    an error that a filter has to reckon with. Axes whose truth is not known have no bias in it. Roll, pitch
+    and yaw become rotations about the fixed axes (pose_series.rotation_axes()), which is what
+    PoseWithCovariance means.
 
-    :param distance: the one to take; None: the worst of those with 7 poses or more, by the position's trace
-    :param about: "truth" or "mean"
     :param frame: whose axes they are, for the file's reader; empty: not told
-    :raises ValueError: nothing at that distance, too few poses, an axis that never varies, or an unknown
-        name in about
+    :raises ValueError: too few poses, or an axis that never varies
     """
-    if about not in ABOUT:
-        raise ValueError(f"about is '{about}', allowed are {' and '.join(ABOUT)}")
-    enough = _with_enough_poses(statistics, distance)
-    worst = max(enough, key=lambda each: np.trace(_matrix(each, about)[:3, :3]))
-    matrix = _matrix(worst, about)
+    enough = [each for each in statistics if each.count >= FEWEST]
+    if not enough:
+        raise ValueError(f"a covariance needs {FEWEST} poses of one distance at least, there are not so many")
+    worst = max(enough, key=lambda each: np.trace(_matrix(each)[:3, :3]))
+    matrix = _matrix(worst)
     still = [axis for axis, variance in zip(AXES, np.diag(matrix)) if not variance > 0.0]
     if still:
         raise ValueError(f"{', '.join(still)} never vary, and exact they are not: are the poses of a plane?")
-    told = _told(worst, enough, about, distance is None)
-    return ConstantCovariance(matrix, f"{told} {_axes(frame)}".strip())
-
-
-def _with_enough_poses(
-    statistics: Sequence[SeriesStatistics], distance: Optional[float]
-) -> List[SeriesStatistics]:
-    enough = [each for each in statistics if each.count >= FEWEST]
-    if distance is not None:
-        enough = [each for each in enough if np.isclose(each.distance, distance, rtol=0.0, atol=1e-6)]
-    if not enough:
-        place = "of one distance" if distance is None else f"at {distance:g}"
-        raise ValueError(f"a covariance needs {FEWEST} poses {place} at least, there are not so many")
-    return enough
+    return ConstantCovariance(matrix, f"{_told(worst, enough)} {_axes(frame)}".strip())
 
 
 def _axes(frame: str) -> str:
@@ -81,24 +59,21 @@ def _axes(frame: str) -> str:
     return f"In the axes of '{frame}'; the locator takes it in those of its map." if frame else ""
 
 
-def _matrix(of: SeriesStatistics, about: str) -> np.ndarray:
-    matrix = of.covariance
-    if about == "truth":
-        bias = np.nan_to_num(of.bias)
-        matrix = matrix * (of.count - 1) / of.count + np.outer(bias, bias)
+def _matrix(of: SeriesStatistics) -> np.ndarray:
+    bias = np.nan_to_num(of.bias)
+    matrix = of.covariance * (of.count - 1) / of.count + np.outer(bias, bias)
     turn = np.eye(6)
     turn[3:, 3:] = rotation_axes(of.mean[3:])
     matrix = turn @ matrix @ turn.T
     return 0.5 * (matrix + matrix.T)
 
 
-def _told(of: SeriesStatistics, among: Sequence[SeriesStatistics], about: str, chosen: bool) -> str:
+def _told(of: SeriesStatistics, among: Sequence[SeriesStatistics]) -> str:
     parts = [f"Of {of.count} poses at {of.axis} = {of.label}"]
-    if chosen:
-        parts.append(f"the worst of {', '.join(each.label for each in among)} by the trace of the position")
+    parts.append(f"the worst of {', '.join(each.label for each in among)} by the trace of the position")
     unknown = [axis for axis, bias in zip(AXES, of.bias) if np.isnan(bias)]
     spread = "about the mean: without the bias"
-    if about == "truth" and len(unknown) < 6:
+    if len(unknown) < 6:
         spread = "about the truth: the bias is in it"
         spread += f", but of {', '.join(unknown)}, whose truth is not known" if unknown else ""
     return "; ".join([*parts, spread]) + "."

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """How a trajectory is compared with a truth that has stamps, and perhaps a frame, of its own.
 
-In this order: nearest_truth() or interpolated_truth() gives the truth at the estimate's stamps; with
+In this order: interpolated_truth() gives the truth at the estimate's stamps; with
 alignment() and aligned(), where the frames differ, the estimate goes into the truth's frame;
 sextant.evaluation.trajectory.trajectory_errors() and summarize() are the absolute trajectory error (ATE),
 relative_errors() the relative pose error (RPE), nees() the normalized estimation error squared.
@@ -13,9 +13,8 @@ Umeyama 1991, "Least-squares estimation of transformation parameters between two
 Bar-Shalom, Li and Kirubarajan 2001, "Estimation with applications to tracking and navigation", 5.4 (NEES).
 """
 
-import heapq
 from dataclasses import dataclass
-from typing import Callable, Dict, Iterable, Iterator, List, Mapping, Sequence, Tuple
+from typing import Callable, Dict, Iterable, List, Mapping, Sequence, Tuple
 
 import numpy as np
 from scipy.stats import chi2
@@ -26,7 +25,9 @@ from sextant.geometry.poses import LONGEST_GAP, interpolated_poses
 
 NANOSECONDS = 1e9
 ROUNDING = 1e-9  # of sums of steps, as a part of delta
+TOLERANCE = 0.1  # of delta that a pair may be longer or shorter; frames are exact
 RPE = (1.0, "metres")  # delta and unit, where nobody asks for others
+CONFIDENCE = 0.95  # that the mean NEES of honest covariances is within the band
 LINE = 1e-6  # a drive whose width is less than a thousandth of its length does not tell how it is rolled
 
 
@@ -53,60 +54,14 @@ class Nees:
         return self.band[0] <= self.mean <= self.band[1]
 
 
-def nearest_truth(truth: Trajectory, estimate: Trajectory, tolerance: float = 0.02) -> Trajectory:
-    """The truth of the nearest stamp for every pose that has one, at the estimate's stamps.
-
-    As the TUM benchmark's associate.py: the closest pair first, every truth and every pose once.
-
-    :param tolerance: how far stamps may lie apart, seconds, >= 0
-    :returns: fewer poses than the estimate's where some have no truth: tell how many
-    :raises ValueError: a tolerance that is none
-    """
-    _require(tolerance >= 0.0, f"the tolerance is {tolerance} s, it cannot be negative")
-    pairs = _closest_pairs(list(truth), list(estimate), tolerance * NANOSECONDS)
-    return {pose: truth[true] for true, pose in sorted(pairs, key=lambda pair: pair[1])}
-
-
-def _closest_pairs(truths: List[int], poses: List[int], tolerance: float) -> Iterator[Tuple[int, int]]:
-    """Closest first: these are neighbours in time, or became it when those between them were taken."""
-    stamps = sorted([*((stamp, True) for stamp in truths), *((stamp, False) for stamp in poses)])
-    before, after = list(range(-1, len(stamps) - 1)), list(range(1, len(stamps) + 1))
-    gone = [False] * len(stamps)
-    heap: List[Tuple[int, int, int]] = []
-
-    def offer(i: int, j: int) -> None:
-        if i >= 0 and j < len(stamps) and stamps[i][1] != stamps[j][1]:
-            difference = stamps[j][0] - stamps[i][0]
-            if difference <= tolerance:
-                heapq.heappush(heap, (difference, i, j))
-
-    for i in range(len(stamps)):
-        offer(i, i + 1)
-    while heap:
-        _, i, j = heapq.heappop(heap)
-        if gone[i] or gone[j]:
-            continue
-        gone[i] = gone[j] = True
-        yield (stamps[i][0], stamps[j][0]) if stamps[i][1] else (stamps[j][0], stamps[i][0])
-        if before[i] >= 0:
-            after[before[i]] = after[j]
-        if after[j] < len(stamps):
-            before[after[j]] = before[i]
-        offer(before[i], after[j])
-
-
-def interpolated_truth(
-    truth: Trajectory, stamps: Iterable[int], longest_gap: float = LONGEST_GAP
-) -> Trajectory:
+def interpolated_truth(truth: Trajectory, stamps: Iterable[int]) -> Trajectory:
     """The truth at other stamps: straight between positions, rotations at a constant rate (slerp).
 
     :param stamps: nanoseconds; one outside of the truth has none, nothing is extrapolated
-    :param longest_gap: between two truths over which it is still known how it moved, seconds, > 0
-    :raises ValueError: a gap that is none, a pose that is not finite
+    :raises ValueError: a pose that is not finite
     """
-    _require(longest_gap > 0.0, f"the longest gap is {longest_gap} s, it must be above 0")
     known, at = np.array(sorted(truth), dtype=np.int64), np.array(sorted(set(stamps)), dtype=np.int64)
-    found = interpolated_poses(known, _poses(truth, known), at, longest_gap)
+    found = interpolated_poses(known, _poses(truth, known), at, LONGEST_GAP)
     return {int(stamp): T for stamp, T in zip(at, found) if T is not None}
 
 
@@ -143,33 +98,24 @@ def aligned_covariances(
 
 
 def relative_errors(
-    truth: Trajectory,
-    estimate: Trajectory,
-    delta: float,
-    unit: str = "frames",
-    all_pairs: bool = True,
-    tolerance: float = 0.1,
+    truth: Trajectory, estimate: Trajectory, delta: float, unit: str = "frames"
 ) -> RelativeErrors:
     """Relative pose errors E = inverse(inverse(Q_i) Q_j) inverse(P_i) P_j (Sturm et al., eq. 1) of the truth
-    Q and the estimate P at the stamps that they share. No alignment changes them.
+    Q and the estimate P at the stamps that they share, from every pose to the one nearest to delta farther
+    on, as the TUM benchmark. No alignment changes them.
 
     :param delta: from i to j, > 0
     :param unit: "frames" (that have both poses), "seconds", or "metres" of the truth's path
-    :param all_pairs: from every pose to the one nearest to delta farther on, as the TUM benchmark; else one
-        pair after the other, each at least delta long
-    :param tolerance: how far all pairs may be from delta, as a part of it; frames are exact
     :returns: no row where the drive is too short
     :raises ValueError: an unknown unit, a delta that is none (frames: a whole number), a pose not finite
     """
     _require(unit in _PROGRESS, f"the unit is '{unit}', allowed are {', '.join(_PROGRESS)}")
     _require(0.0 < delta < np.inf, f"delta is {delta} {unit}, it must be above 0")
     _require(unit != "frames" or float(delta).is_integer(), f"delta is {delta} frames, not a whole number")
-    _require(0.0 <= tolerance < 1.0, f"the tolerance is {tolerance}, it must be in [0, 1)")
     stamps = np.array(_common(truth, estimate), dtype=np.int64)
     Q, P = _poses(truth, stamps), _poses(estimate, stamps)
     progress = _PROGRESS[unit](stamps, Q[:, :3, 3])
-    slack = 0.0 if unit == "frames" else tolerance * delta
-    i, j = (_all_pairs(progress, delta, slack) if all_pairs else _chained_pairs(progress, delta)).T
+    i, j = _all_pairs(progress, delta, 0.0 if unit == "frames" else TOLERANCE * delta).T
     E = np.linalg.solve(np.linalg.solve(Q[i], Q[j]), np.linalg.solve(P[i], P[j]))
     return RelativeErrors(
         stamps=np.stack([stamps[i], stamps[j]], axis=1),
@@ -203,32 +149,20 @@ def _all_pairs(progress: np.ndarray, delta: float, slack: float) -> np.ndarray:
     return np.stack([np.flatnonzero(fits), last[fits]], axis=1)
 
 
-def _chained_pairs(progress: np.ndarray, delta: float) -> np.ndarray:
-    """(M, 2) each pair begins where the one before ended."""
-    ends = [0]
-    while ends[-1] < len(progress):
-        end = np.searchsorted(progress, progress[ends[-1]] + delta * (1.0 - ROUNDING))
-        ends.append(max(int(end), ends[-1] + 1))  # a delta below the rounding of progress
-    return np.array(list(zip(ends, ends[1:-1])), dtype=int).reshape(-1, 2)
-
-
-def nees(
-    truth: Trajectory, estimate: Trajectory, covariances: Mapping[int, np.ndarray], confidence: float = 0.95
-) -> Nees:
+def nees(truth: Trajectory, estimate: Trajectory, covariances: Mapping[int, np.ndarray]) -> Nees:
     """Normalized estimation errors squared e' inverse(P) e of the stamps that all three share, with e =
     sextant.pose_error(): position difference, and delta with R_true = Exp(delta) R_est, in the map's axes.
 
     The band is of N independent samples; poses of neighbouring frames are not quite independent.
 
     :param covariances: P by stamp, 6x6, order x y z roll pitch yaw
-    :param confidence: probability that the mean of honest covariances is within the band, (0, 1)
     :raises ValueError: a covariance that is not positive, a pose that is not finite
     """
     stamps = [stamp for stamp in _common(truth, estimate) if stamp in covariances]
     poses = zip(stamps, _poses(truth, stamps), _poses(estimate, stamps))
     values = [_nees_at(stamp, true, told, covariances[stamp]) for stamp, true, told in poses]
     mean = float(np.mean(values)) if values else np.nan
-    return Nees(np.array(values, dtype=float), mean, nees_band(len(values), confidence=confidence))
+    return Nees(np.array(values, dtype=float), mean, nees_band(len(values)))
 
 
 def _nees_at(stamp: int, truth: np.ndarray, estimate: np.ndarray, covariance: np.ndarray) -> float:
@@ -240,15 +174,11 @@ def _nees_at(stamp: int, truth: np.ndarray, estimate: np.ndarray, covariance: np
     return float(whitened @ whitened)
 
 
-def nees_band(samples: int, freedom: int = 6, confidence: float = 0.95) -> Tuple[float, float]:
-    """Band of the mean of so many NEES: chi-square of samples * freedom degrees, divided by samples.
-
-    :raises ValueError: a confidence that is none
-    """
-    _require(0.0 < confidence < 1.0, f"the confidence is {confidence}, it must be between 0 and 1")
+def nees_band(samples: int) -> Tuple[float, float]:
+    """Band of the mean of so many NEES: chi-square of 6 degrees each, divided by samples."""
     if samples == 0:
         return np.nan, np.nan
-    low, high = chi2.ppf([0.5 - 0.5 * confidence, 0.5 + 0.5 * confidence], samples * freedom) / samples
+    low, high = chi2.ppf([0.5 - 0.5 * CONFIDENCE, 0.5 + 0.5 * CONFIDENCE], samples * 6) / samples
     return float(low), float(high)
 
 

@@ -6,7 +6,7 @@ from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
-RESAMPLES = 2000
+BINS, RESAMPLES = 10, 2000
 SEED = 1
 
 
@@ -52,52 +52,44 @@ def precision_recall(
     return PrecisionRecall(precision, recall, float(area))
 
 
-def reliability(
-    probabilities: Sequence[float], right: Sequence[bool], bins: int = 10
-) -> List[ReliabilityBin]:
-    """Bins of equal mass: as many queries in each, up to one."""
+def reliability(probabilities: Sequence[float], right: Sequence[bool]) -> List[ReliabilityBin]:
+    """BINS of equal mass: as many queries in each, up to one."""
     order = np.argsort(np.asarray(probabilities, float), kind="stable")
-    parts = [part for part in np.array_split(order, bins) if len(part)]
+    parts = [part for part in np.array_split(order, BINS) if len(part)]
     p, y = np.asarray(probabilities, float), np.asarray(right, float)
     return [ReliabilityBin(float(p[part].mean()), float(y[part].mean()), len(part)) for part in parts]
 
 
-def calibration_error(probabilities: Sequence[float], right: Sequence[bool], bins: int = 10) -> float:
+def calibration_error(probabilities: Sequence[float], right: Sequence[bool]) -> float:
     """Expected calibration error over bins of equal mass (Nguyen, O'Connor 2015)."""
-    found = reliability(probabilities, right, bins)
+    found = reliability(probabilities, right)
     total = sum(each.count for each in found)
     return sum(each.count / total * abs(each.probability - each.frequency) for each in found)
 
 
-def perfect_calibration_error(
-    probabilities: Sequence[float], bins: int = 10, quantile: float = 0.95
-) -> float:
-    """What calibration_error() would be at most, in that share of cases, if the probabilities were true.
+def perfect_calibration_error(probabilities: Sequence[float]) -> float:
+    """What calibration_error() would be at most, in 95 % of cases, if the probabilities were true.
 
     Even then it is not 0: a finite number of answers is right now more, now less often than it should.
     """
-    frequencies = _perfect_frequencies(probabilities, bins)
-    said = reliability(probabilities, np.zeros(len(probabilities)), bins)
+    frequencies = _perfect_frequencies(probabilities)
+    said = reliability(probabilities, np.zeros(len(probabilities)))
     weights = np.array([each.count for each in said]) / len(probabilities)
     errors = np.abs(frequencies - [each.probability for each in said]) @ weights
-    return float(np.quantile(errors, quantile))
+    return float(np.quantile(errors, 0.95))
 
 
-def perfect_frequencies(
-    probabilities: Sequence[float], bins: int = 10, share: float = 0.95
-) -> Tuple[np.ndarray, np.ndarray]:
-    """Between which frequencies, low and high, each bin of reliability() lies in that share of cases, if the
+def perfect_frequencies(probabilities: Sequence[float]) -> Tuple[np.ndarray, np.ndarray]:
+    """Between which frequencies, low and high, each bin of reliability() lies in 95 % of cases, if the
     probabilities were true.
     """
-    low, high = np.quantile(
-        _perfect_frequencies(probabilities, bins), [(1 - share) / 2, (1 + share) / 2], axis=0
-    )
+    low, high = np.quantile(_perfect_frequencies(probabilities), [(1 - 0.95) / 2, (1 + 0.95) / 2], axis=0)
     return low, high
 
 
-def _perfect_frequencies(probabilities: Sequence[float], bins: int) -> np.ndarray:
+def _perfect_frequencies(probabilities: Sequence[float]) -> np.ndarray:
     """(RESAMPLES, bins of reliability()): of answers that are right as often as their probabilities say."""
     rng = np.random.default_rng(SEED)
     p = np.sort(np.asarray(probabilities, float))
-    parts = [part for part in np.array_split(p, bins) if len(part)]
+    parts = [part for part in np.array_split(p, BINS) if len(part)]
     return np.column_stack([(rng.random((RESAMPLES, len(part))) < part).mean(axis=1) for part in parts])

@@ -18,7 +18,6 @@ from sextant.evaluation.trajectory_metrics import (
     aligned_covariances,
     alignment,
     interpolated_truth,
-    nearest_truth,
     nees,
     nees_band,
     relative_errors,
@@ -41,10 +40,23 @@ def random_drive(random, count, step=SECOND // 10):
     return {i * step: pose(*position[i], rotvec=rotvec[i]) for i in range(count)}
 
 
+def associate(truths, poses, tolerance):
+    """The TUM benchmark's associate.py: all differences, the smallest first."""
+    matches = sorted((abs(a - b), a, b) for a in truths for b in poses if abs(a - b) <= tolerance)
+    pairs, truths, poses = {}, set(truths), set(poses)
+    for _, a, b in matches:
+        if a in truths and b in poses:
+            truths.remove(a), poses.remove(b)
+            pairs[b] = a
+    return pairs
+
+
 @pytest.fixture(scope="module")
 def golden():
     truth, estimate = (read_trajectory(EVO / name) for name in ("truth.tum", "estimate.tum"))
-    return nearest_truth(truth, estimate), estimate, json.loads((EVO / "evo.json").read_text())
+    pairs = associate(truth, estimate, 0.02 * SECOND)
+    of_poses = {stamp: truth[pairs[stamp]] for stamp in sorted(pairs)}
+    return of_poses, estimate, json.loads((EVO / "evo.json").read_text())
 
 
 def check(values, said):
@@ -66,50 +78,12 @@ def test_absolute_errors_are_those_of_evo(golden):
 
 
 @pytest.mark.parametrize("unit, delta", [("frames", 5), ("metres", 0.5)])
-@pytest.mark.parametrize("all_pairs", [True, False])
-def test_relative_errors_are_those_of_evo(golden, unit, delta, all_pairs):
+def test_relative_errors_are_those_of_evo(golden, unit, delta):
     truth, estimate, said = golden
-    of_evo = said["rpe"][f"{unit.replace('metres', 'meters')} {delta} {'all' if all_pairs else 'chained'}"]
-    errors = relative_errors(truth, estimate, delta, unit, all_pairs)
+    of_evo = said["rpe"][f"{unit.replace('metres', 'meters')} {delta} all"]
+    errors = relative_errors(truth, estimate, delta, unit)
     check(errors.position, of_evo["position"])
     check(errors.angle, of_evo["angle"])
-
-
-def associate(truths, poses, tolerance):
-    """The TUM benchmark's associate.py: all differences, the smallest first."""
-    matches = sorted((abs(a - b), a, b) for a in truths for b in poses if abs(a - b) <= tolerance)
-    pairs, truths, poses = {}, set(truths), set(poses)
-    for _, a, b in matches:
-        if a in truths and b in poses:
-            truths.remove(a), poses.remove(b)
-            pairs[b] = a
-    return pairs
-
-
-@pytest.mark.parametrize("seed", range(20))
-def test_association_is_that_of_the_tum_benchmark(seed):
-    random = np.random.default_rng(seed)
-    truths, poses = (random.choice(100000, random.integers(1, 40), replace=False).tolist() for _ in range(2))
-    tolerance = float(random.choice([100, 3000, 100000]))
-    truth = {stamp: pose(stamp) for stamp in truths}
-    mine = nearest_truth(truth, {stamp: pose() for stamp in poses}, tolerance * 1e-9)
-    assert {stamp: int(T[0, 3]) for stamp, T in mine.items()} == associate(truths, poses, tolerance)
-    assert list(mine) == sorted(mine)
-
-
-def test_a_truth_is_used_once():
-    truth = {1000: pose(1.0)}
-    assert list(nearest_truth(truth, {900: pose(), 1010: pose(), 1100: pose()})) == [1010]
-    assert nearest_truth(truth, {}) == {} == nearest_truth({}, {5: pose()})
-    assert nearest_truth(truth, {1001: pose()}, tolerance=0.0) == {}
-    assert list(nearest_truth(truth, {1000: pose()}, tolerance=0.0)) == [1000]
-    with pytest.raises(ValueError, match="the tolerance is -1 s"):
-        nearest_truth(truth, truth, -1)
-
-
-def test_a_wide_tolerance_and_thousands_of_poses():
-    truth, estimate = ({i * 1000 + shift: np.eye(4) for i in range(5000)} for shift in (0, 300))
-    assert len(nearest_truth(truth, estimate, 100.0)) == 5000
 
 
 def test_interpolation_between_two_truths():
@@ -119,7 +93,6 @@ def test_interpolation_between_two_truths():
     assert list(result) == [0, SECOND // 20, SECOND // 5, 2 * SECOND]
     assert pytest.approx(pose(0.5, 1.0, 1.0, (0.0, 0.0, 0.25))) == result[SECOND // 20]
     np.testing.assert_array_equal(result[0], truth[0])
-    assert len(interpolated_truth(truth, stamps, longest_gap=2.0)) == 5
     around = {0: pose(rotvec=(0, 0, 3.0)), 100: pose(rotvec=(0, 0, -3.0))}
     assert interpolated_truth(around, [50])[50] == pytest.approx(pose(rotvec=(0, 0, np.pi)), abs=1e-12)
 
@@ -128,8 +101,6 @@ def test_interpolation_without_truths():
     assert interpolated_truth({}, [1, 2]) == {}
     assert list(interpolated_truth({1: pose()}, [0, 1, 2])) == [1]
     assert interpolated_truth({1: pose(), 3: pose()}, []) == {}
-    with pytest.raises(ValueError, match="the longest gap is nan s"):
-        interpolated_truth({1: pose()}, [1], np.nan)
 
 
 def test_alignment_finds_the_frame():
@@ -175,15 +146,12 @@ def test_relative_errors_of_a_constant_drift():
     truth = {stamp: pose(stamp / SECOND) for stamp in stamps}
     estimate = {t: pose(1.02 * t / SECOND) for t in stamps}
     for delta, unit in ((20, "frames"), (2.0, "seconds"), (2.0, "metres")):
-        errors = relative_errors(truth, estimate, delta, unit, tolerance=0.01)
-        assert len(errors.position) == 81
+        errors = relative_errors(truth, estimate, delta, unit)
+        assert len(errors.position) in (81, 83)  # seconds, metres: the last two are up to a tenth shorter
         assert errors.stamps[0].tolist() == [0, 2 * SECOND]
-        assert errors.position == pytest.approx(np.full(81, 0.04))
-        chained = relative_errors(truth, estimate, delta, unit, all_pairs=False)
-        assert chained.stamps[:, 0].tolist() == [2 * i * SECOND for i in range(5)]
-        assert chained.position == pytest.approx(np.full(5, 0.04))
+        assert errors.position[:81] == pytest.approx(np.full(81, 0.04))
     turning = {t: pose(t / SECOND, rotvec=(0, 0, 0.01 * t / SECOND)) for t in stamps}
-    angle = relative_errors(truth, turning, 3.0, "seconds", tolerance=0.0).angle
+    angle = relative_errors(truth, turning, 3.0, "seconds").angle[:71]
     assert angle == pytest.approx(np.full(71, 0.03))
 
 
@@ -202,23 +170,19 @@ def test_pairs_far_from_delta_are_left_out():
     truth = {stamp * SECOND: pose(stamp) for stamp in (0, 1, 2, 10, 11)}
     pairs = relative_errors(truth, truth, 2.0, "seconds").stamps // SECOND
     assert pairs.tolist() == [[0, 2]]
-    wider = relative_errors(truth, truth, 2.0, "seconds", tolerance=0.5).stamps // SECOND
-    assert wider.tolist() == [[0, 2], [1, 2], [10, 11]]
 
 
 def test_pauses_of_the_robot():
     truth = {i: pose(x) for i, x in enumerate([0.0, 0.0, 1.0, 1.0, 1.0, 2.0, 2.0])}
     pairs = relative_errors(truth, truth, 1.0, "metres").stamps.tolist()
     assert pairs == [[0, 2], [1, 2], [2, 5], [3, 5], [4, 5]]
-    assert relative_errors(truth, truth, 1.0, "metres", all_pairs=False).stamps.tolist() == [[0, 2], [2, 5]]
 
 
-@pytest.mark.parametrize("all_pairs", [True, False])
 @pytest.mark.parametrize("unit", ["frames", "seconds", "metres"])
 @pytest.mark.parametrize("count", [0, 1, 2])
-def test_a_drive_that_is_too_short_has_no_relative_errors(unit, count, all_pairs):
+def test_a_drive_that_is_too_short_has_no_relative_errors(unit, count):
     truth = {i: pose(i) for i in range(count)}
-    errors = relative_errors(truth, truth, 5, unit, all_pairs)
+    errors = relative_errors(truth, truth, 5, unit)
     assert errors.stamps.shape == (0, 2) and len(errors.position) == len(errors.angle) == 0
     assert np.isnan(summarize(errors.position).rmse)
 
@@ -230,17 +194,11 @@ def test_a_drive_that_is_too_short_has_no_relative_errors(unit, count, all_pairs
         ((0, "frames"), "delta is 0 frames"),
         ((1.5, "frames"), "delta is 1.5 frames, not a whole number"),
         ((np.nan, "metres"), "delta is nan metres"),
-        ((1, "metres", True, 1.0), "the tolerance is 1.0"),
     ],
 )
 def test_relative_errors_of_nothing_that_is_known(arguments, reason):
     with pytest.raises(ValueError, match=reason):
         relative_errors({0: pose()}, {0: pose()}, *arguments)
-
-
-def test_a_tiny_delta_ends():
-    truth = {i: pose(1e6 + i % 2) for i in range(50)}
-    assert len(relative_errors(truth, truth, 1e-300, "metres", all_pairs=False).stamps) == 49
 
 
 def perturbed_drive(seed, count, scale):
@@ -259,10 +217,9 @@ def perturbed_drive(seed, count, scale):
 @pytest.mark.parametrize("seed", range(3))
 def test_honest_covariances_are_consistent(seed):
     truth, estimate, covariances = perturbed_drive(seed, 200, 1.0)
-    found = nees(truth, estimate, covariances, confidence=0.999)
+    found = nees(truth, estimate, covariances)
     assert found.values.shape == (200,)
-    assert found.consistent
-    assert found.mean == pytest.approx(6.0, abs=1.0)
+    assert 0.0005 < chi2.cdf(200 * found.mean, 1200) < 0.9995
     assert not nees(*perturbed_drive(seed, 200, 2.0)).consistent
     assert not nees(*perturbed_drive(seed, 200, 0.5)).consistent
 
@@ -291,7 +248,5 @@ def test_nees_of_no_covariance(covariance):
 
 def test_band():
     assert nees_band(1) == pytest.approx((chi2.ppf(0.025, 6), chi2.ppf(0.975, 6)))
-    low, high = nees_band(50, freedom=3, confidence=0.99)
-    assert chi2.cdf(50 * high, 150) - chi2.cdf(50 * low, 150) == pytest.approx(0.99)
-    with pytest.raises(ValueError, match="the confidence is 1"):
-        nees_band(5, confidence=1)
+    low, high = nees_band(50)
+    assert chi2.cdf(50 * high, 300) - chi2.cdf(50 * low, 300) == pytest.approx(0.95)
