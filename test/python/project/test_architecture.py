@@ -273,9 +273,12 @@ def test_node_loaders_are_short():
     assert long == []
 
 
+UNTESTED = {"eigen_solvers"}  # Eigen's own, compiled once: it has no function of its own
+
+
 @pytest.mark.parametrize("room", CORE)
 def test_every_core_noun_has_its_test(room):
-    nouns = {path.stem for path in files(f"src/{room}", suffixes=(".cpp",))}
+    nouns = {path.stem for path in files(f"src/{room}", suffixes=(".cpp",))} - UNTESTED
     tested = {path.stem[: -len("_test")] for path in files(f"test/core/{room}")}
     assert sorted(nouns - tested) == []
 
