@@ -15,7 +15,7 @@ import numpy as np
 from tables import Row, Table, Value
 
 import sextant
-from landmarks.landmark_drives import EXACT, labelled, odometry_params, pose_error, rms, slam_params
+from landmarks.landmark_drives import EXACT, labelled, pose_error, rms, slam_params
 from sextant.geometry.plane_poses import composed
 from sextant.simulation.landmark_world import LandmarkWorld, LandmarkWorldParams
 
@@ -65,7 +65,7 @@ def driven(params: LandmarkWorldParams, at_arrival: bool = False, clock_sigma: f
     world, slam = LandmarkWorld(params), slam_params(params)
     slam.filter.clock_sigma = clock_sigma
     timeline_params = sextant.LandmarkTimelineParams()
-    timeline_params.odometry = odometry_params(params)
+    timeline_params.odometry = params.odometry_noise()
     timeline = sextant.LandmarkTimeline(timeline_params, sextant.LandmarkSlam(slam, world.start, EXACT))
     T_odom_base, errors = np.zeros(3), []
     timeline.odometry(0.0, T_odom_base)

@@ -7,17 +7,10 @@ from typing import List
 import numpy as np
 
 import sextant
+from sextant.geometry.plane_poses import wrapped
 from sextant.simulation.landmark_world import LandmarkWorldParams, SeenLandmark
 
 EXACT = 1e-8 * np.eye(3)  # covariance of a pose that is known: square metres and radians
-
-
-def odometry_params(world: LandmarkWorldParams):
-    """sextant.OdometryNoiseParams of the world's odometry."""
-    params = sextant.OdometryNoiseParams()
-    for name in ("turn_by_turn", "turn_by_way", "way_by_way", "way_by_turn", "aside_by_way"):
-        setattr(params, name, getattr(world, name))
-    return params
 
 
 def slam_params(world: LandmarkWorldParams):
@@ -46,7 +39,7 @@ def labelled(sightings: List[SeenLandmark]) -> list:
 def pose_error(truth: np.ndarray, pose: np.ndarray) -> np.ndarray:
     """(3,) x, y, heading in the map's axes; the heading in [-pi, pi)."""
     error = truth - pose
-    error[2] = np.remainder(error[2] + np.pi, 2 * np.pi) - np.pi
+    error[2] = wrapped(error[2])
     return error
 
 

@@ -13,6 +13,11 @@ def rotation(angle: float) -> np.ndarray:
     return np.array([[c, -s], [s, c]])
 
 
+def wrapped(angle: float) -> float:
+    """In [-pi, pi) radians."""
+    return np.remainder(angle + np.pi, 2 * np.pi) - np.pi
+
+
 def planar(T: np.ndarray) -> np.ndarray:
     """(3,) x, y, heading of a pose (4, 4) seen from above."""
     return np.array([T[0, 3], T[1, 3], math.atan2(T[1, 0], T[0, 0])])
@@ -21,13 +26,12 @@ def planar(T: np.ndarray) -> np.ndarray:
 def composed(pose: np.ndarray, step: np.ndarray) -> np.ndarray:
     """(3,) x, y, heading after a step (3,) in the frame of the pose."""
     position = pose[:2] + rotation(pose[2]) @ step[:2]
-    return np.array([*position, np.remainder(pose[2] + step[2] + np.pi, 2 * np.pi) - np.pi])
+    return np.array([*position, wrapped(pose[2] + step[2])])
 
 
 def relative(pose: np.ndarray, other: np.ndarray) -> np.ndarray:
     """(3,) of another pose (3,) in the frame of a pose (3,): the step that composed() takes from it."""
-    turn = np.remainder(other[2] - pose[2] + np.pi, 2 * np.pi) - np.pi
-    return np.array([*in_frame(pose, other[:2]), turn])
+    return np.array([*in_frame(pose, other[:2]), wrapped(other[2] - pose[2])])
 
 
 def in_frame(pose: np.ndarray, points: np.ndarray) -> np.ndarray:

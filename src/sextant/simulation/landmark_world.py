@@ -11,6 +11,7 @@ from typing import Deque, Iterator, List, NamedTuple, Optional, Tuple
 
 import numpy as np
 
+import sextant
 from sextant.base.strict_params import StrictParams, param, within
 from sextant.geometry.plane_poses import composed, in_frame, rotation
 
@@ -46,6 +47,13 @@ class LandmarkWorldParams(StrictParams):
     way_by_turn: float = param(0.01, within(0, 1))
     aside_by_way: float = param(0.01, within(0, 1))
     scale: float = param(1.0, within(0.1, 10))  # what odometry measures of a metre
+
+    def odometry_noise(self) -> "sextant.OdometryNoiseParams":
+        """Of the steps that odometry measures."""
+        noise = sextant.OdometryNoiseParams()
+        for name in ("turn_by_turn", "turn_by_way", "way_by_way", "way_by_turn", "aside_by_way"):
+            setattr(noise, name, getattr(self, name))
+        return noise
 
 
 class SeenLandmark(NamedTuple):
@@ -93,17 +101,6 @@ class LandmarkWorld:
         for _ in range(round(self.params.duration * self.params.odometry_rate)):
             yield drive.advance()
 
-    def noise(self, step: np.ndarray) -> np.ndarray:
-        """(3, 3) of what odometry says of a step (3,), felt where the step begins."""
-        params, way, turn = self.params, np.hypot(*step[:2]), abs(step[2])
-        return np.diag(
-            [
-                params.way_by_way**2 * way + params.way_by_turn**2 * turn,
-                params.aside_by_way**2 * way,
-                params.turn_by_way**2 * way + params.turn_by_turn**2 * turn,
-            ]
-        )
-
     def place(self, rng: np.random.Generator) -> np.ndarray:
         """A pose (3,) anywhere in the middle of the world."""
         return np.array([*rng.uniform(-0.4, 0.4, 2) * self.params.half_side, rng.uniform(-np.pi, np.pi)])
@@ -144,7 +141,7 @@ class LandmarkDrive:
     """A robot in a landmark world, moment by moment."""
 
     def __init__(self, world: LandmarkWorld):
-        self._world, self._pose = world, world.start
+        self._world, self._pose, self._noise = world, world.start, world.params.odometry_noise()
         self._rng = np.random.default_rng([world.params.seed, 1])
         self._number, self._turn_rate = 0, 0.0
         self._on_their_way: Deque[Look] = deque()
@@ -160,7 +157,7 @@ class LandmarkDrive:
         speed, turn_rate = self._wandering() if command is None else command
         step = np.array([speed, 0.0, turn_rate]) / params.odometry_rate
         self._pose = composed(self._pose, step)
-        noise = self._world.noise(step)
+        noise = sextant.odometry_step_noise(step, self._noise)
         felt = np.sqrt(np.diag(noise)) * self._rng.standard_normal(3)
         measured = composed(felt, step * (params.scale, params.scale, 1))
         if self._number % max(1, round(params.odometry_rate / params.sensor_rate)) == 0:

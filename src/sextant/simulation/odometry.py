@@ -7,7 +7,7 @@ from typing import Tuple
 
 import numpy as np
 
-from sextant.geometry.plane_poses import composed, rotation
+from sextant.geometry.plane_poses import composed, rotation, wrapped
 from sextant.simulation.motion import Motion
 
 
@@ -37,15 +37,26 @@ class OdometryReading:
     turn_rate_variance: float  # (rad/s)^2
 
 
-class WheelOdometry:
-    """Integrates true motion with noise; the frame odom starts where the robot starts."""
+class _Odometry:
+    """What its readings are made of; the frame odom starts where the robot does."""
+
+    def __init__(self) -> None:
+        self._pose = np.zeros(3)  # x, y, yaw in odom
+        self._covariance = np.zeros((3, 3))
+
+    def _reading(self, speed: float, turn_rate: float, variances: np.ndarray) -> OdometryReading:
+        x, y, yaw = self._pose
+        return OdometryReading(Motion(x, y, 0.0, yaw, speed, turn_rate), self._covariance.copy(), *variances)
+
+
+class WheelOdometry(_Odometry):
+    """Integrates true motion with noise."""
 
     def __init__(self, noise: OdometryNoise, seed: int):
+        super().__init__()
         self._noise = noise
         self._random = np.random.default_rng([seed, 1])
         self._last = None
-        self._pose = np.zeros(3)  # x, y, yaw in odom
-        self._covariance = np.zeros((3, 3))
 
     def update(self, motion: Motion, seconds: float) -> OdometryReading:
         """The reading after the robot came to this place in so many seconds; the first call starts odom."""
@@ -65,10 +76,6 @@ class WheelOdometry:
         """The robot is lifted and put down here; its wheels do not turn."""
         self._last = motion
 
-    def _reading(self, speed: float, turn_rate: float, variances: np.ndarray) -> OdometryReading:
-        x, y, yaw = self._pose
-        return OdometryReading(Motion(x, y, 0.0, yaw, speed, turn_rate), self._covariance.copy(), *variances)
-
     def _spread(self, distance: float, turn: float, sigmas: np.ndarray) -> None:
         """P = F P F' + G Q G' with the derivatives F by the pose and G by distance and turn."""
         heading = self._pose[2] + 0.5 * turn  # of the chord
@@ -78,12 +85,8 @@ class WheelOdometry:
         self._covariance = F @ self._covariance @ F.T + G @ np.diag(sigmas**2) @ G.T
 
 
-class SteppedOdometry:
-    """Adds up steps that are noisy already; the frame odom starts where the first begins."""
-
-    def __init__(self):
-        self._pose = np.zeros(3)  # x, y, yaw in odom
-        self._covariance = np.zeros((3, 3))
+class SteppedOdometry(_Odometry):
+    """Adds up steps that are noisy already."""
 
     def add(self, step: np.ndarray, noise: np.ndarray, seconds: float) -> OdometryReading:
         """The reading after a step that took so many seconds.
@@ -98,14 +101,11 @@ class SteppedOdometry:
         axes[:2, :2] = rotation(before[2])
         self._covariance = F @ (self._covariance + axes @ noise @ axes.T) @ F.T
         speed, _, turn_rate = step / seconds
-        motion = Motion(self._pose[0], self._pose[1], 0.0, self._pose[2], speed, turn_rate)
-        return OdometryReading(
-            motion, self._covariance.copy(), noise[0, 0] / seconds**2, noise[2, 2] / seconds**2
-        )
+        return self._reading(speed, turn_rate, np.diag(noise)[[0, 2]] / seconds**2)
 
 
 def _arc(start: Motion, end: Motion) -> Tuple[float, float]:
     """(chord in metres, turn in radians) of the circular arc that leads from one pose to the other."""
-    turn = float(np.remainder(end.yaw - start.yaw + np.pi, 2.0 * np.pi) - np.pi)
+    turn = float(wrapped(end.yaw - start.yaw))
     heading = start.yaw + 0.5 * turn
     return (end.x - start.x) * np.cos(heading) + (end.y - start.y) * np.sin(heading), turn

@@ -8,6 +8,7 @@ from typing import List, NamedTuple, Optional
 import numpy as np
 
 from sextant.base.strict_params import StrictParams, param, within
+from sextant.geometry.plane_poses import wrapped
 from sextant.simulation.motion import Motion
 from sextant.simulation.odometry import OdometryNoise, OdometryReading, WheelOdometry
 from sextant.simulation.street import CONDITIONS, Street
@@ -100,7 +101,7 @@ class StreetWalk:
         """Swinging about the way, looking where it goes."""
         ahead, here, after = (self._swung(street, self._arc + way) for way in (STEP, 0.0, 1.0))
         yaw, later = (np.arctan2(*(to - here)[::-1]) for to in (ahead, after))
-        turn_rate = 2 * np.remainder(later - yaw + np.pi, 2 * np.pi) - 2 * np.pi  # radians a metre
+        turn_rate = 2 * wrapped(later - yaw)  # radians a metre
         return Motion(
             *here.tolist(), 0.0, float(yaw), self._params.speed, self._params.speed * float(turn_rate)
         )
