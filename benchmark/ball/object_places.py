@@ -13,7 +13,7 @@ from typing import Any, Iterator, List, NamedTuple, Optional, Tuple
 import numpy as np
 from tables import Row, Table, Value
 
-from sextant.geometry.pinhole_camera import PinholeCamera
+import sextant
 from sextant.objects.detection import names_of
 from sextant.objects.object_kinds import BALL, KINDS
 from sextant.objects.object_locator import ObjectLocator, ObjectLocatorParams
@@ -68,7 +68,7 @@ def judged_objects(worlds: int, detector: Optional[Any] = None) -> Iterator[Judg
         camera = simulation.camera
         params = ObjectLocatorParams(scale=1.04)
         T_colour_depth = np.linalg.inv(camera.T_base_colour) @ camera.T_base_depth
-        models = PinholeCamera.of(camera.colour), PinholeCamera.of(camera.depth)
+        models = map(sextant.CameraModel, (camera.colour, camera.depth))
         locator = ObjectLocator(params, *models, T_colour_depth)
         for _ in range(SHOTS):
             _go_anywhere(simulation, random)

@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <pybind11/stl.h>
 
+#include <cmath>
+#include <utility>
+
 #include "pose_casters.hpp"
 #include "sextant/geometry/camera.hpp"
 #include "sextant/geometry/pose.hpp"
@@ -26,6 +29,23 @@ void bindPose(py::module_& module) {
              "xi (6) with truth = perturbed(estimate, xi): what NEES is computed from.");
   module.def("mean_pose", &meanPose, "poses"_a,
              "Mean translation, eigenvector mean of the quaternions (Markley 2007).");
+}
+
+using Pixels = Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::RowMajor>;
+using Points = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
+
+Pixels projectPoints(const CameraModel& camera, const Eigen::Ref<const Points>& points) {
+  Pixels pixels = Pixels::Constant(points.rows(), 2, NAN);
+  for (Eigen::Index i = 0; i < points.rows(); ++i)
+    if (const auto pixel = camera.project(points.row(i))) pixels.row(i) = *pixel;
+  return pixels;
+}
+
+Points rays(const CameraModel& camera, const Eigen::Ref<const Pixels>& pixels) {
+  Points all = Points::Constant(pixels.rows(), 3, NAN);
+  for (Eigen::Index i = 0; i < pixels.rows(); ++i)
+    if (const auto ray = camera.unproject(pixels.row(i)); ray && ray->z() > 0) all.row(i) = *ray / ray->z();
+  return all;
 }
 
 void bindCamera(py::module_& module) {
@@ -64,6 +84,13 @@ void bindCamera(py::module_& module) {
       .def_property_readonly("height", &CameraModel::height)
       .def_property_readonly("focal_length", &CameraModel::focalLength)
       .def("project", &CameraModel::project, "p_camera"_a, "Pixel (2) of a point (3, metres), or None.")
+      .def_property_readonly(
+          "size", [](const CameraModel& camera) { return std::make_pair(camera.width(), camera.height()); },
+          "Width and height, pixels.")
+      .def("project_points", &projectPoints, "points"_a,
+           "Pixels (n, 2) of points (n, 3), metres; NaN where the lens does not reach.")
+      .def("rays", &rays, "pixels"_a,
+           "(n, 3) with z = 1 toward pixels (n, 2); NaN where the lens model has no ray ahead.")
       .def("unproject", &CameraModel::unproject, "pixel"_a, "Unit vector (3) toward a pixel (2), or None.");
 }
 

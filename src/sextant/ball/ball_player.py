@@ -17,7 +17,6 @@ from sextant.ball.ball_task_params import BallTaskParams
 from sextant.ball.depth_points import DepthPoints
 from sextant.ball.floor_grid import FloorGrid, FloorGridParams
 from sextant.ball.task_view import Action, SeenBall, SeenPillar, TaskView
-from sextant.geometry.pinhole_camera import PinholeCamera
 from sextant.geometry.plane_poses import composed, rotation
 from sextant.objects.ball_look import BallLook
 from sextant.objects.ball_tracker import BallTracker, BallTrackerParams
@@ -32,8 +31,8 @@ KEPT = 100  # readings of odometry
 class RgbdMount(NamedTuple):
     """Two cameras on a robot."""
 
-    colour: PinholeCamera
-    depth: PinholeCamera
+    colour: "sextant.CameraModel"
+    depth: "sextant.CameraModel"
     T_base_colour: np.ndarray  # (4, 4)
     T_base_depth: np.ndarray
 

@@ -8,10 +8,10 @@ from typing import Callable, Deque, NamedTuple, Optional, Tuple
 
 import numpy as np
 
+import sextant
 from sextant.ball.ball_player import BallPlayer, BallPlayerParams, RgbdMount
 from sextant.ball.goal import goal_between, goes_through
 from sextant.ball.task_view import Action
-from sextant.geometry.pinhole_camera import PinholeCamera
 from sextant.objects.detection import Detector
 from sextant.simulation.ball_simulation import BallSimulation, BallSimulationParams
 from sextant.simulation.ball_world import drawn_world
@@ -46,8 +46,8 @@ Watch = Callable[[BallSimulation, BallPlayer, Action, Optional[RgbdPicture]], No
 def mount_of(simulation: BallSimulation) -> RgbdMount:
     """Of the simulated cameras."""
     camera = simulation.camera
-    cameras = PinholeCamera.of(camera.colour), PinholeCamera.of(camera.depth)
-    return RgbdMount(*cameras, camera.T_base_colour, camera.T_base_depth)
+    models = map(sextant.CameraModel, (camera.colour, camera.depth))
+    return RgbdMount(*models, camera.T_base_colour, camera.T_base_depth)
 
 
 def play(

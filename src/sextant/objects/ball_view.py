@@ -7,14 +7,14 @@ from typing import Sequence
 
 import numpy as np
 
-from sextant.geometry.pinhole_camera import PinholeCamera
+import sextant
 
 
 @dataclass(frozen=True)
 class BallView:
     """What a camera sees of the floor."""
 
-    camera: PinholeCamera
+    camera: "sextant.CameraModel"
     radius: float  # of the ball, metres
     nearest: float  # metres that it has to be away
     farthest: float
@@ -32,9 +32,9 @@ class BallView:
         point = T[:3, :3] @ [*position, self.radius] + T[:3, 3]
         if not self.nearest <= point[2] <= self.farthest:
             return False
-        pixel, size = self.camera.project(point[np.newaxis])[0], np.array(self.camera.size)
+        pixel, size = self.camera.project(point), np.array(self.camera.size)
         margin = self.margin * size[0] + self.camera.focal_length * self.radius / point[2]
-        if np.any(pixel < margin) or np.any(pixel > size - margin):
+        if pixel is None or np.any(pixel < margin) or np.any(pixel > size - margin):
             return False
         sight = np.asarray(position) - T_base_camera[:2, 3]
         return not any(self._hides(each[:2] - T_base_camera[:2, 3], each[2], sight) for each in pillars)

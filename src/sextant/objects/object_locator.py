@@ -7,8 +7,8 @@ from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
+import sextant
 from sextant.base.strict_params import StrictParams, param, within
-from sextant.geometry.pinhole_camera import PinholeCamera
 from sextant.objects.box_tangents import BOTTOM, LEFT, RIGHT, TANGENTS, TOP, BoxTangents
 from sextant.objects.object_kinds import ObjectKind
 from sextant.objects.round_fit import Planes, fit_round, goes_on, likely_ranges
@@ -62,8 +62,8 @@ class ObjectLocator:
     def __init__(
         self,
         params: ObjectLocatorParams,
-        colour: PinholeCamera,
-        depth: PinholeCamera,
+        colour: "sextant.CameraModel",
+        depth: "sextant.CameraModel",
         T_colour_depth: np.ndarray,
     ):
         """:param T_colour_depth: (4, 4) between the optical frames
@@ -104,6 +104,8 @@ class ObjectLocator:
         if not np.all(box[2:] - box[:2] >= SMALLEST):
             return None
         corners = self._colour.rays(box[[[0, 1], [2, 1], [0, 3], [2, 3]]] - 0.5) @ T_base_colour[:3, :3].T
+        if not np.isfinite(corners).all():  # the lens model has no ray there
+            return None
         tangents = TANGENTS[kind.shape](corners)
         points, pixels, step = self._points(depth, box, kind)
         # From the camera, in the robot's axes.
@@ -179,7 +181,7 @@ class ObjectLocator:
         which = (found >= params.nearest) & (found <= params.farthest)
         points = self._rays[window][which] * found[which][:, np.newaxis] + self._offset
         points = points[points[:, 2] > 0.5 * params.nearest]
-        pixels = self._colour.project(points) + 0.5
+        pixels = self._colour.project_points(points) + 0.5
         near = np.all((pixels >= low) & (pixels <= high), axis=1)
         return points[near], pixels[near], step
 
@@ -189,10 +191,11 @@ class ObjectLocator:
         rays = self._colour.rays(around)
         T = self._T_depth_colour
         ends = np.vstack([rays * z for z in (self._params.nearest, self._params.farthest)])
-        found = self._depth.project(ends @ T[:3, :3].T + T[:3, 3])
+        found = self._depth.project_points(ends @ T[:3, :3].T + T[:3, 3])
         size = np.array(self._depth.size)
-        first = np.clip(np.floor(found.min(axis=0)), 0, size).astype(int)
-        last = np.clip(np.ceil(found.max(axis=0)) + 1, 0, size).astype(int)
+        # Where a lens model has no ray, the window ends where the image does.
+        first = np.clip(np.floor(np.nan_to_num(found).min(axis=0)), 0, size).astype(int)
+        last = np.clip(np.ceil(np.nan_to_num(found, nan=max(size)).max(axis=0)) + 1, 0, size).astype(int)
         return first[0], first[1], last[0], last[1]
 
     def _outlines(

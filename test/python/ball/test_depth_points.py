@@ -4,8 +4,8 @@ import cv2
 import numpy as np
 import pytest
 
+import sextant
 from sextant.ball.depth_points import DepthPoints
-from sextant.geometry.pinhole_camera import PinholeCamera
 
 SIZE = (64, 48)
 K = np.array([[40.0, 0.0, 30.0], [0.0, 42.0, 25.0], [0.0, 0.0, 1.0]])
@@ -19,13 +19,20 @@ T_BASE_DEPTH[:3, 1] = np.cross(T_BASE_DEPTH[:3, 2], T_BASE_DEPTH[:3, 0])
 T_BASE_DEPTH[:3, 3] = 0.1, -0.02, 0.3
 
 
+def camera_with(distortion):
+    calibration = sextant.CameraCalibration()
+    calibration.width, calibration.height = SIZE
+    calibration.distortion_model, calibration.D, calibration.K = "plumb_bob", distortion, K
+    return sextant.CameraModel(calibration)
+
+
 def test_a_camera_above_a_floor_sees_it_at_height_zero():
     depth = np.zeros(SIZE[::-1], np.float32)
     for v in range(SIZE[1]):
         ray = T_BASE_DEPTH[:3, :3] @ [0.0, (v - 25.0) / 42.0, 1.0]  # depth is the same along a row
         if ray[2] < -0.05:
             depth[v] = 0.3 / -ray[2]
-    camera = PinholeCamera(K, np.zeros(5), SIZE)
+    camera = camera_with(np.zeros(5))
     points = DepthPoints(camera, T_BASE_DEPTH, step=1).of(depth)
     assert len(points) == np.count_nonzero(depth) > 500
     np.testing.assert_allclose(points[:, 2], 0.0, atol=1e-6)
@@ -38,7 +45,7 @@ def test_points_are_projected_to_the_pixels_that_are_picked(step):
     depth = rng.uniform(0.5, 3.0, SIZE[::-1]).astype(np.float32)
     depth[rng.random(depth.shape) < 0.3] = 0.0
     scale = 1.04
-    points = DepthPoints(PinholeCamera(K, D, SIZE), T_BASE_DEPTH, scale, step).of(depth)
+    points = DepthPoints(camera_with(D), T_BASE_DEPTH, scale, step).of(depth)
     seen = (points - T_BASE_DEPTH[:3, 3]) @ T_BASE_DEPTH[:3, :3]
     pixels = cv2.projectPoints(seen.reshape(-1, 1, 3), np.zeros(3), np.zeros(3), K, D)[0][:, 0]
     at = np.rint(pixels).astype(int)
@@ -51,4 +58,4 @@ def test_points_are_projected_to_the_pixels_that_are_picked(step):
 
 def test_an_image_of_another_size_is_refused():
     with pytest.raises(ValueError, match="depth image is 32×48, its camera 64×48"):
-        DepthPoints(PinholeCamera(K, D, SIZE), T_BASE_DEPTH).of(np.ones((48, 32), np.float32))
+        DepthPoints(camera_with(D), T_BASE_DEPTH).of(np.ones((48, 32), np.float32))

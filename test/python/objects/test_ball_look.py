@@ -3,17 +3,15 @@
 import numpy as np
 import pytest
 
-from sextant.geometry.pinhole_camera import PinholeCamera
+import sextant
 from sextant.objects.ball_look import BallLook
 from sextant.objects.ball_tracker import BallTracker, BallTrackerParams
 from sextant.objects.ball_view import BallView
 from sextant.objects.object_kinds import KINDS
 from sextant.objects.object_locator import LocatedObject
+from sextant.simulation.camera import camera_calibration
 
-CAMERA = PinholeCamera(
-    np.array([[600.0, 0.0, 320.0], [0.0, 600.0, 240.0], [0.0, 0.0, 1.0]]), np.zeros(0), (640, 480)
-)
-VIEW = BallView(CAMERA, 0.05, 0.3, 4.0)
+VIEW = BallView(sextant.CameraModel(camera_calibration(640, 480, 2 * np.arctan(320 / 600))), 0.05, 0.3, 4.0)
 T_BASE_CAMERA = np.array(
     [[0.0, 0.0, 1.0, 0.1], [-1.0, 0.0, 0.0, 0.0], [0.0, -1.0, 0.0, 0.3], [0.0, 0.0, 0.0, 1.0]]
 )

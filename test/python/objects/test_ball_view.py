@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from sextant.geometry.pinhole_camera import PinholeCamera
+import sextant
 from sextant.objects.ball_view import BallView
 from sextant.simulation.camera import camera_calibration, camera_mount
 
-VIEW = BallView(PinholeCamera.of(camera_calibration(640, 480, 0.96)), 0.05, 0.4, 2.5)
+VIEW = BallView(sextant.CameraModel(camera_calibration(640, 480, 0.96)), 0.05, 0.4, 2.5)
 T = camera_mount([0.1, 0.0, 0.3], [0.0, 0.25, 0.0])
 
 

@@ -3,18 +3,18 @@
 import numpy as np
 import pytest
 
-from sextant.geometry.pinhole_camera import PinholeCamera
+import sextant
 from sextant.objects.box_tangents import BOTTOM, LEFT, RIGHT, TOP, ball_tangents, pillar_tangents
 from sextant.simulation.camera import camera_calibration, camera_mount
 
-CAMERA = PinholeCamera.of(camera_calibration(640, 480, 0.96))
+CAMERA = sextant.CameraModel(camera_calibration(640, 480, 0.96))
 T = camera_mount([0.1, 0.0, 0.3], [0.0, 0.25, 0.0])
 RADIUS = 0.05
 
 
 def corners_of(points):
     """Rays in the robot's axes toward the corners of the box about points (n, 3) of the robot frame."""
-    pixels = CAMERA.project((points - T[:3, 3]) @ T[:3, :3])
+    pixels = CAMERA.project_points((points - T[:3, 3]) @ T[:3, :3])
     (left, top), (right, bottom) = pixels.min(axis=0), pixels.max(axis=0)
     corners = np.array([[left, top], [right, top], [left, bottom], [right, bottom]])
     return CAMERA.rays(corners) @ T[:3, :3].T

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sextant.geometry.pinhole_camera import PinholeCamera
+import sextant
 from sextant.objects.object_kinds import KINDS
 from sextant.objects.object_locator import ObjectLocator, ObjectLocatorParams
 from sextant.simulation.ball_ground import Pillar
@@ -31,7 +31,7 @@ class Scene:
 
     def locator(self, **settings):
         camera = self.simulation.camera
-        models = PinholeCamera.of(camera.colour), PinholeCamera.of(camera.depth)
+        models = map(sextant.CameraModel, (camera.colour, camera.depth))
         T = np.linalg.inv(camera.T_base_colour) @ camera.T_base_depth
         return ObjectLocator(ObjectLocatorParams(**{"scale": SCALE, **settings}), *models, T)
 

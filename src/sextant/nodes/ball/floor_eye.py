@@ -8,9 +8,9 @@ import numpy as np
 import rospy
 from sensor_msgs.msg import CameraInfo, Image
 
+import sextant
 from sextant.bags.pictures import depth_image
 from sextant.ball.depth_points import DepthPoints
-from sextant.geometry.pinhole_camera import PinholeCamera
 from sextant.nodes.objects.camera_geometry import CameraGeometry, same_pose
 
 INFO = "depth/camera_info"
@@ -24,7 +24,7 @@ class FloorEye:
         self._scale, self._step = scale, step
         self._geometry = CameraGeometry()
         self._points: Optional[DepthPoints] = None
-        self._made_for: Optional[PinholeCamera] = None
+        self._made_for: Optional[sextant.CameraModel] = None
         self._T_base_depth = np.eye(4)
 
     def hear(self, info: CameraInfo) -> None:

@@ -9,9 +9,9 @@ import rospy
 import tf2_ros
 from sensor_msgs.msg import CameraInfo
 
+import sextant
 from sextant.bags.calibrations import camera_from_info, same_calibration
 from sextant.bags.transforms import frame_name
-from sextant.geometry.pinhole_camera import PinholeCamera
 from sextant.nodes.base.conversions import pose_from_transform
 
 SAME = 1e-6  # metres, and of a rotation's elements
@@ -22,7 +22,7 @@ class CameraGeometry:
 
     def __init__(self) -> None:
         self._infos: Dict[str, CameraInfo] = {}
-        self._cameras: Dict[str, PinholeCamera] = {}  # of these
+        self._cameras: Dict[str, sextant.CameraModel] = {}  # of these
         self._buffer = tf2_ros.Buffer()
         self._listener = tf2_ros.TransformListener(self._buffer)
 
@@ -32,13 +32,13 @@ class CameraGeometry:
             self._cameras.pop(topic, None)
         self._infos[topic] = info
 
-    def camera(self, topic: str) -> PinholeCamera:
+    def camera(self, topic: str) -> "sextant.CameraModel":
         """The same object until its calibration changes. :raises ValueError: it is not known, or cannot be"""
         if topic not in self._infos:
             raise ValueError(f"nothing is heard on {rospy.resolve_name(topic)}")
         if topic not in self._cameras:
             try:
-                self._cameras[topic] = PinholeCamera.of(camera_from_info(self._infos[topic], rectified=False))
+                self._cameras[topic] = _pinhole_model(self._infos[topic])
             except ValueError as error:
                 raise ValueError(f"{rospy.resolve_name(topic)}: {error}") from None
         return self._cameras[topic]
@@ -50,6 +50,13 @@ class CameraGeometry:
         except (tf2_ros.TransformException, ValueError) as error:
             raise ValueError(f"no transform from '{source}' to '{target}': {error}") from None
         return pose_from_transform(found.transform)
+
+
+def _pinhole_model(info: CameraInfo) -> "sextant.CameraModel":
+    camera = camera_from_info(info, rectified=False)
+    if camera.distortion_model == "equidistant":
+        raise ValueError("distortion_model is 'equidistant', it must be plumb_bob or rational_polynomial")
+    return camera.model()
 
 
 def same_pose(T: np.ndarray, other: np.ndarray) -> bool:

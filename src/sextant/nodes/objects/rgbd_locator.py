@@ -7,7 +7,7 @@ from typing import Any, Optional, Tuple
 import numpy as np
 from sensor_msgs.msg import CameraInfo
 
-from sextant.geometry.pinhole_camera import PinholeCamera
+import sextant
 from sextant.nodes.objects.camera_geometry import CameraGeometry, same_pose
 from sextant.objects.object_locator import ObjectLocator, ObjectLocatorParams
 
@@ -21,7 +21,7 @@ class RgbdLocator:
         self._params, self._base_frame = params, base_frame
         self._geometry = CameraGeometry()
         self._locator: Optional[ObjectLocator] = None
-        self._made_for: Tuple[PinholeCamera, ...] = ()
+        self._made_for: Tuple[sextant.CameraModel, ...] = ()
         self._T_colour_depth = np.eye(4)
 
     def hear(self, topic: str, info: CameraInfo) -> None:
@@ -29,7 +29,7 @@ class RgbdLocator:
         self._geometry.hear(topic, info)
 
     @property
-    def colour(self) -> PinholeCamera:
+    def colour(self) -> "sextant.CameraModel":
         """:raises ValueError: it is not known, or cannot be"""
         return self._geometry.camera(COLOUR)
 
