@@ -19,6 +19,13 @@ void bindPose(py::module_& module) {
   module.def(
       "pose_from_xyz_rpy", &poseFromXyzRpy, "xyz"_a, "rpy"_a,
       "4 x 4 pose from metres and fixed-axis roll, pitch, yaw in radians: R = Rz(yaw) Ry(pitch) Rx(roll).");
+  module.def(
+      "pose_from_quaternion",
+      [](const Eigen::Vector3d& position, const Eigen::Vector4d& xyzw, double tolerance) {
+        return poseFromQuaternion(position, Eigen::Quaterniond(xyzw), tolerance);
+      },
+      "position"_a, "xyzw"_a, "tolerance"_a = 0.01,
+      "4 x 4 pose from metres and a quaternion whose length differs from 1 by at most the tolerance.");
   module.def("rpy_from_rotation", &rpyFromRotation, "rotation"_a,
              "Roll, pitch, yaw (radians) of a 3 x 3 rotation.");
   module.def("exp_so3", &expSO3, "delta"_a, "Rotation by |delta| radians about delta.");

@@ -3,9 +3,16 @@
 #include "sextant/geometry/pose.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <cmath>
+#include <sstream>
 #include <stdexcept>
 
 namespace sextant {
+namespace {
+
+constexpr double kLeastNorm = 1e-6;  // of a quaternion: below it the direction is what rounding left
+
+}  // namespace
 
 Pose poseFromXyzRpy(const Eigen::Vector3d& xyz, const Eigen::Vector3d& rpy) {
   using Axis = Eigen::Vector3d;
@@ -15,6 +22,21 @@ Pose poseFromXyzRpy(const Eigen::Vector3d& xyz, const Eigen::Vector3d& rpy) {
   Pose pose = Pose::Identity();
   pose.linear() = q.toRotationMatrix();
   pose.translation() = xyz;
+  return pose;
+}
+
+Pose poseFromQuaternion(const Eigen::Vector3d& position, const Eigen::Quaterniond& q, double tolerance) {
+  if (!position.allFinite() || !q.coeffs().allFinite())
+    throw std::invalid_argument("position and quaternion must be finite");
+  const double norm = q.norm();
+  if (norm < kLeastNorm || std::abs(norm - 1) > tolerance) {
+    std::ostringstream text;
+    text << "the quaternion is no rotation: its length is " << norm << ", not 1";
+    throw std::invalid_argument(text.str());
+  }
+  Pose pose = Pose::Identity();
+  pose.linear() = q.normalized().toRotationMatrix();
+  pose.translation() = position;
   return pose;
 }
 

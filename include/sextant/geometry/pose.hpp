@@ -20,6 +20,12 @@ using Pose = Eigen::Isometry3d;
 /// Rx(roll), as tf2's setRPY.
 Pose poseFromXyzRpy(const Eigen::Vector3d& xyz, const Eigen::Vector3d& rpy);
 
+/// Pose from a position in metres and a quaternion; q and -q are the same.
+/// @param tolerance by how much the quaternion's length may differ from 1
+/// @throws std::invalid_argument for a number that is not finite, or another length
+Pose poseFromQuaternion(const Eigen::Vector3d& position, const Eigen::Quaterniond& q,
+                        double tolerance = 0.01);
+
 /// Roll, pitch, yaw of R = Rz(yaw) Ry(pitch) Rx(roll); pitch in [-pi/2, pi/2].
 Eigen::Vector3d rpyFromRotation(const Eigen::Matrix3d& rotation);
 

@@ -3,20 +3,9 @@
 #include "sextant/ros/geometry/pose_conversions.hpp"
 
 #include <algorithm>
-#include <stdexcept>
 
 namespace sextant {
 namespace {
-
-Pose pose(const Eigen::Vector3d& translation, const Eigen::Quaterniond& q) {
-  if (!translation.allFinite()) throw std::invalid_argument("the position has a number that is not finite");
-  if (!(std::abs(q.norm() - 1.0) < 0.01))
-    throw std::invalid_argument("the orientation is no unit quaternion");
-  Pose result = Pose::Identity();
-  result.linear() = q.normalized().toRotationMatrix();
-  result.translation() = translation;
-  return result;
-}
 
 // Binning merges pixels whose centres lie half a pixel inside the merged one.
 double binned(double centre, double offset, double binning) {
@@ -57,13 +46,12 @@ geometry_msgs::PoseWithCovariance toPoseWithCovarianceMsg(const Pose& pose, cons
 
 Pose fromMsg(const geometry_msgs::Pose& msg) {
   const auto& q = msg.orientation;
-  return pose({msg.position.x, msg.position.y, msg.position.z}, Eigen::Quaterniond(q.w, q.x, q.y, q.z));
+  return poseFromQuaternion({msg.position.x, msg.position.y, msg.position.z}, {q.w, q.x, q.y, q.z});
 }
 
 Pose fromMsg(const geometry_msgs::Transform& msg) {
   const auto& q = msg.rotation;
-  return pose({msg.translation.x, msg.translation.y, msg.translation.z},
-              Eigen::Quaterniond(q.w, q.x, q.y, q.z));
+  return poseFromQuaternion({msg.translation.x, msg.translation.y, msg.translation.z}, {q.w, q.x, q.y, q.z});
 }
 
 Matrix6d fromMsg(const geometry_msgs::PoseWithCovariance::_covariance_type& covariance) {

@@ -14,9 +14,10 @@ from typing import Dict, Iterable, Iterator, List, Sequence, Tuple, Union
 
 import numpy as np
 
+import sextant
 from sextant.base.atomic_file import atomic_file
 from sextant.evaluation.trajectory import Trajectory
-from sextant.geometry.poses import pose_of, quaternion_of
+from sextant.geometry.poses import quaternion_of
 
 FIELDS = ("stamp", "x", "y", "z", "qx", "qy", "qz", "qw")
 SECOND, NANOSECOND = Decimal(10**9), Decimal(1)
@@ -153,7 +154,8 @@ def _stamped_pose(row: Sequence[str], fields: Sequence[str], unit: Decimal) -> T
         raise ValueError(f"{len(row)} values, expected {len(fields)}")
     texts = dict(zip(fields, row))
     values = [_number(field, texts[field]) for field in FIELDS[1:]]
-    return _nanoseconds(texts["stamp"], unit), pose_of(values[:3], values[3:], NORM_TOLERANCE)
+    pose = sextant.pose_from_quaternion(values[:3], values[3:], NORM_TOLERANCE)
+    return _nanoseconds(texts["stamp"], unit), pose
 
 
 def _number(field: str, text: str) -> float:

@@ -2,56 +2,20 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Poses (4x4 arrays, metres): of positions and quaternions in the order x y z w, and between others."""
 
-import math
-from typing import Any, List, Optional, Sequence
+from typing import Any, List, Optional
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-NORM_TOLERANCE = 0.01  # of a unit quaternion, as src/ros/geometry/pose_conversions.cpp
+import sextant
+
 LONGEST_GAP = 0.5  # seconds between two poses, over which it is still known how a robot moved
-SMALLEST_NORM = 1e-6  # below it the direction is what rounding left over
-
-
-def pose_of(
-    position: Sequence[float], xyzw: Sequence[float], tolerance: float = NORM_TOLERANCE
-) -> np.ndarray:
-    """(4, 4) of a position (3,) and a quaternion (4,); q and -q are the same.
-
-    :param tolerance: by how much the quaternion's length may differ from 1
-    :raises ValueError: a number is not finite, or the quaternion has another length
-    """
-    if not (np.all(np.isfinite(position)) and np.all(np.isfinite(xyzw))):
-        raise ValueError("position and quaternion must be finite")
-    norm = np.linalg.norm(xyzw)
-    if norm < SMALLEST_NORM or abs(norm - 1.0) > tolerance:
-        raise ValueError(f"the quaternion is no rotation: its length is {norm:.6g}, not 1")
-    T = np.eye(4)
-    T[:3, :3] = _rotation(*map(float, xyzw))
-    T[:3, 3] = position
-    return T
-
-
-def _rotation(x: float, y: float, z: float, w: float) -> np.ndarray:
-    """As Eigen has it, with the same roundings: what is read of a bag is what a nodelet was told."""
-    norm = math.sqrt((x * x + z * z) + (y * y + w * w))
-    x, y, z, w = x / norm, y / norm, z / norm, w / norm
-    xx, yy, zz = 2 * x * x, 2 * y * y, 2 * z * z
-    xy, xz, yz = 2 * y * x, 2 * z * x, 2 * z * y
-    wx, wy, wz = 2 * x * w, 2 * y * w, 2 * z * w
-    return np.array(
-        [
-            [1 - (yy + zz), xy - wz, xz + wy],
-            [xy + wz, 1 - (xx + zz), yz - wx],
-            [xz - wy, yz + wx, 1 - (xx + yy)],
-        ]
-    )
 
 
 def pose_of_fields(position: Any, orientation: Any) -> np.ndarray:
-    """(4, 4) of a message's Point or Vector3 and its Quaternion; raises as pose_of()."""
+    """(4, 4) of a message's Point or Vector3 and its Quaternion; raises as sextant.pose_from_quaternion()."""
     q = orientation
-    return pose_of([position.x, position.y, position.z], [q.x, q.y, q.z, q.w])
+    return sextant.pose_from_quaternion([position.x, position.y, position.z], [q.x, q.y, q.z, q.w])
 
 
 def quaternion_of(R: np.ndarray) -> np.ndarray:

@@ -23,7 +23,7 @@ from typing import Dict, List, Optional, Set
 import numpy as np
 
 import sextant
-from sextant.geometry.poses import pose_of, quaternion_of
+from sextant.geometry.poses import quaternion_of
 from sextant.markers.formats.located_yaml import Table, read_yaml
 from sextant.markers.formats.losses import (
     lost_covariances,
@@ -116,7 +116,7 @@ def _marker(tag: Table, family: str, standalone: Dict[int, float]) -> sextant.Ma
     if standalone.get(id, size) != size:
         raise ValueError(f"tag {id} has {size:g} m here and {standalone[id]:g} m as a standalone tag")
     x, y, z, qw, qx, qy, qz = (tag.number(name, float(name == "qw")) for name in POSE_NAMES)
-    T_bundle_tag = pose_of([x, y, z], [qx, qy, qz, qw], tolerance=np.inf)
+    T_bundle_tag = sextant.pose_from_quaternion([x, y, z], [qx, qy, qz, qw], tolerance=np.inf)
     return sextant.MappedMarker(family, id, size, T_bundle_tag)
 
 

@@ -21,12 +21,12 @@ def transform_to_message(T: np.ndarray) -> Transform:
 
 
 def pose_from_message(pose: Pose) -> np.ndarray:
-    """4x4 pose of a geometry_msgs/Pose; raises as sextant.geometry.poses.pose_of()."""
+    """4x4 pose of a geometry_msgs/Pose; raises as sextant.pose_from_quaternion()."""
     return pose_of_fields(pose.position, pose.orientation)
 
 
 def pose_from_transform(transform: Transform) -> np.ndarray:
-    """4x4 pose of a geometry_msgs/Transform; raises as sextant.geometry.poses.pose_of()."""
+    """4x4 pose of a geometry_msgs/Transform; raises as sextant.pose_from_quaternion()."""
     return pose_of_fields(transform.translation, transform.rotation)
 
 
