@@ -101,11 +101,10 @@ class ObjectLocator:
     def _located(
         self, depth: np.ndarray, box: np.ndarray, kind: ObjectKind, T_base_colour: np.ndarray
     ) -> Optional[LocatedObject]:
-        if not np.all(box[2:] - box[:2] >= SMALLEST):
+        corners = self._corners(box)
+        if corners is None:
             return None
-        corners = self._colour.rays(box[[[0, 1], [2, 1], [0, 3], [2, 3]]] - 0.5) @ T_base_colour[:3, :3].T
-        if not np.isfinite(corners).all():  # the lens model has no ray there
-            return None
+        corners = corners @ T_base_colour[:3, :3].T
         tangents = TANGENTS[kind.shape](corners)
         points, pixels, step = self._points(depth, box, kind)
         # From the camera, in the robot's axes.
@@ -121,6 +120,12 @@ class ObjectLocator:
         if any(each.points > AMBIGUOUS * fits[0].points for each in others):
             return None
         return self._told(fits[0].position[:2], fits[0].covariance[:2, :2], T_base_colour)
+
+    def _corners(self, box: np.ndarray) -> Optional[np.ndarray]:
+        """(4, 3) rays to the corners of a box; None: it is too small, or the lens model has no ray there."""
+        rays = self._colour.rays(box[[[0, 1], [2, 1], [0, 3], [2, 3]]] - 0.5)
+        is_good = np.all(box[2:] - box[:2] >= SMALLEST) and np.isfinite(rays).all()
+        return rays if is_good else None
 
     def _too_near(
         self, box: np.ndarray, tangents: BoxTangents, kind: ObjectKind, pixels: np.ndarray, T_base_colour
