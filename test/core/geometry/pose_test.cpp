@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <random>
+#include <stdexcept>
 
 namespace sextant {
 namespace {
@@ -71,6 +72,18 @@ TEST(Pose, KnowsACovariance) {
   matrix(0, 1) = matrix(1, 0) = 1.5;
   EXPECT_FALSE(isCovariance(matrix));
   EXPECT_FALSE(isCovariance(Matrix6d::Constant(std::nan(""))));
+}
+
+TEST(Pose, OfAQuaternionThatIsOne) {
+  Eigen::Matrix3d cycle;  // x to y, y to z, z to x: a third of a turn about (1, 1, 1)
+  cycle << 0, 0, 1, 1, 0, 0, 0, 1, 0;
+  for (const double half : {0.5, -0.5, 0.5 * 1.0099})
+    EXPECT_TRUE(poseFromQuaternion({1, 2, 3}, {half, half, half, half}).linear().isApprox(cycle, 1e-15));
+  EXPECT_EQ(poseFromQuaternion({1, 2, 3}, {1, 0, 0, 0}).translation(), Eigen::Vector3d(1, 2, 3));
+  EXPECT_THROW(poseFromQuaternion({1, 2, 3}, {1.011, 0, 0, 0}), std::invalid_argument);
+  EXPECT_THROW(poseFromQuaternion({1, 2, 3}, {0, 0, 0, 0}, 2), std::invalid_argument);
+  EXPECT_THROW(poseFromQuaternion({1, NAN, 3}, {1, 0, 0, 0}), std::invalid_argument);
+  EXPECT_THROW(poseFromQuaternion({1, 2, 3}, {NAN, 0, 0, 0}), std::invalid_argument);
 }
 
 }  // namespace
