@@ -14,7 +14,7 @@ def assert_refused(case, node, mistakes, **given):
     """Each mistake ends the node, /bad, with status 1 and a reason.
 
     :param case: unittest.TestCase
-    :param node: module of sextant.nodes
+    :param node: module of sextant.nodes, with its room: "simulation.simulator"
     :param mistakes: (parameter, value as text, what the reason has in it)
     :param given: parameters that are right, as text
     """

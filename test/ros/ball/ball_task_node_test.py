@@ -257,7 +257,7 @@ class EndTest(unittest.TestCase):
             ("most_kicks", "1.5", "/bad/most_kicks: must be a whole number"),
             ("run_up", "0.2", "/bad/run_up is 0.2, it must be more than"),
         )
-        assert_refused(self, "ball_task", mistakes)
+        assert_refused(self, "ball.ball_task", mistakes)
 
 
 def suite():

@@ -192,7 +192,7 @@ class ObjectDetectorTest(unittest.TestCase):
             ("classes", "[a, b, c]", "classes are 3 names, but"),
             ("size", "320", "size is 320, but"),
         )
-        assert_refused(self, "object_detector", mistakes, model=model, backend="opencv")
+        assert_refused(self, "objects.object_detector", mistakes, model=model, backend="opencv")
 
 
 if __name__ == "__main__":

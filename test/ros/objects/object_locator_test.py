@@ -160,7 +160,7 @@ class ObjectLocatorTest(unittest.TestCase):
             ("scale", "3.0", "/bad/scale: must be within"),
             ("kinds", "{cat: {shape: cat, radius: 0.1}}", "/bad/kinds: kinds/cat/shape: must be one of"),
         )
-        assert_refused(self, "object_locator", mistakes)
+        assert_refused(self, "objects.object_locator", mistakes)
 
 
 if __name__ == "__main__":

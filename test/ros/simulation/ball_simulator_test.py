@@ -257,7 +257,7 @@ class StartUpTest(unittest.TestCase):
             ("depth_encoding", "mono16", "/bad/depth_encoding: must be one of 16UC1, 32FC1"),
             ("bounce", "1.5", "/bad/bounce: must be within [0.0, 1.0]"),
         )
-        assert_refused(self, "ball_simulator", mistakes)
+        assert_refused(self, "simulation.ball_simulator", mistakes)
 
 
 def suite():

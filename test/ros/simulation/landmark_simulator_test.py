@@ -152,7 +152,7 @@ class StartUpTest(unittest.TestCase):
             ("range_noise", "[0.1]", "/bad/range_noise: must be two numbers"),
             ("missed", "1.0", "/bad/missed: must be within"),
         )
-        assert_refused(self, "landmark_simulator", mistakes)
+        assert_refused(self, "simulation.landmark_simulator", mistakes)
 
 
 def suite():

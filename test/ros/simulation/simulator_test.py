@@ -178,7 +178,7 @@ class StartUpTest(unittest.TestCase):
             ("map_file", "/no/such/map.yaml", "/no/such/map.yaml"),
             ("family", "tag99h99", "tag99h99"),
         )
-        assert_refused(self, "simulator", mistakes)
+        assert_refused(self, "simulation.simulator", mistakes)
 
 
 def suite():

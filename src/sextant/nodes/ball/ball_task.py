@@ -26,6 +26,7 @@ from sextant.nodes.ball.ball_task_messages import floor_message, path_message, t
 from sextant.nodes.ball.ball_task_node_params import BallTaskNodeParams
 from sextant.nodes.ball.ball_task_report import BallTaskReport
 from sextant.nodes.ball.floor_eye import FloorEye
+from sextant.nodes.base.exits import until_shutdown
 from sextant.nodes.base.params import read_params
 
 LONGEST_SLEEP = 0.05  # seconds of the wall's clock; so often it is looked whether poses come
@@ -248,8 +249,5 @@ def main() -> None:
     """Runs the node; a parameter that cannot be taken ends it with status 1 and the reason."""
     rospy.init_node("ball_task")
     node = BallTaskNode(read_params(BallTaskNodeParams))
-    try:
+    with until_shutdown():
         node.run()
-    except rospy.ROSException:
-        if not rospy.is_shutdown():  # else a topic was closed in the middle of a step
-            raise

@@ -16,7 +16,11 @@ class Pair(NamedTuple):
 
 
 class StampPairs:
-    """The first may come later than the second, or before it. Messages of either topic come in order."""
+    """The first may come later than the second, or before it. Messages of either topic come in order.
+
+    The synchronizers of message_filters take the first one within the slop, not the nearest, do not count
+    what is left alone, and pair nothing any more after the wall's clock was set back.
+    """
 
     def __init__(self, slop: float):
         """:param slop: seconds that two stamps may differ"""
@@ -27,18 +31,12 @@ class StampPairs:
 
     def add_first(self, message: Any) -> List[Pair]:
         """:returns: pairs that are complete now"""
-        if self._first and _stamp(message) < _stamp(self._first[-1]):
-            self._first.clear()  # a clock was set back
-        self._first.append(message)
-        self.alone += _shortened(self._first)
+        self.alone += _append(self._first, message)
         return self._complete()
 
     def add_second(self, message: Any) -> List[Pair]:
         """As add_first()."""
-        if self._second and _stamp(message) < _stamp(self._second[-1]):
-            self._second.clear()
-        self._second.append(message)
-        _shortened(self._second)
+        _append(self._second, message)
         return self._complete()
 
     def _complete(self) -> List[Pair]:
@@ -54,10 +52,13 @@ class StampPairs:
         return pairs
 
 
-def _shortened(messages: Deque) -> int:
-    """Without those that are too old; their number."""
+def _append(messages: Deque, message: Any) -> int:
+    """:returns: how many were too old to keep"""
+    if messages and _stamp(message) < _stamp(messages[-1]):
+        messages.clear()  # a clock was set back
+    messages.append(message)
     count = len(messages)
-    while _stamp(messages[0]) < _stamp(messages[-1]) - LONGEST:
+    while _stamp(messages[0]) < _stamp(message) - LONGEST:
         messages.popleft()
     return count - len(messages)
 

@@ -32,6 +32,7 @@ from sextant.evaluation.pose_series import (
 from sextant.evaluation.trajectory_metrics import RPE
 from sextant.geometry.poses import pose_of_fields
 from sextant.nodes.base.conversions import pose_from_message
+from sextant.nodes.base.exits import fatal
 from sextant.nodes.base.params import read_params
 from sextant.srv import MeasureAccuracy, MeasureAccuracyResponse
 
@@ -224,10 +225,7 @@ def _response(of: SeriesStatistics) -> MeasureAccuracyResponse:
 def main() -> None:
     rospy.init_node("accuracy_listener")
     params = read_params(AccuracyParams)
-    try:
+    with fatal(ValueError):
         listener = AccuracyListener(params)
-    except ValueError as error:
-        rospy.logfatal("%s: %s", rospy.get_name(), error)
-        raise SystemExit(1) from None
     rospy.spin()
     del listener

@@ -6,7 +6,6 @@ camera_driver does not turn photos: it tells the calibration, which is of the se
 """
 
 import re
-import sys
 import threading
 import time
 from dataclasses import dataclass
@@ -21,6 +20,7 @@ from std_msgs.msg import Header
 
 from sextant.base.strict_params import not_empty, param, required, within
 from sextant.nodes.base.conversions import image_to_message
+from sextant.nodes.base.exits import fatal
 from sextant.nodes.base.listeners import wait_for_listener
 from sextant.nodes.base.params import read_params
 from sextant.place_maps.exif_map import find_photos
@@ -112,8 +112,5 @@ def main() -> None:
     """Runs the node; no photo that can be read ends it with status 1 and the reason."""
     rospy.init_node("publish_image")
     params = read_params(PublisherParams)
-    try:
+    with fatal(ValueError):
         PhotoPublisher(params).run()
-    except ValueError as error:
-        rospy.logfatal("%s: %s", rospy.get_name(), error)
-        sys.exit(1)

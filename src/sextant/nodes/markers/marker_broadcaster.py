@@ -2,7 +2,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Says where the markers of a map file are: to tf, to the locators and to rviz."""
 
-import sys
 import threading
 from dataclasses import dataclass
 from typing import Dict
@@ -15,6 +14,7 @@ from visualization_msgs.msg import MarkerArray
 import sextant
 from sextant.base.strict_params import not_empty, param, required
 from sextant.msg import MarkerMapEntries
+from sextant.nodes.base.exits import fatal
 from sextant.nodes.base.params import read_params
 from sextant.nodes.markers.marker_map_messages import (
     map_to_message,
@@ -104,10 +104,7 @@ class MarkerBroadcaster:
 
 def main() -> None:
     rospy.init_node("marker_broadcaster")
-    try:
+    with fatal(ValueError, RuntimeError):
         broadcaster = MarkerBroadcaster(read_params(BroadcasterParams))
-    except (ValueError, RuntimeError) as error:
-        rospy.logfatal("%s: %s", rospy.get_name(), error)
-        sys.exit(1)
     rospy.spin()
     del broadcaster

@@ -2,8 +2,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Tells where in a camera's pictures objects are, and of which class."""
 
-import sys
-
 import cv2
 import numpy as np
 import rospy
@@ -14,6 +12,7 @@ from sextant.bags.bag_file import DamagedMessage
 from sextant.bags.pictures import colour_image
 from sextant.msg import Objects
 from sextant.nodes.base.conversions import image_to_message
+from sextant.nodes.base.exits import fatal, until_shutdown
 from sextant.nodes.base.params import read_params
 from sextant.nodes.images.newest_picture import NewestPicture
 from sextant.nodes.objects.object_detector_params import ObjectDetectorParams
@@ -72,13 +71,7 @@ def main() -> None:
     params = read_params(ObjectDetectorParams)
     if params.threads:
         cv2.setNumThreads(params.threads)
-    try:
+    with fatal(OSError, ValueError):
         node = ObjectDetectorNode(params.opened())
-    except (OSError, ValueError) as error:
-        rospy.logfatal("%s: %s", rospy.get_name(), error)
-        sys.exit(1)
-    try:
+    with until_shutdown():
         node.run()
-    except rospy.ROSException:
-        if not rospy.is_shutdown():  # else a topic was closed in the middle of a report
-            raise

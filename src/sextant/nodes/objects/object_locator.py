@@ -16,6 +16,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from sextant.bags.pictures import depth_image
 from sextant.msg import LandmarkSightings, ObjectBox, Objects
+from sextant.nodes.base.exits import until_shutdown
 from sextant.nodes.base.params import read_params
 from sextant.nodes.base.stamp_pairs import Pair, StampPairs
 from sextant.nodes.objects.ball_follower import BallFollower, Followed
@@ -148,8 +149,5 @@ def main() -> None:
     """Runs the node; a parameter that cannot be taken ends it with status 1 and the reason."""
     rospy.init_node("object_locator")
     node = ObjectLocatorNode(read_params(ObjectLocatorNodeParams))
-    try:
+    with until_shutdown():
         node.run()
-    except rospy.ROSException:
-        if not rospy.is_shutdown():  # else a topic was closed in the middle of a report
-            raise

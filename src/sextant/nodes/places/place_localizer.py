@@ -2,7 +2,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Tells where in a map of remembered places a robot is."""
 
-import sys
 import threading
 import time
 from typing import Optional
@@ -21,6 +20,7 @@ from sextant.base.jobs import JobError, SchedulerError
 from sextant.msg import PlaceHypotheses, Places
 from sextant.nodes.base.awaited_file import wait_for_file
 from sextant.nodes.base.conversions import image_to_message
+from sextant.nodes.base.exits import fatal
 from sextant.nodes.base.params import read_params
 from sextant.nodes.images.newest_picture import NewestPicture
 from sextant.nodes.places.place_localizer_params import PlaceLocalizerParams
@@ -195,9 +195,6 @@ def main() -> None:
     rospy.init_node("place_localizer")
     params = read_params(PlaceLocalizerParams)
     wait_for_file(params.map_file, params.wait_for_map)
-    try:
+    with fatal(OSError, ValueError, JobError, SchedulerError):
         node = PlaceLocalizerNode(params, LoadedMap(params))
-    except (OSError, ValueError, JobError, SchedulerError) as error:
-        rospy.logfatal("%s: %s", rospy.get_name(), error)
-        sys.exit(1)
     node.run()

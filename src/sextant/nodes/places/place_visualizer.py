@@ -2,7 +2,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Shows the answers of a place_localizer on the overview of a map: as picture, in a window, and in rviz."""
 
-import sys
 import tempfile
 import threading
 from collections import deque
@@ -21,6 +20,7 @@ from sextant.base.strict_params import not_empty, param, required, within
 from sextant.msg import Places
 from sextant.nodes.base.awaited_file import wait_for_file
 from sextant.nodes.base.conversions import image_to_message
+from sextant.nodes.base.exits import fatal
 from sextant.nodes.base.params import read_params
 from sextant.nodes.images.picture_window import PictureWindow
 from sextant.nodes.places.place_map_messages import PlaceMarkers, answer_from_message, nothing
@@ -179,9 +179,6 @@ def main() -> None:
     rospy.init_node("place_visualizer")
     params = read_params(VisualizerParams)
     wait_for_file(params.map_file, params.wait_for_map)
-    try:
+    with fatal(OSError, ValueError):
         visualizer = PlaceVisualizer(params)
-    except (OSError, ValueError) as error:
-        rospy.logfatal("%s: %s", rospy.get_name(), error)
-        sys.exit(1)
     visualizer.run()

@@ -2,7 +2,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A simulated robot among landmarks, with a sensor that sees some of them, late."""
 
-import sys
 import threading
 from dataclasses import dataclass
 from typing import List, Optional, Tuple
@@ -19,6 +18,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 from sextant.base.strict_params import not_empty, param, within
 from sextant.geometry.plane_poses import in_frame, relative
 from sextant.msg import LandmarkSighting, LandmarkSightings
+from sextant.nodes.base.exits import fatal
 from sextant.nodes.base.listeners import wait_for_listener
 from sextant.nodes.base.params import read_params
 from sextant.nodes.simulation.simulated_clock import SimulatedClock, simulated_time
@@ -167,9 +167,6 @@ def main() -> None:
     """Runs the node; a parameter that cannot be taken ends it with status 1 and the reason."""
     with simulated_time("landmark_simulator"):
         params = read_params(LandmarkSimulatorParams)
-        try:
+        with fatal(ValueError, separator="/"):
             simulator = LandmarkSimulator(params)
-        except ValueError as error:
-            rospy.logfatal("%s/%s", rospy.get_name(), error)
-            sys.exit(1)
         simulator.run()

@@ -11,6 +11,8 @@ import rosgraph
 import rospy
 from rosgraph_msgs.msg import Clock
 
+from sextant.nodes.base.exits import until_shutdown
+
 STEP = 10_000_000  # nanoseconds of simulated time between two ticks at most
 
 
@@ -22,10 +24,8 @@ def simulated_time(name: str) -> Iterator[None]:
     """
     rospy.init_node(name)
     try:
-        yield
-    except rospy.ROSException:
-        if not rospy.is_shutdown():  # else a topic was closed in the middle of a moment
-            raise
+        with until_shutdown():
+            yield
     finally:
         _end_simulated_time(rosgraph.Master(rospy.get_name()))
 

@@ -20,6 +20,7 @@ from std_msgs.msg import Bool, Header
 import sextant
 from sextant.base.strict_params import not_empty, one_of, param, within
 from sextant.nodes.base.conversions import image_to_message
+from sextant.nodes.base.exits import fatal
 from sextant.nodes.base.listeners import wait_for_listener
 from sextant.nodes.base.params import read_params
 from sextant.nodes.simulation.simulated_clock import SimulatedClock, simulated_time
@@ -181,9 +182,6 @@ class Simulator:
 def main() -> None:
     """Runs the node; a parameter or a map file that cannot be taken ends it with status 1 and the reason."""
     with simulated_time("simulator"):
-        try:
+        with fatal(ValueError, RuntimeError):
             simulator = Simulator(read_params(SimulatorParams))
-        except (ValueError, RuntimeError) as error:
-            rospy.logfatal("%s: %s", rospy.get_name(), error)
-            sys.exit(1)
         simulator.run()

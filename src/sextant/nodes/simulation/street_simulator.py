@@ -2,7 +2,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A simulated walk along a street: pictures, odometry, the truth; and a map of the street."""
 
-import sys
 import threading
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,6 +16,7 @@ from std_srvs.srv import Trigger, TriggerResponse
 from sextant.base.jobs import JobError
 from sextant.base.strict_params import not_empty, param, within
 from sextant.nodes.base.conversions import image_to_message
+from sextant.nodes.base.exits import fatal, until_shutdown
 from sextant.nodes.base.listeners import wait_for_listener
 from sextant.nodes.base.params import read_params
 from sextant.nodes.simulation.simulator_messages import reading_to_message, truth_to_message
@@ -91,17 +91,11 @@ def main() -> None:
     """Runs the node; what cannot be taken or written ends it with status 1 and the reason."""
     rospy.init_node("street_simulator")
     params = read_params(StreetParams)
-    try:
+    with fatal(OSError, ValueError, JobError):
         simulator = StreetSimulator(params)
         folder, wanted = Path(params.map_folder), params.street_map()
         if params.map_folder and not has_street_map(folder, wanted):
             rospy.loginfo("%s: photographing the street, this is done once", folder)
             write_street_map(folder, wanted)
-    except (OSError, ValueError, JobError) as error:
-        rospy.logfatal("%s: %s", rospy.get_name(), error)
-        sys.exit(1)
-    try:
+    with until_shutdown():
         simulator.run()
-    except rospy.ROSException:
-        if not rospy.is_shutdown():  # else a topic was closed, or the sleep interrupted
-            raise
