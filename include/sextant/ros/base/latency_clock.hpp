@@ -8,8 +8,9 @@
 namespace sextant {
 
 /// How often something is published and how old its image is then, for diagnostics. FrequencyStatus and
-/// TimeStampStatus of diagnostic_updater set the summary: silence is an error there, also without a subscriber;
-/// their rate is negative after /clock was set back and missing while it stands; they have no mean latency.
+/// TimeStampStatus of diagnostic_updater set the summary: silence is an error there, also without a
+/// subscriber; their rate is negative after /clock was set back and missing while it stands; they have no
+/// mean latency.
 class LatencyClock {
  public:
   /// @param stamp of the image; without one (zero) only the rate is counted
