@@ -169,9 +169,9 @@ def test_photos_at_one_spot_do_not_make_the_spacing_zero():
     "changed, reason",
     [
         ({"reach": 0.5}, r"reach: must be within \[1, 20\], is 0.5"),
-        ({"restart": float("nan")}, "restart is nan"),
+        ({"restart": float("nan")}, "restart: must be within .*, is nan"),
         ({"restart": 0.7, "leave": 0.4}, r"restart \+ leave: must be at most 1, is 1.1"),
-        ({"nowhere": 0.0}, "leave has to be 0"),
+        ({"nowhere": 0.0}, "leave: must be 0 where nowhere is 0"),
     ],
 )
 def test_parameters_out_of_range_are_refused(changed, reason):

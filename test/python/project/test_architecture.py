@@ -45,7 +45,7 @@ BRIDGES = {
 PYTHON = {
     "base": "",
     "geometry": "",
-    "calibration": "",
+    "calibration": "base",
     "markers": "base geometry",
     "localization": "geometry",
     "mapping": "base",
@@ -58,7 +58,7 @@ PYTHON = {
     "simulation": "base geometry objects place_maps",
     "training": "base objects simulation",
     "evaluation": "base geometry localization objects ball simulation",
-    "bags": "calibration geometry landmarks localization objects place_maps",
+    "bags": "base calibration geometry landmarks localization objects place_maps",
 }
 
 
