@@ -144,7 +144,7 @@ def test_a_board_by_its_map(tmp_path, capsys):
         ("right.yaml --family tag36h11 --size 0.16 --also two/small.pgm", "has 320 x 240 pixels"),
         ("right.yaml --family tag36h11 --size 0.16 --also right.yaml", "right.yaml: is no picture"),
         ("right.yaml --family tag36h11 --size 0.16 --distances tape.txt", "two/a.png: shows the markers"),
-        ("right.yaml --family tag36h11 --size 0.16 --tape-sigma 0 0.7", "tape_sigma is 0.0"),
+        ("right.yaml --family tag36h11 --size 0.16 --tape-sigma 0 0.7", "tape_sigma: must be"),
         ("absent.yaml --family tag36h11 --size 0.16 0.7", "absent.yaml: cannot be read"),
         ("tape.txt --family tag36h11 --size 0.16 0.7", "tape.txt: is no calibration"),
     ],

@@ -48,7 +48,7 @@ REFUSED = {
     "a bag twice": (["drive", "a.bag", "./a.bag", "-o", "map.txt"], "a.bag: is named twice"),
     "bags of one name": (["drive", "a.bag", "f/a.bag", "-o", "map.txt"], "rename one of them"),
     "a frame of a topic": (["drive", "a.bag", "-o", "map.txt", "--pose", "p", "--frame", "f"], "--frame"),
-    "a distance": (["drive", "a.bag", "-o", "map.txt", "--distance", "0"], "distance is 0"),
+    "a distance": (["drive", "a.bag", "-o", "map.txt", "--distance", "0"], "distance: must be"),
     "a turn": (["drive", "a.bag", "-o", "map.txt", "--turn", "361"], "--turn is 361"),
     "merging": (["drive", "a.bag", "-o", "map.txt", "--merge", "-1"], "--merge"),
     "photos that are there": (["drive", "b.bag", "-o", "map.txt"], ".jpg: is there already; --force"),

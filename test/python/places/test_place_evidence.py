@@ -90,7 +90,7 @@ def test_the_same_of_all_is_no_relative_evidence():
 
 
 @pytest.mark.parametrize(
-    "changed, reason", [({"limit": 0.0}, "limit is 0.0"), ({"score": -1.0}, "score is -1.0")]
+    "changed, reason", [({"limit": 0.0}, "limit: must be"), ({"score": -1.0}, "score: must be")]
 )
 def test_parameters_out_of_range_are_refused(changed, reason):
     with pytest.raises(ValueError, match=reason):

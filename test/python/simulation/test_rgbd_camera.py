@@ -116,7 +116,7 @@ def test_noise_follows_seed_and_frame():
     ],
 )
 def test_what_is_out_of_range_is_refused_by_name(name, value):
-    with pytest.raises(ValueError, match=f"^{name} is "):
+    with pytest.raises(ValueError, match=f"^{name}: "):
         RgbdCamera(RgbdParams(**{name: value}))
 
 
