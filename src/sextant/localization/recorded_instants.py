@@ -12,6 +12,7 @@ from sextant.geometry.poses import LONGEST_GAP, interpolated_poses
 from sextant.localization.drive_sightings import DriveSightings, SeenImage
 
 _PLACE = "#"  # not allowed in a topic
+NEAR = 10_000_000  # nanoseconds between images of one instant
 
 Views = List[Tuple[int, SeenImage]]  # index of the camera, and what it saw
 
@@ -34,33 +35,31 @@ def camera_name(name: str) -> str:
     return name.partition(_PLACE)[0]
 
 
-def recorded_instants(drives: Sequence[DriveSightings], near: float = 0.01) -> RecordedInstants:
+def recorded_instants(drives: Sequence[DriveSightings]) -> RecordedInstants:
     """Puts together what was seen at one time on one drive, with the odometry of that time.
 
     As the locator does (stamp_groups.hpp): an instant begins with the oldest image, holds one of each other
-    camera that is no later than `near` seconds, and has the stamp of its last one; with odometry, a camera
+    camera that is no later than NEAR, and has the stamp of its last one; with odometry, a camera
     that saw a little earlier is put where it then was. Instants without markers are kept where there is
     odometry: they carry the path.
 
-    :raises ValueError: near is out of range, or an image is of a camera that the drive does not have
+    :raises ValueError: an image is of a camera that the drive does not have
     """
-    if not 0.0 <= near <= 1.0:
-        raise ValueError(f"near is {near}, allowed is [0, 1] seconds")
     names = sorted({camera_name(name) for drive in drives for name in drive.cameras})
     instants: List[sextant.RecordedInstant] = []
     stamps: List[int] = []
     for number, drive in enumerate(drives):
-        for stamp, instant in _drive_instants(drive, number, names, round(near * 1e9)):
+        for stamp, instant in _drive_instants(drive, number, names):
             instants.append(instant)
             stamps.append(stamp)
     return RecordedInstants(instants, names, np.array(stamps, dtype=np.int64))
 
 
 def _drive_instants(
-    drive: DriveSightings, number: int, names: List[str], near: int
+    drive: DriveSightings, number: int, names: List[str]
 ) -> Iterator[Tuple[int, "sextant.RecordedInstant"]]:
     models = {name: camera.model() for name, camera in drive.cameras.items()}
-    groups = list(_groups(drive, names, near))
+    groups = list(_groups(drive, names))
     odometry = _odometry(drive, [image.stamp for group in groups for _, image in group])
     for group in groups:
         stamp = max(image.stamp for _, image in group)
@@ -74,14 +73,14 @@ def _drive_instants(
             yield stamp, sextant.RecordedInstant(views, T_odom_base, number)
 
 
-def _groups(drive: DriveSightings, names: List[str], near: int) -> Iterator[Views]:
+def _groups(drive: DriveSightings, names: List[str]) -> Iterator[Views]:
     waiting: Dict[int, Deque[SeenImage]] = {index: deque() for index in range(len(names))}
     for image in sorted(drive.images, key=lambda image: image.stamp):
         if image.camera not in drive.cameras:
             raise ValueError(f"{drive.name}: an image is of '{image.camera}', which is none of its cameras")
         waiting[names.index(camera_name(image.camera))].append(image)
     while any(waiting.values()):
-        last = near + min(images[0].stamp for images in waiting.values() if images)
+        last = NEAR + min(images[0].stamp for images in waiting.values() if images)
         yield [
             (index, images.popleft())
             for index, images in waiting.items()
