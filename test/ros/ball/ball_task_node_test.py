@@ -255,7 +255,7 @@ class EndTest(unittest.TestCase):
         mistakes = (
             ("no_such_parameter", "1", "/bad/no_such_parameter: unknown"),
             ("most_kicks", "1.5", "/bad/most_kicks: must be a whole number"),
-            ("run_up", "0.2", "/bad/run_up is 0.2, it must be more than"),
+            ("run_up", "0.2", "/bad/run_up: must be more than"),
         )
         assert_refused(self, "ball.ball_task", mistakes)
 
