@@ -54,7 +54,7 @@ class CameraGeometry:
 
 def _pinhole_model(info: CameraInfo) -> "sextant.CameraModel":
     camera = camera_from_info(info, rectified=False)
-    if camera.distortion_model == "equidistant":
+    if camera.calibration.distortion_model == "equidistant":
         raise ValueError("distortion_model is 'equidistant', it must be plumb_bob or rational_polynomial")
     return camera.model()
 
