@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "sextant/base/range.hpp"
+#include "sextant/geometry/odometry_drift.hpp"
 
 namespace sextant {
 
@@ -20,11 +21,10 @@ void OdometryNoiseParams::validate() const {
 }
 
 OdometryStep noisyStep(const Pose2& step, const OdometryNoiseParams& params) {
-  const auto squared = [](double value) { return value * value; };
   const double way = step.position.norm(), turn = std::abs(step.heading);
-  const Eigen::Vector3d variances(squared(params.way_by_way) * way + squared(params.way_by_turn) * turn,
-                                  squared(params.aside_by_way) * way,
-                                  squared(params.turn_by_way) * way + squared(params.turn_by_turn) * turn);
+  const Eigen::Vector3d variances(driftVariance(params.way_by_way, params.way_by_turn, way, turn),
+                                  driftVariance(params.aside_by_way, 0, way, turn),
+                                  driftVariance(params.turn_by_way, params.turn_by_turn, way, turn));
   return {step, variances.asDiagonal(), way};
 }
 

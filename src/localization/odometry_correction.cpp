@@ -5,6 +5,7 @@
 #include <Eigen/Cholesky>
 
 #include "sextant/base/range.hpp"
+#include "sextant/geometry/odometry_drift.hpp"
 
 namespace sextant {
 namespace {
@@ -16,9 +17,8 @@ constexpr double kForgotten = 0.01;
 Matrix6d drift(const OdometryParams& params, const Pose& step) {
   const double way = step.translation().norm(), turn = logSO3(step.linear()).norm();
   Vector6d variances;
-  variances.head<3>().setConstant(params.position_drift * params.position_drift * way);
-  variances.tail<3>().setConstant(params.heading_drift * params.heading_drift * way +
-                                  params.turn_drift * params.turn_drift * turn);
+  variances.head<3>().setConstant(driftVariance(params.position_drift, 0, way, turn));
+  variances.tail<3>().setConstant(driftVariance(params.heading_drift, params.turn_drift, way, turn));
   return variances.asDiagonal();
 }
 

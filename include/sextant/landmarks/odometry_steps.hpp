@@ -10,9 +10,7 @@
 
 namespace sextant {
 
-/// What a step of wheel odometry may be off by: four numbers as in Thrun, Burgard and Fox 2005, section 5.4,
-/// but with variances that grow with the way and the turn, so that many small steps are as uncertain as few
-/// large ones.
+/// Noise of a step of wheel odometry in the plane, as driftVariance().
 struct OdometryNoiseParams {
   double turn_by_turn =
       0.05;  ///< deviation of the heading after a radian, growing with the root, radians, [0, 10]

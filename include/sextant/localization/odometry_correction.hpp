@@ -9,7 +9,8 @@
 
 namespace sextant {
 
-/// How odometry drifts, and what is made of poses that contradict it.
+/// How odometry drifts (as driftVariance(), the same on all three axes: in space it is height, roll and
+/// pitch, too, that wheels do not measure), and what is made of poses that contradict it.
 struct OdometryParams {
   double position_drift =
       0.05;  ///< deviation of an axis after a metre, growing with the root, metres, (0, 10]

@@ -14,7 +14,8 @@ from sextant.simulation.motion import Motion
 @dataclass(frozen=True)
 class OdometryNoise:
     """Standard deviations that grow with the square root of what was driven (Thrun, Burgard, Fox 2005,
-    "Probabilistic robotics", 5.4: variances proportional to distance and angle)."""
+    "Probabilistic robotics", 5.4: variances proportional to distance and angle). Not those of the core
+    (sextant.OdometryNoiseParams): drawn along and about an arc, on which wheels do not slip aside."""
 
     distance_per_metre: float = 0.02  # m / sqrt(m)
     angle_per_metre: float = 0.02  # rad / sqrt(m)
