@@ -18,8 +18,7 @@ import numpy as np
 from scipy.stats import chi2
 from tables import Row, Table, Value
 
-import sextant
-from landmarks.landmark_drives import EXACT, nees, plane_sighting, pose_error, rms
+from landmarks.landmark_drives import EXACT, begun_filter, nees, plane_sighting, pose_error, rms
 from sextant.geometry.plane_poses import rotation
 from sextant.simulation.landmark_world import LandmarkWorld, LandmarkWorldParams, WorldMoment
 
@@ -96,9 +95,7 @@ def accuracy_tables(quick: bool) -> List[Table]:
 
 def judged_drive(world: LandmarkWorld, moments: List[WorldMoment], form: str) -> Iterator[Judged]:
     """After every look."""
-    params = sextant.LandmarkFilterParams()
-    params.form = form
-    landmark_filter = sextant.LandmarkFilter(params, world.start, EXACT)
+    landmark_filter = begun_filter(form, world.start, EXACT)
     index_of: Dict[int, int] = {}  # of the filter's landmarks, in their order
     for moment in moments:
         landmark_filter.predict(moment.step, moment.noise)

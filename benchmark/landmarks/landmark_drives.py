@@ -7,10 +7,18 @@ from typing import List
 import numpy as np
 
 import sextant
+from landmarks.textbook_filter import TextbookFilter
 from sextant.geometry.plane_poses import wrapped
 from sextant.simulation.landmark_world import LandmarkWorldParams, SeenLandmark
 
 EXACT = 1e-8 * np.eye(3)  # covariance of a pose that is known: square metres and radians
+
+
+def begun_filter(form: str, pose: np.ndarray, covariance: np.ndarray):
+    """sextant.LandmarkFilter, or for the form additive that of textbooks."""
+    if form == "additive":
+        return TextbookFilter(pose, covariance)
+    return sextant.LandmarkFilter(sextant.LandmarkFilterParams(), pose, covariance)
 
 
 def slam_params(world: LandmarkWorldParams):

@@ -22,7 +22,7 @@ import numpy as np
 from tables import Row, Table, Value
 
 import sextant
-from landmarks.landmark_drives import rms
+from landmarks.landmark_drives import begun_filter, rms
 from landmarks.victoria_park import FELT, RecordedDrive, read_drive, tree_counts, with_noise_felt
 
 START, CERTAIN = np.zeros(3), 1e-12 * np.eye(3)
@@ -68,10 +68,8 @@ def victoria_park_tables(folder: Path, quick: bool) -> List[Table]:
 
 
 def filtered(drive: RecordedDrive, form: str) -> Track:
-    """By LandmarkFilter, with the ids."""
-    params = sextant.LandmarkFilterParams()
-    params.form = form
-    landmark_filter, index_of, poses = sextant.LandmarkFilter(params, START, CERTAIN), {}, []
+    """By a filter that is given the ids."""
+    landmark_filter, index_of, poses = begun_filter(form, START, CERTAIN), {}, []
     for number, look in enumerate(drive.looks):
         if number:
             landmark_filter.predict(drive.steps[number - 1], drive.noises[number - 1])

@@ -103,15 +103,6 @@ void updateKnown(LandmarkFilter& self, const std::vector<size_t>& landmarks,
 void bindLandmarkFilterParams(py::module_& module) {
   py::class_<LandmarkFilterParams>(module, "LandmarkFilterParams")
       .def(py::init<>())
-      .def_readwrite("form", &LandmarkFilterParams::form)
-      .def_readwrite("sigma_points", &LandmarkFilterParams::sigma_points)
-      .def_readwrite("init", &LandmarkFilterParams::init)
-      .def_property(
-          "alpha", [](const LandmarkFilterParams& self) { return self.points.alpha; },
-          [](LandmarkFilterParams& self, double alpha) { self.points.alpha = alpha; })
-      .def_property(
-          "beta", [](const LandmarkFilterParams& self) { return self.points.beta; },
-          [](LandmarkFilterParams& self, double beta) { self.points.beta = beta; })
       .def_readwrite("scale_sigma", &LandmarkFilterParams::scale_sigma)
       .def_readwrite("scale_drift", &LandmarkFilterParams::scale_drift)
       .def_readwrite("clock_sigma", &LandmarkFilterParams::clock_sigma)
@@ -124,8 +115,8 @@ void bindLandmarkFilter(py::module_& module) {
       module, "LandmarkFilter",
       "Simultaneous localization and mapping in the plane by an unscented Kalman filter. Poses "
       "are (3,) x, y, heading: metres, radians.")
-      .def(py::init(&LandmarkFilter::make), "params"_a, "pose"_a, "covariance"_a,
-           "covariance (3, 3) of the pose, map's axes, positive definite")
+      .def(py::init<const LandmarkFilterParams&, const Pose2&, const Eigen::Matrix3d&>(), "params"_a,
+           "pose"_a, "covariance"_a, "covariance (3, 3) of the pose, map's axes, positive definite")
       .def(
           "predict",
           [](LandmarkFilter& self, const Pose2& step, const Eigen::Matrix3d& noise, double duration) {
@@ -162,13 +153,11 @@ void bindLandmarkSlamParams(py::module_& module) {
   py::class_<AssociationParams>(module, "AssociationParams",
                                 "How sightings are told to be of known landmarks.")
       .def(py::init<>())
-      .def_readwrite("mode", &AssociationParams::mode)
       .def_readwrite("gate", &AssociationParams::gate)
       .def_readwrite("doubt", &AssociationParams::doubt)
       .def_readwrite("margin", &AssociationParams::margin)
       .def_readwrite("density", &AssociationParams::density)
       .def_readwrite("new_margin", &AssociationParams::new_margin)
-      .def_readwrite("nearest_distance", &AssociationParams::nearest_distance)
       .def_readwrite("effort", &AssociationParams::effort)
       .def("validate", &AssociationParams::validate);
   py::class_<CandidateParams>(module, "CandidateParams",

@@ -156,44 +156,20 @@ class JointSearch {
   int effort_ = 0;
 };
 
-/// The source work's: each is the other's nearest, below a distance.
-std::vector<Association> nearest(const std::vector<LandmarkPoint>& landmarks,
-                                 const std::vector<LandmarkPointSighting>& sightings, double limit) {
-  const auto nearest_of = [limit](const auto& from, const auto& all) {
-    int found = kNone;
-    double least = limit;
-    for (size_t k = 0; k < all.size(); ++k) {
-      const double distance = (all[k].position - from.position).norm();
-      if (all[k].label == from.label && distance < least) found = static_cast<int>(k), least = distance;
-    }
-    return found;
-  };
-  std::vector<Association> found(sightings.size());
-  for (size_t i = 0; i < sightings.size(); ++i) {
-    const int landmark = nearest_of(sightings[i], landmarks);
-    if (landmark != kNone && nearest_of(landmarks[landmark], sightings) == static_cast<int>(i))
-      found[i] = {Origin::known, static_cast<size_t>(landmark)};
-  }
-  return found;
-}
-
 }  // namespace
 
 void AssociationParams::validate() const {
-  requireOneOf("association", mode, {"joint", "nearest"});
   Range::closed(0.5, 1 - 1e-12).require("gate", gate);
   Range::closed(gate, 1 - 1e-12).require("doubt", doubt);
   Range::closed(0, 100).require("margin", margin);
   Range::openLow(0, 1000).require("density", density, "1/m^2");
   Range::closed(0, 100).require("new_margin", new_margin);
-  Range::openLow(0, 100).require("nearest_distance", nearest_distance, "m");
   Range::closed(100, 1e9).require("effort", effort);
 }
 
 std::vector<Association> associate(const std::vector<LandmarkPoint>& landmarks, const MatrixXd& covariance,
                                    const std::vector<LandmarkPointSighting>& sightings,
                                    const AssociationParams& params) {
-  if (params.mode == "nearest") return nearest(landmarks, sightings, params.nearest_distance);
   return JointSearch(landmarks, covariance, sightings, params).run();
 }
 

@@ -18,14 +18,14 @@ void CandidateParams::validate() const {
 }
 
 /// Squared Mahalanobis distance of a sighting and the mean of others; of another label: infinite.
-double LandmarkCandidates::distance(const Candidate& candidate, const Sighting& sighting) const {
+double LandmarkCandidates::distance(const Candidate& candidate, const LandmarkPointSighting& sighting) const {
   if (!(candidate.mean.label == sighting.label)) return std::numeric_limits<double>::infinity();
   const Eigen::Vector2d apart = sighting.position - candidate.mean.position;
   const Eigen::Matrix2d S = sighting.covariance + candidate.mean.covariance / candidate.count;
   return apart.dot(S.llt().solve(apart));
 }
 
-std::optional<size_t> LandmarkCandidates::nearest(const Sighting& sighting) const {
+std::optional<size_t> LandmarkCandidates::nearest(const LandmarkPointSighting& sighting) const {
   std::optional<size_t> found;
   double least = -2 * std::log1p(-params_.gate);  // of chi-squared with two degrees of freedom
   for (size_t k = 0; k < candidates_.size(); ++k) {
@@ -35,7 +35,7 @@ std::optional<size_t> LandmarkCandidates::nearest(const Sighting& sighting) cons
   return found;
 }
 
-std::vector<bool> LandmarkCandidates::see(double stamp, const std::vector<Sighting>& sightings) {
+std::vector<bool> LandmarkCandidates::see(double stamp, const std::vector<LandmarkPointSighting>& sightings) {
   const auto is_forgotten = [&](const Candidate& each) { return stamp - each.last > params_.memory; };
   candidates_.erase(std::remove_if(candidates_.begin(), candidates_.end(), is_forgotten), candidates_.end());
   std::vector<std::optional<size_t>> seen(candidates_.size());  // the sighting of each

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <numeric>
 #include <stdexcept>
-#include <utility>
 
 #include "sextant/landmarks/landmark_sensor.hpp"
 
@@ -21,18 +20,6 @@ constexpr double kDoubted = -4.0;  // and with which it goes
 
 }  // namespace
 
-LandmarkRegister::LandmarkRegister(const LandmarkRegister& other)
-    : filter_(other.filter_->clone()),
-      labels_(other.labels_),
-      keys_(other.keys_),
-      standing_(other.standing_),
-      next_key_(other.next_key_) {}
-
-LandmarkRegister& LandmarkRegister::operator=(const LandmarkRegister& other) {
-  *this = LandmarkRegister(other);
-  return *this;
-}
-
 std::optional<size_t> LandmarkRegister::find(const LandmarkLabel& label) const {
   const auto at = std::find(labels_.begin(), labels_.end(), label);
   if (at == labels_.end()) return {};
@@ -42,12 +29,12 @@ std::optional<size_t> LandmarkRegister::find(const LandmarkLabel& label) const {
 std::vector<MapPoint> LandmarkRegister::points() const {
   std::vector<MapPoint> all;
   for (size_t i = 0; i < labels_.size(); ++i)
-    all.push_back({filter_->landmarks()[i], labels_[i], filter_->covariance({i}).block<2, 2>(3, 3)});
+    all.push_back({filter_.landmarks()[i], labels_[i], filter_.covariance({i}).block<2, 2>(3, 3)});
   return all;
 }
 
 void LandmarkRegister::add(const LabelledSighting& sighting) {
-  filter_->add(sighting.sighting);
+  filter_.add(sighting.sighting);
   labels_.push_back(sighting.label);
   keys_.push_back(next_key_++);
   standing_.push_back(0);
@@ -67,7 +54,7 @@ int LandmarkRegister::mergeSame(std::vector<size_t> seen, double separation,
       const size_t kept = std::min(seen[k], other), gone = std::max(seen[k], other);
       standing_[kept] = std::max(standing_[kept], standing_[gone]);
       std::replace(told.begin(), told.end(), std::optional(keys_[gone]), std::optional(keys_[kept]));
-      filter_->merge(kept, gone);
+      filter_.merge(kept, gone);
       forget(gone);
       ++gone_ones;
       for (size_t& each : seen) each = each == gone ? kept : each - (each > gone);
@@ -79,10 +66,10 @@ int LandmarkRegister::mergeSame(std::vector<size_t> seen, double separation,
 
 bool LandmarkRegister::areOne(size_t a, size_t b, double separation) const {
   if (!(labels_[a] == labels_[b])) return false;
-  const auto& landmarks = filter_->landmarks();
+  const auto& landmarks = filter_.landmarks();
   const Vector2d apart = landmarks[a].position - landmarks[b].position;
   if (apart.norm() > separation) return false;
-  const MatrixXd covariance = filter_->covariance({a, b});
+  const MatrixXd covariance = filter_.covariance({a, b});
   const Eigen::Index at = 3, next = 3 + landmarks[a].width();
   const Matrix2d cross = covariance.block<2, 2>(at, next);
   const Matrix2d S =
@@ -103,7 +90,7 @@ void LandmarkRegister::removeFrom(int key) {
 }
 
 void LandmarkRegister::remove(size_t landmark) {
-  filter_->remove(landmark);
+  filter_.remove(landmark);
   forget(landmark);
 }
 
@@ -117,7 +104,7 @@ void LandmarkRegister::forget(size_t landmark) {
 void LandmarkRegister::setMap(const Pose2& T_map_base, const std::vector<PlaneLandmark>& landmarks,
                               const std::vector<LandmarkLabel>& labels, const MatrixXd& covariance) {
   if (labels.size() != landmarks.size()) throw std::invalid_argument("every landmark needs a label");
-  filter_->setState(T_map_base, landmarks, covariance);
+  filter_.setState(T_map_base, landmarks, covariance);
   labels_ = labels;
   keys_.resize(labels.size());
   std::iota(keys_.begin(), keys_.end(), next_key_);

@@ -4,28 +4,27 @@
 
 #include <cmath>
 
-#include "sextant/base/range.hpp"
-
 namespace sextant {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// beta >= alpha^2: then no covariance is indefinite, whatever the function.
-void SigmaPointParams::validate() const {
-  Range::closed(1e-3, 1).require("alpha", alpha);
-  Range::closed(1, 10).require("beta", beta);
-}
+namespace {
+
+constexpr double kAlpha = 0.1;  // spread: sqrt(3) alpha deviations
+constexpr double kBeta = 2.0;   // as of a normal variable; at least alpha^2: then no covariance is indefinite
+
+}  // namespace
 
 // Julier and Uhlmann 2004, "Unscented filtering and nonlinear estimation"; Wan and van der Merwe 2000,
 // eq. 15.
-UnscentedMoments unscentedTransform(const MatrixXd& L, const SigmaPointParams& params,
+UnscentedMoments unscentedTransform(const MatrixXd& L,
                                     const std::function<VectorXd(const VectorXd&)>& function) {
   const Index n = L.cols();
-  const double scaled = 3 * params.alpha * params.alpha, spread = std::sqrt(scaled), weight = 0.5 / scaled;
+  const double scaled = 3 * kAlpha * kAlpha, spread = std::sqrt(scaled), weight = 0.5 / scaled;
   const double centre_mean = 1 - n / scaled;
-  const double centre_covariance = centre_mean + 1 - params.alpha * params.alpha + params.beta;
+  const double centre_covariance = centre_mean + 1 - kAlpha * kAlpha + kBeta;
 
   const VectorXd centre = function(VectorXd::Zero(L.rows()));
   MatrixXd above(centre.size(), n), below(centre.size(), n);  // of the centre

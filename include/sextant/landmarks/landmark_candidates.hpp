@@ -23,30 +23,24 @@ struct CandidateParams {
 /// Sightings of what may be landmarks: each is the mean of what was seen of it.
 class LandmarkCandidates {
  public:
-  struct Sighting {
-    Eigen::Vector2d position;    ///< in the map frame
-    Eigen::Matrix2d covariance;  ///< of the sensor, map's axes
-    LandmarkLabel label;
-  };
-
   explicit LandmarkCandidates(const CandidateParams& params) : params_(params) {}
 
   /// Whether each of the sightings of one moment is of something that is a landmark now; no candidate any
   /// more then. Sightings and candidates are matched where each is the other's nearest.
-  /// @param stamp seconds
-  std::vector<bool> see(double stamp, const std::vector<Sighting>& sightings);
+  /// @param stamp seconds @param sightings in the map frame
+  std::vector<bool> see(double stamp, const std::vector<LandmarkPointSighting>& sightings);
 
   size_t size() const { return candidates_.size(); }
   void clear() { candidates_.clear(); }
 
  private:
   struct Candidate {
-    Sighting mean;  // and the covariance of one sighting
+    LandmarkPointSighting mean;  // and the covariance of one sighting
     int count;
     double last;  // seconds
   };
-  std::optional<size_t> nearest(const Sighting& sighting) const;
-  double distance(const Candidate& candidate, const Sighting& sighting) const;
+  std::optional<size_t> nearest(const LandmarkPointSighting& sighting) const;
+  double distance(const Candidate& candidate, const LandmarkPointSighting& sighting) const;
 
   CandidateParams params_;
   std::vector<Candidate> candidates_;

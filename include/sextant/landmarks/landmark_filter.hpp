@@ -4,8 +4,6 @@
 
 #include <Eigen/Core>
 #include <functional>
-#include <memory>
-#include <string>
 #include <vector>
 
 #include "sextant/geometry/pose2.hpp"
@@ -18,10 +16,6 @@ namespace sextant {
 
 /// How LandmarkFilter works.
 struct LandmarkFilterParams {
-  std::string form = "invariant";     ///< of the error: additive, invariant
-  std::string sigma_points = "seen";  ///< of robot and seen landmarks, or all: the same result in O(n^3)
-  std::string init = "correlated";    ///< of a new landmark's covariance; independent: of its own alone
-  SigmaPointParams points;            ///< alpha [1e-3, 1], beta [1, 10]
   double scale_sigma = 0.0;  ///< deviation of odometry's scale at the start; 0: not estimated, [0, 1]
   double scale_drift = 0.0;  ///< of it after a metre, growing with the root, [0, 1]
   double clock_sigma = 0.0;  ///< deviation of the sightings' clock offset; 0: not estimated, seconds, [0, 10]
@@ -44,16 +38,13 @@ struct SightingPrediction {
 
 /// Simultaneous localization and mapping in the plane by an unscented Kalman filter over (robot, landmarks).
 /// The nonlinear functions know only the robot and the landmarks that are seen, and so do the sigma points: a
-/// step takes O(n^2). Covariances that are told are of (x, y, heading) and (x, y[, heading]) in the map's
-/// axes.
+/// step takes O(n^2). Public covariances are of (x, y, heading) and (x, y[, heading]) in the map's axes.
 class LandmarkFilter {
  public:
   /// @param covariance of (x, y, heading) in the map's axes, positive definite
   /// @throws std::invalid_argument as LandmarkFilterParams::validate(), or if the covariance is none
-  static std::unique_ptr<LandmarkFilter> make(const LandmarkFilterParams& params, const Pose2& T_map_base,
-                                              const Eigen::Matrix3d& covariance);
-  virtual ~LandmarkFilter() = default;
-  virtual std::unique_ptr<LandmarkFilter> clone() const = 0;
+  LandmarkFilter(const LandmarkFilterParams& params, const Pose2& T_map_base,
+                 const Eigen::Matrix3d& covariance);
 
   /// @param duration seconds; needed where the clock offset is estimated
   void predict(const OdometryStep& step, double duration = 0);
@@ -99,55 +90,38 @@ class LandmarkFilter {
   int nisWidth() const { return nis_width_; }  ///< its degrees of freedom
   int repairs() const { return repairs_; }     ///< of covariances that rounding made indefinite
 
- protected:
+ private:
   struct State {
     Pose2 pose;
     double scale = 1, clock = 0;
     std::vector<PlaneLandmark> landmarks;
   };
 
-  explicit LandmarkFilter(const LandmarkFilterParams& params);
-
-  /// What differs between the forms of the error xi = (x, y, heading[, scale][, clock], landmarks).
-  /// @{
-  virtual Pose2 moved(const Pose2& pose, const Eigen::Vector3d& xi) const = 0;
-  virtual PlaneLandmark moved(const PlaneLandmark& landmark, double xi_heading,
-                              const Eigen::VectorXd& xi) const = 0;
-  /// Of something at a position, (x, y[, heading]) = its own xi + lever * xi_heading, to the first order.
-  virtual Eigen::VectorXd lever(const Eigen::Vector2d& position, int width) const = 0;
-  /// Moves the pose and its error by a step without noise.
-  virtual void propagate(const Pose2& step) = 0;
-  /// @}
-
   using Innovation = std::function<Eigen::VectorXd(const Eigen::VectorXd& xi)>;
 
-  static Indices poseIndices() { return {0, 1, 2}; }
-  Indices indicesOf(size_t landmark) const;
-  Indices withAllOthers(Indices which) const;
-  Eigen::MatrixXd factor(const Indices& which);  ///< lower Cholesky factor of the block
-
-  LandmarkFilterParams params_;
-  State state_;
-  CovarianceStore P_;  // of xi
-  Eigen::Index scale_at_ = -1, clock_at_ = -1;
-
- private:
   std::vector<size_t> all() const;
-  Indices told(const std::vector<size_t>& landmarks) const;    // of the pose and these
-  Indices subset(const std::vector<size_t>& landmarks) const;  // that what is seen of them depends on
+  Indices indicesOf(size_t landmark) const;
+  /// Of the pose and these; with the clock, all that sightings of them depend on.
+  Indices indicesOf(const std::vector<size_t>& landmarks, bool with_clock = false) const;
   std::vector<PlaneLandmark> expected(const std::vector<size_t>& landmarks, const Eigen::VectorXd& xi) const;
+  void propagate(const Pose2& step);
   void drift(Eigen::Index which, double deviation);
+  Eigen::MatrixXd factor(const Indices& which);  ///< lower Cholesky factor of the block
   void fuse(const Indices& which, const Eigen::MatrixXd& R, const Innovation& innovation);
   void fusePart(const Indices& which, const Eigen::MatrixXd& L, const UnscentedMoments& moments,
                 const Eigen::MatrixXd& R);
   void correct(const Eigen::VectorXd& xi);
   Eigen::VectorXd levers() const;                                        ///< (n) of all of xi
-  Eigen::VectorXd leversOf(const std::vector<size_t>& landmarks) const;  ///< rows as told()
+  Eigen::VectorXd leversOf(const std::vector<size_t>& landmarks) const;  ///< rows as indicesOf()
   Eigen::MatrixXd sheared(double sign) const;  ///< from xi to the map's axes; -1: back
   void setSheared(const Eigen::MatrixXd& plain);
 
-  Pose2 speed_;                        // of the last step, per second
+  LandmarkFilterParams params_;
+  State state_;
+  CovarianceStore P_;  // of the error xi = (x, y, heading[, scale][, clock], landmarks)
+  Eigen::Index scale_at_ = -1, clock_at_ = -1;
   std::vector<Eigen::Index> offsets_;  // of the landmarks in xi
+  Pose2 speed_;                        // of the last step, per second
   double nis_ = 0;
   int nis_width_ = 0, repairs_ = 0;
 };

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <memory>
 #include <optional>
 #include <vector>
 
@@ -15,17 +14,13 @@ namespace sextant {
 /// are there.
 class LandmarkRegister {
  public:
-  /// @throws std::invalid_argument as LandmarkFilter::make()
+  /// @throws std::invalid_argument as LandmarkFilter's constructor
   LandmarkRegister(const LandmarkFilterParams& params, const Pose2& T_map_base,
                    const Eigen::Matrix3d& covariance)
-      : filter_(LandmarkFilter::make(params, T_map_base, covariance)) {}
-  LandmarkRegister(const LandmarkRegister& other);
-  LandmarkRegister(LandmarkRegister&& other) = default;
-  LandmarkRegister& operator=(const LandmarkRegister& other);
-  LandmarkRegister& operator=(LandmarkRegister&& other) = default;
+      : filter_(params, T_map_base, covariance) {}
 
-  const LandmarkFilter& filter() const { return *filter_; }
-  LandmarkFilter& filter() { return *filter_; }
+  const LandmarkFilter& filter() const { return filter_; }
+  LandmarkFilter& filter() { return filter_; }
   const std::vector<LandmarkLabel>& labels() const { return labels_; }
   const std::vector<int>& keys() const { return keys_; }  ///< a number of each, the same as long as it lives
   int nextKey() const { return next_key_; }
@@ -58,7 +53,7 @@ class LandmarkRegister {
   void remove(size_t landmark);
   void forget(size_t landmark);
 
-  std::unique_ptr<LandmarkFilter> filter_;
+  LandmarkFilter filter_;
   std::vector<LandmarkLabel> labels_;
   std::vector<int> keys_;
   std::vector<double> standing_;

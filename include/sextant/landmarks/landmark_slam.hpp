@@ -45,7 +45,7 @@ struct LandmarkReport {
 /// Localization and mapping with landmarks that come, are found to be one, and go.
 class LandmarkSlam {
  public:
-  /// @throws std::invalid_argument as LandmarkSlamParams::validate() and LandmarkFilter::make()
+  /// @throws std::invalid_argument as LandmarkSlamParams::validate() and LandmarkFilter's constructor
   LandmarkSlam(const LandmarkSlamParams& params, const Pose2& T_map_base, const Eigen::Matrix3d& covariance);
 
   /// As LandmarkFilter::predict().

@@ -51,6 +51,13 @@ struct LabelledSighting {
   }
 };
 
+/// A sighting without what it says of a heading.
+struct LandmarkPointSighting {
+  Eigen::Vector2d position;
+  Eigen::Matrix2d covariance;  ///< of the sensor, in the axes of the position's frame
+  LandmarkLabel label;
+};
+
 /// A sighting of a landmark that is known.
 struct KnownSighting {
   size_t landmark;  ///< index

@@ -11,11 +11,6 @@ namespace sextant {
 namespace {
 
 void readFilter(ParamReader& reader, LandmarkSlamNodeParams& params) {
-  reader.read("form", params.slam.filter.form);
-  reader.read("sigma_points", params.slam.filter.sigma_points);
-  reader.read("init", params.slam.filter.init);
-  reader.read("alpha", params.slam.filter.points.alpha);
-  reader.read("beta", params.slam.filter.points.beta);
   reader.read("scale_sigma", params.slam.filter.scale_sigma);
   reader.read("scale_drift", params.slam.filter.scale_drift);
   reader.read("clock_sigma", params.slam.filter.clock_sigma);
@@ -29,13 +24,11 @@ void readFilter(ParamReader& reader, LandmarkSlamNodeParams& params) {
 }
 
 void readLandmarks(ParamReader& reader, LandmarkSlamNodeParams& params) {
-  reader.read("association", params.slam.association.mode);
   reader.read("gate", params.slam.association.gate);
   reader.read("doubt", params.slam.association.doubt);
   reader.read("margin", params.slam.association.margin);
   reader.read("density", params.slam.association.density);
   reader.read("new_margin", params.slam.association.new_margin);
-  reader.read("nearest_distance", params.slam.association.nearest_distance);
   reader.read("effort", params.slam.association.effort);
   reader.read("candidate_gate", params.slam.candidates.gate);
   reader.read("candidate_sightings", params.slam.candidates.sightings);

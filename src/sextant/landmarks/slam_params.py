@@ -16,9 +16,9 @@ import yaml
 import sextant
 from sextant.base.strict_params import Check, not_empty, one_of, param, parse_params, within
 
-_FILTER = ("form", "sigma_points", "init", "alpha", "beta", "scale_sigma", "scale_drift", "clock_sigma")
+_FILTER = ("scale_sigma", "scale_drift", "clock_sigma")
 _ODOMETRY = ("turn_by_turn", "turn_by_way", "way_by_way", "way_by_turn", "aside_by_way")
-_ASSOCIATION = ("gate", "doubt", "margin", "density", "new_margin", "nearest_distance", "effort")
+_ASSOCIATION = ("gate", "doubt", "margin", "density", "new_margin", "effort")
 _SENSOR = ("max_range", "min_range", "field_of_view", "detection", "phantom", "width", "separation")
 
 # Where in LandmarkSlamSettings a parameter is.
@@ -26,7 +26,6 @@ CORE_FIELDS: Dict[str, str] = {
     **{name: f"slam.filter.{name}" for name in _FILTER},
     **{name: f"timeline.odometry.{name}" for name in _ODOMETRY},
     **{name: f"timeline.{name}" for name in ("lag", "clock_offset")},
-    "association": "slam.association.mode",
     **{name: f"slam.association.{name}" for name in _ASSOCIATION},
     **{f"candidate_{name}": f"slam.candidates.{name}" for name in ("gate", "sightings", "memory")},
     **{name: f"slam.sensor.{name}" for name in _SENSOR},

@@ -148,19 +148,16 @@ TEST(LandmarkAssociation, JointIsTheBestOfAllAssignments) {
 
 TEST(LandmarkAssociation, ClassAndIdAreHardWalls) {
   const std::vector<LandmarkPoint> landmarks{{{1, 0}, kRed}, {{3, 0}, {"tag", 7}}};
-  for (const char* mode : {"joint", "nearest"}) {
-    AssociationParams params = withoutNew();
-    params.mode = mode;
-    const auto found = associate(
-        landmarks, alone(2),
-        {seen({1, 0}, kBlue), seen({3, 0}, {"tag", 8}), seen({3, 0}, {"tag", 7}), seen({1, 0.05})}, params);
-    EXPECT_EQ(found[0].origin, Origin::unknown) << mode;
-    EXPECT_EQ(found[1].origin, Origin::unknown) << mode;
-    EXPECT_EQ(found[2].origin, Origin::known) << mode;
-    EXPECT_EQ(found[2].landmark, 1u) << mode;
-    EXPECT_EQ(found[3].origin, Origin::known) << mode;
-    EXPECT_EQ(found[3].landmark, 0u) << mode;
-  }
+  const auto found =
+      associate(landmarks, alone(2),
+                {seen({1, 0}, kBlue), seen({3, 0}, {"tag", 8}), seen({3, 0}, {"tag", 7}), seen({1, 0.05})},
+                withoutNew());
+  EXPECT_EQ(found[0].origin, Origin::unknown);
+  EXPECT_EQ(found[1].origin, Origin::unknown);
+  EXPECT_EQ(found[2].origin, Origin::known);
+  EXPECT_EQ(found[2].landmark, 1u);
+  EXPECT_EQ(found[3].origin, Origin::known);
+  EXPECT_EQ(found[3].landmark, 0u);
 }
 
 /// What becomes of one red sighting.
@@ -211,27 +208,11 @@ TEST(LandmarkAssociation, JointlySeenLandmarksAreToldWhereEachAloneIsWrong) {
   const MatrixXd covariance = 0.5 * common * common.transpose() + alone(3, 0.01);
   const std::vector<LandmarkPointSighting> sightings{seen({0.9, 2}, kRed, 0.02), seen({1.9, 2}, kRed, 0.02),
                                                      seen({3.0, 2}, kRed, 0.02)};
-  AssociationParams params = withoutNew();
-  const auto joint = associate(landmarks, covariance, sightings, params);
+  const auto joint = associate(landmarks, covariance, sightings, withoutNew());
   for (size_t i = 0; i < 3; ++i) {
     EXPECT_EQ(joint[i].origin, Origin::known);
     EXPECT_EQ(joint[i].landmark, i);
   }
-  params.mode = "nearest";
-  EXPECT_EQ(associate(landmarks, covariance, sightings, params)[0].landmark, 1u);
-}
-
-TEST(LandmarkAssociation, NearestIsMutualAndBelowTheDistance) {
-  AssociationParams params;
-  params.mode = "nearest";
-  const auto found = associate({{{0, 0}, kRed}, {{5, 0}, kRed}}, {},
-                               {seen({0.4, 0}), seen({0.1, 0}), seen({5, 0.51}), seen({4.51, 0})}, params);
-  EXPECT_EQ(found[0].origin, Origin::unknown);  // the landmark's nearest is another one
-  EXPECT_EQ(found[1].origin, Origin::known);
-  EXPECT_EQ(found[1].landmark, 0u);
-  EXPECT_EQ(found[2].origin, Origin::unknown);  // too far
-  EXPECT_EQ(found[3].origin, Origin::known);
-  EXPECT_EQ(found[3].landmark, 1u);
 }
 
 TEST(LandmarkAssociation, NothingIsKnownWhereNothingIs) {
@@ -275,13 +256,11 @@ TEST(LandmarkAssociation, TellsWhatItFoundUntilThen) {
 TEST(LandmarkAssociation, NamesAFieldThatIsOutOfRange) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const std::vector<std::pair<std::string, std::function<void(AssociationParams&)>>> mistakes{
-      {"association", [](auto& params) { params.mode = "Joint"; }},
       {"gate", [](auto& params) { params.gate = 1; }},
       {"doubt", [](auto& params) { params.doubt = 0.9; }},
       {"margin", [](auto& params) { params.margin = -1; }},
       {"density", [](auto& params) { params.density = 0; }},
       {"new_margin", [nan](auto& params) { params.new_margin = nan; }},
-      {"nearest_distance", [](auto& params) { params.nearest_distance = 0; }},
       {"effort", [](auto& params) { params.effort = 99; }}};
   AssociationParams().validate();
   for (const auto& [name, spoil] : mistakes) {

@@ -16,8 +16,7 @@ namespace {
 using Eigen::Matrix2d;
 using Eigen::Vector2d;
 
-LandmarkCandidates::Sighting at(double x, double y, const std::string& class_name = "red",
-                                double sigma = 0.1) {
+LandmarkPointSighting at(double x, double y, const std::string& class_name = "red", double sigma = 0.1) {
   return {{x, y}, sigma * sigma * Matrix2d::Identity(), {class_name, {}}};
 }
 
@@ -84,7 +83,7 @@ TEST(LandmarkCandidates, OtherLabelsAreOtherThings) {
   CandidateParams params;
   params.sightings = 1;
   LandmarkCandidates candidates(params);
-  LandmarkCandidates::Sighting seven = at(1, 2), eight = at(1, 2);
+  LandmarkPointSighting seven = at(1, 2), eight = at(1, 2);
   seven.label.id = 7, eight.label.id = 8;
   for (const auto& sighting : {at(1, 2), at(1, 2, "blue"), seven, eight})
     EXPECT_EQ(landmarksOf(candidates.see(0, {sighting})), 0u);

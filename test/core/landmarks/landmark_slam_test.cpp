@@ -4,14 +4,68 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
-#include "test_landmarks.hpp"
 #include "test_refusal.hpp"
 
 namespace sextant {
 namespace {
+
+using Eigen::Matrix3d;
+using Eigen::MatrixXd;
+using Eigen::Vector2d;
+
+const Matrix3d kStart = 1e-4 * Matrix3d::Identity();
+const LandmarkLabel kRed{"red", {}}, kBlue{"blue", {}};
+
+struct Thing {
+  PlaneLandmark landmark;
+  LandmarkLabel label;
+};
+
+Thing pillar(double x, double y, const LandmarkLabel& label = kRed) { return {{{x, y}, {}}, label}; }
+Thing tag(int id, double x, double y, double heading) { return {{{x, y}, heading}, {"tag", id}}; }
+
+LabelledSighting seen(const Pose2& robot, const Thing& thing, double sigma = 0.03) {
+  const PlaneLandmark at = seenFrom(robot, thing.landmark);
+  return {thing.label, {at.position, at.heading, sigma * sigma * Matrix3d::Identity()}};
+}
+
+std::vector<LabelledSighting> allSeen(const Pose2& robot, const std::vector<Thing>& things) {
+  std::vector<LabelledSighting> all;
+  for (const Thing& each : things) all.push_back(seen(robot, each));
+  return all;
+}
+
+LandmarkSlamParams params() {
+  LandmarkSlamParams params;
+  params.sensor.field_of_view = 3.0;
+  return params;
+}
+
+/// A robot in the origin that knows things as surely as told.
+LandmarkSlam knowing(const std::vector<Thing>& things, const LandmarkSlamParams& params,
+                     double sigma = 0.01) {
+  LandmarkSlam slam(params, {}, kStart);
+  std::vector<PlaneLandmark> landmarks;
+  std::vector<LandmarkLabel> labels;
+  Eigen::Index size = 3;
+  for (const Thing& each : things) {
+    landmarks.push_back(each.landmark);
+    labels.push_back(each.label);
+    size += each.landmark.width();
+  }
+  slam.setMap({}, landmarks, labels, sigma * sigma * MatrixXd::Identity(size, size));
+  return slam;
+}
+
+void expectPose(const LandmarkSlam& slam, const Pose2& pose, double metres) {
+  EXPECT_LT((slam.filter().pose().position - pose.position).norm(), metres);
+  EXPECT_NEAR(wrapped(slam.filter().pose().heading - pose.heading), 0, metres);
+}
 
 TEST(LandmarkSlam, WhatIsBesideTheViewOfAnotherSensorStays) {
   LandmarkSlamParams narrow = params();
@@ -232,6 +286,48 @@ TEST(LandmarkSlam, ACopyIsOnItsOwn) {
   EXPECT_TRUE(lost.isLost());
   EXPECT_FALSE(slam.isLost());
   expectPose(slam, {}, 1e-12);
+}
+
+// ---- the robot is elsewhere than it thinks
+
+// Put elsewhere, it drives on an arc, sees what is not where it should be, and finds itself again.
+void expectFoundAgain(LandmarkSlam& slam, const std::vector<Thing>& things, Pose2 robot, int lost_after) {
+  const Pose2 motion{{0.1, 0}, 0.05};
+  const size_t known = slam.labels().size();
+  bool was_lost = false;
+  for (int i = 0; i < 60; ++i) {
+    if (i > 0) robot = robot * motion, slam.predict({motion, 1e-6 * Matrix3d::Identity(), 0.1}, 0.1);
+    const LandmarkReport report = slam.see(0.1 * i, allSeen(robot, things));
+    EXPECT_EQ(report.lost, slam.isLost()) << i;
+    EXPECT_FALSE(i + 1 < lost_after && slam.isLost()) << i;
+    was_lost = was_lost || slam.isLost();
+  }
+  EXPECT_TRUE(was_lost);
+  EXPECT_FALSE(slam.isLost());
+  EXPECT_EQ(slam.labels().size(), known);
+  expectPose(slam, robot, 0.05);
+}
+
+TEST(LandmarkSlam, AKidnappedRobotFindsItselfAmongMarkers) {
+  const std::vector<Thing> things{tag(1, 2, 0, 3), tag(2, 3, 1.5, -2), tag(3, 6, -2, 1), tag(4, 5, 3, 0)};
+  LandmarkSlamParams impatient = params();
+  impatient.lost_after = 4;
+  LandmarkSlam slam = knowing(things, impatient);
+  slam.see(0, allSeen({}, things));
+  expectFoundAgain(slam, things, {{3, 0.2}, 1.2}, 4);
+}
+
+TEST(LandmarkSlam, AKidnappedRobotFindsItselfAmongPillars) {
+  const std::vector<Thing> things{pillar(2, 0),        pillar(4, 1.5, kBlue), pillar(6, -2),
+                                  pillar(5, 3, kBlue), pillar(0, 3.3),        pillar(-2, 1, kBlue)};
+  for (const bool read_only : {false, true}) {
+    LandmarkSlamParams fixed = params();
+    fixed.read_only = read_only;
+    LandmarkSlam slam = knowing(things, fixed);
+    slam.lose();
+    EXPECT_TRUE(slam.isLost());
+    expectFoundAgain(slam, things, {{3, 0.2}, 1.2}, 0);
+  }
 }
 
 }  // namespace

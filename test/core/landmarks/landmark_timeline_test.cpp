@@ -4,16 +4,101 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <random>
+#include <utility>
+#include <vector>
 
-#include "test_landmark_drive.hpp"
 #include "test_refusal.hpp"
 
 namespace sextant {
 namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector2d;
+
+const Pose2 kStart{{2, 1}, 0.4};
+
+struct Look {
+  double stamp;
+  std::vector<LabelledSighting> sightings;
+};
+
+/// A round trip at 0.5 m/s and 1 rad/s among six landmarks with ids; odometry has its own origin.
+struct Drive {
+  std::vector<std::pair<double, Pose2>> odometry, truth;  // stamp, pose
+  std::vector<Look> looks;
+  std::vector<PlaneLandmark> landmarks;
+  std::vector<LandmarkLabel> labels;
+};
+
+constexpr double kTick = 0.02;
+constexpr int kTicks = 1000;
+
+Drive drive(int seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> noise(0, 1);
+  Drive drawn;
+  for (int i = 0; i < 6; ++i) {
+    drawn.landmarks.push_back({{3 * std::cos(i) + 1, 3 * std::sin(i) + 1}, {}});
+    drawn.labels.push_back({"tag", i});
+  }
+  Pose2 robot = kStart, wheels{{-7, 3}, 2};
+  for (int i = 0; i <= kTicks; ++i) {
+    const Pose2 motion{{0.5 * kTick, 0}, 1.0 * kTick};
+    if (i > 0) robot = robot * motion;
+    if (i > 0)
+      wheels =
+          wheels * Pose2{motion.position * (1 + 0.1 * noise(random)), motion.heading + 0.004 * noise(random)};
+    drawn.truth.emplace_back(10 + i * kTick, robot);
+    drawn.odometry.emplace_back(10 + i * kTick, wheels);
+    if (i % 5) continue;
+    drawn.looks.push_back({10 + i * kTick, {}});
+    for (size_t k = 0; k < drawn.landmarks.size(); ++k) {
+      const Vector2d at = seenFrom(robot, drawn.landmarks[k]).position;
+      const Vector2d seen = at + 0.1 * Vector2d(noise(random), noise(random));
+      drawn.looks.back().sightings.push_back({drawn.labels[k], {seen, {}, 0.01 * Matrix3d::Identity()}});
+    }
+  }
+  return drawn;
+}
+
+LandmarkSlam slamOf(const Drive& drive) {
+  LandmarkSlam slam({}, kStart, 1e-4 * Matrix3d::Identity());
+  const auto size = static_cast<Eigen::Index>(3 + 2 * drive.landmarks.size());
+  slam.setMap(kStart, drive.landmarks, drive.labels, 1e-4 * Eigen::MatrixXd::Identity(size, size));
+  return slam;
+}
+
+LandmarkTimeline timelineOf(const Drive& drive, double lag = 1.0, double clock_offset = 0.0) {
+  LandmarkTimelineParams params;
+  params.lag = lag;
+  params.clock_offset = clock_offset;
+  return {params, slamOf(drive)};
+}
+
+/// All odometry, and each look as late as told. @returns root of the mean squared error of the position
+double run(LandmarkTimeline& timeline, const Drive& drive, const std::vector<double>& delays) {
+  std::vector<std::pair<double, size_t>> arrivals;
+  for (size_t k = 0; k < drive.looks.size(); ++k)
+    arrivals.emplace_back(drive.looks[k].stamp + delays[k % delays.size()], k);
+  std::stable_sort(arrivals.begin(), arrivals.end());
+  double squares = 0;
+  auto next = arrivals.begin();
+  for (size_t i = 0; i < drive.odometry.size(); ++i) {
+    EXPECT_TRUE(timeline.odometry(drive.odometry[i].first, drive.odometry[i].second));
+    for (; next != arrivals.end() && next->first < drive.odometry[i].first + kTick / 2; ++next)
+      EXPECT_EQ(timeline.see(drive.looks[next->second].stamp, drive.looks[next->second].sightings),
+                Arrival::taken);
+    squares += (timeline.now()->T_map_base.position - drive.truth[i].second.position).squaredNorm();
+  }
+  for (; next != arrivals.end(); ++next)
+    timeline.see(drive.looks[next->second].stamp, drive.looks[next->second].sightings);
+  return std::sqrt(squares / drive.odometry.size());
+}
 
 void expectSame(const LandmarkTimeline& a, const LandmarkTimeline& b, double tolerance) {
   const auto x = a.now(), y = b.now();
@@ -163,6 +248,81 @@ TEST(LandmarkTimeline, NamesAFieldThatIsOutOfRange) {
   params = {};
   params.odometry.way_by_way = -1;
   EXPECT_EQ(refused(params).find("way_by_way is "), 0u);
+}
+
+// ---- pauses, leaps, restarts, poses that are set
+
+TEST(LandmarkTimeline, WhatIsGoneInAPauseOfOdometryIsNotLost) {
+  const LandmarkSlam slam({}, Pose2{}, 1e-4 * Matrix3d::Identity());
+  LandmarkTimeline timeline({}, slam);
+  for (int i = 0; i <= 100; ++i) timeline.odometry(10 + i * kTick, {{0.01 * i, 0}, 0});
+  EXPECT_EQ(timeline.see(11.9, {}), Arrival::taken);
+  timeline.odometry(20, {{3, 0}, 0});
+  EXPECT_NEAR(timeline.now()->T_map_base.position.x(), 3, 1e-9);
+  EXPECT_NEAR(timeline.now()->covariance(0, 0), 1e-4 + 3 * 0.03 * 0.03, 1e-6);  // 3 m, way_by_way
+  timeline.odometry(30, {{4, 0}, 0});
+  EXPECT_NEAR(timeline.now()->T_map_base.position.x(), 4, 1e-9);
+}
+
+TEST(LandmarkTimeline, ARestartKeepsTheMap) {
+  const Drive drawn = drive(7);
+  LandmarkTimeline timeline = timelineOf(drawn);
+  run(timeline, drawn, {0});
+  const Eigen::MatrixXd covariance = timeline.slam().filter().covariance();
+  const Pose2 pose = timeline.slam().filter().pose();
+  timeline.restart();
+  EXPECT_FALSE(timeline.now());
+  EXPECT_TRUE(timeline.odometry(1, {{100, 0}, 0}));  // another clock, another origin
+  EXPECT_EQ(timeline.slam().filter().covariance(), covariance);
+  EXPECT_LT((timeline.now()->T_map_base.position - pose.position).norm(), 1e-12);
+  timeline.odometry(2, {{101, 0}, 0});
+  EXPECT_LT((timeline.now()->T_map_base.position - pose * Vector2d(1, 0)).norm(), 1e-12);
+  EXPECT_EQ(timeline.see(1.5, {}), Arrival::taken);
+}
+
+TEST(LandmarkTimeline, OdometryThatLeapsBeginsAnewAndTheRobotIsSought) {
+  const Drive drawn = drive(9);
+  LandmarkTimeline timeline = timelineOf(drawn);
+  run(timeline, drawn, {0});
+  const double last = drawn.odometry.back().first;
+  const Pose2 fast = drawn.odometry.back().second * Pose2{{0.9, 0}, 0};
+  EXPECT_TRUE(timeline.odometry(last + 0.02, fast));
+  EXPECT_EQ(timeline.leaps(), 0);
+  EXPECT_TRUE(timeline.odometry(last + 0.07, fast * Pose2{{1.1, 0}, 0}));  // 22 m/s
+  EXPECT_EQ(timeline.leaps(), 1);
+  EXPECT_TRUE(timeline.slam().isLost());
+  EXPECT_EQ(timeline.slam().labels().size(), 6u);
+  EXPECT_EQ(timeline.see(last + 0.05, {}), Arrival::too_late);
+  EXPECT_TRUE(timeline.odometry(last + 10, fast * Pose2{{30, 0}, 0}));  // a pause
+  EXPECT_EQ(timeline.leaps(), 1);
+}
+
+TEST(LandmarkTimeline, OfTooManyThatWaitTheLatestAreDropped) {
+  const Drive drawn = drive(9);
+  LandmarkTimeline timeline = timelineOf(drawn);
+  timeline.odometry(drawn.odometry[0].first, drawn.odometry[0].second);
+  for (int i = 0; i < 200; ++i) EXPECT_EQ(timeline.see(1000 + i, {}), Arrival::waiting);
+  EXPECT_EQ(timeline.waiting(), 100u);
+  const Look& soon = drawn.looks[2];
+  EXPECT_EQ(timeline.see(soon.stamp, soon.sightings), Arrival::waiting);
+  for (const auto& [stamp, pose] : drawn.odometry)
+    if (stamp < soon.stamp + 0.05) timeline.odometry(stamp, pose);
+  EXPECT_EQ(timeline.waiting(), 99u);
+}
+
+TEST(LandmarkTimeline, AChangeIsMadeAtTheLastOdometry) {
+  const Drive drawn = drive(8);
+  LandmarkTimeline timeline = timelineOf(drawn);
+  for (int i = 0; i <= 500; ++i) timeline.odometry(drawn.odometry[i].first, drawn.odometry[i].second);
+  EXPECT_EQ(timeline.see(20.3, drawn.looks[0].sightings), Arrival::waiting);
+  const Pose2 elsewhere{{-4, 5}, 3};
+  timeline.change([&](LandmarkSlam& slam) { slam.setPose(elsewhere, 0.01 * Matrix3d::Identity()); });
+  EXPECT_LT((timeline.now()->T_map_base.position - elsewhere.position).norm(), 1e-12);
+  EXPECT_LT((timeline.now()->covariance - 0.01 * Matrix3d::Identity()).norm(), 1e-9);
+  EXPECT_EQ(timeline.slam().labels().size(), 6u);
+  EXPECT_EQ(timeline.see(19.9, drawn.looks[0].sightings), Arrival::too_late);
+  timeline.odometry(20.5, drawn.odometry[500].second * Pose2{{1, 0}, 0});
+  EXPECT_LT((timeline.now()->T_map_base.position - elsewhere * Vector2d(1, 0)).norm(), 1e-9);
 }
 
 }  // namespace

@@ -51,11 +51,9 @@ LOCATOR = [
 ]
 SLAM = [
     ("mode", "joint", "unknown parameter /{node}/mode"),
-    ("association", "best", "parameter /{node}/association is 'best', allowed"),
     ("gate", 1.0, "parameter /{node}/gate is 1, allowed is [0.5, 1"),
     ("doubt", 0.9, "parameter /{node}/doubt is 0.9"),
-    ("form", "square", "parameter /{node}/form is 'square'"),
-    ("alpha", 0, "parameter /{node}/alpha is 0, allowed is [0.001, 1]"),
+    ("scale_sigma", 2, "parameter /{node}/scale_sigma is 2, allowed is [0, 1]"),
     ("candidate_sightings", 2.5, "parameter /{node}/candidate_sightings must be a whole number"),
     ("candidate_memory", 0, "parameter /{node}/candidate_memory is 0, allowed is (0, 3600] s"),
     ("match_present", 1, "parameter /{node}/match_present is 1"),
