@@ -23,6 +23,7 @@ from tables import Row, Table, Value
 
 import sextant
 from landmarks.landmark_drives import begun_filter, rms
+from landmarks.most_probable_drive import DriveGraph, most_probable
 from landmarks.victoria_park import FELT, RecordedDrive, read_drive, tree_counts, with_noise_felt
 
 START, CERTAIN = np.zeros(3), 1e-12 * np.eye(3)
@@ -91,11 +92,11 @@ def _optimum(drive: RecordedDrive, start: Track) -> tuple:
     index_of = {tree: index for index, tree in enumerate(start.ids)}
     seen = [(number, index_of[tree]) for number, look in enumerate(drive.looks) for tree, _ in look]
     sightings = [sighting for look in drive.looks for _, sighting in look]
-    landmarks = [sextant.PlaneLandmark(position) for position in start.landmarks]
-    poses, landmarks, cost = sextant.smooth_drive(
-        list(drive.steps), list(drive.noises), seen, sightings, list(start.poses), landmarks
-    )
-    return Track(np.array(poses), _positions(landmarks), start.ids), cost
+    positions = np.array([sighting.position for sighting in sightings])
+    covariances = np.array([sighting.covariance[:2, :2] for sighting in sightings])
+    graph = DriveGraph(drive.steps, drive.noises, np.array(seen), positions, covariances)
+    poses, landmarks, cost = most_probable(graph, start.poses, start.landmarks)
+    return Track(poses, landmarks, start.ids), cost
 
 
 def _known_rows(drive: RecordedDrive, tracks: Dict[str, Track], reference: Track, quick: bool) -> List[Row]:

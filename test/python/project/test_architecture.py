@@ -24,7 +24,7 @@ CORE = {
     "detection": ("base geometry markers", "Eigen opencv2"),
     "localization": ("base geometry markers", "Eigen boost/math"),
     "mapping": ("base geometry markers localization", "Eigen ceres"),
-    "landmarks": ("base geometry", "Eigen boost/math ceres"),
+    "landmarks": ("base geometry", "Eigen boost/math"),
     "fusion": ("base geometry markers landmarks", "Eigen"),
     "places": ("base", "dlib faiss opencv2"),
     "simulation": ("base geometry markers", "Eigen opencv2"),
