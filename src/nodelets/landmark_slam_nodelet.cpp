@@ -69,8 +69,7 @@ class LandmarkSlamNodelet : public nodelet::Nodelet {
     });
     retry_timer_ = node.createWallTimer(
         ros::WallDuration(0.002), [this](const ros::WallTimerEvent&) { work(); }, false, false);
-    services_ = std::make_unique<LandmarkServices>(getPrivateNodeHandle(), *session_, *trouble_,
-                                                   [this] { publishMap(); });
+    services_ = offerLandmarkServices(getPrivateNodeHandle(), *session_, *trouble_, [this] { publishMap(); });
     publishMap();
   }
 
@@ -292,7 +291,7 @@ class LandmarkSlamNodelet : public nodelet::Nodelet {
   ros::Publisher filtered_pub_, pose_pub_, picture_pub_, entries_pub_;
   ros::Subscriber odom_sub_, landmarks_sub_, pose_sub_, map_sub_;
   std::vector<ros::Subscriber> marker_subs_;
-  std::unique_ptr<LandmarkServices> services_;
+  std::vector<ros::ServiceServer> services_;
 };
 
 }  // namespace sextant

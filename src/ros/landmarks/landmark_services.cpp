@@ -2,65 +2,67 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sextant/ros/landmarks/landmark_services.hpp"
 
+#include <std_srvs/Trigger.h>
+
 #include <exception>
-#include <utility>
+#include <string>
+
+#include "sextant/LandmarkMapFile.h"
 
 namespace sextant {
+namespace {
 
-LandmarkServices::LandmarkServices(ros::NodeHandle private_node, LandmarkSession& session,
-                                   TroubleLog& trouble, std::function<void()> changed)
-    : session_(session), trouble_(trouble), changed_(std::move(changed)) {
-  servers_ = {private_node.advertiseService("save_map", &LandmarkServices::onSave, this),
-              private_node.advertiseService("load_map", &LandmarkServices::onLoad, this),
-              private_node.advertiseService("reset", &LandmarkServices::onReset, this),
-              private_node.advertiseService("relocalize", &LandmarkServices::onRelocalize, this)};
+std::string countOf(const LandmarkSession& session) {
+  return std::to_string(session.slam().labels().size()) + " landmarks";
 }
 
-template <typename Response>
-bool LandmarkServices::answer(const std::string& service, Response& response,
-                              const std::function<std::string()>& work) {
-  try {
-    response.message = work();
-    response.success = true;
-    changed_();
-  } catch (const std::exception& error) {
-    response.success = false;
-    response.message = error.what();
-    trouble_.refused(service, service + ": " + error.what());
-  }
-  return true;
+/// @param work returns the answer's message
+template <typename Service, typename Work>
+ros::ServiceServer offer(ros::NodeHandle& node, const std::string& name, TroubleLog& trouble,
+                         const std::function<void()>& changed, const Work& work) {
+  using Request = typename Service::Request;
+  using Response = typename Service::Response;
+  const boost::function<bool(Request&, Response&)> answer = [&trouble, name, changed, work](
+                                                                Request& request, Response& response) {
+    try {
+      response.message = work(request);
+      response.success = true;
+      changed();
+    } catch (const std::exception& error) {
+      response.success = false;
+      response.message = error.what();
+      trouble.refused(name, name + ": " + error.what());
+    }
+    return true;
+  };
+  return node.advertiseService(name, answer);
 }
 
-std::string LandmarkServices::landmarks() const {
-  return std::to_string(session_.slam().labels().size()) + " landmarks";
-}
+}  // namespace
 
-bool LandmarkServices::onSave(LandmarkMapFile::Request& request, LandmarkMapFile::Response& response) {
-  return answer("save_map", response, [&] {
-    const std::string path = session_.save(request.file);
-    return landmarks() + " written to " + path;
-  });
-}
-
-bool LandmarkServices::onLoad(LandmarkMapFile::Request& request, LandmarkMapFile::Response& response) {
-  return answer("load_map", response, [&] {
-    const std::string path = session_.load(request.file);
-    return landmarks() + " read from " + path;
-  });
-}
-
-bool LandmarkServices::onReset(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
-  return answer("reset", response, [&] {
-    session_.reset();
-    return "begun anew with " + landmarks();
-  });
-}
-
-bool LandmarkServices::onRelocalize(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
-  return answer("relocalize", response, [&] {
-    session_.relocalize();
-    return "lost until the robot finds itself among " + landmarks();
-  });
+std::vector<ros::ServiceServer> offerLandmarkServices(ros::NodeHandle private_node, LandmarkSession& session,
+                                                      TroubleLog& trouble,
+                                                      const std::function<void()>& changed) {
+  const auto save = [&session](const LandmarkMapFile::Request& request) {
+    const std::string path = session.save(request.file);
+    return countOf(session) + " written to " + path;
+  };
+  const auto load = [&session](const LandmarkMapFile::Request& request) {
+    const std::string path = session.load(request.file);
+    return countOf(session) + " read from " + path;
+  };
+  const auto reset = [&session](const std_srvs::Trigger::Request&) {
+    session.reset();
+    return "begun anew with " + countOf(session);
+  };
+  const auto relocalize = [&session](const std_srvs::Trigger::Request&) {
+    session.relocalize();
+    return "lost until the robot finds itself among " + countOf(session);
+  };
+  return {offer<LandmarkMapFile>(private_node, "save_map", trouble, changed, save),
+          offer<LandmarkMapFile>(private_node, "load_map", trouble, changed, load),
+          offer<std_srvs::Trigger>(private_node, "reset", trouble, changed, reset),
+          offer<std_srvs::Trigger>(private_node, "relocalize", trouble, changed, relocalize)};
 }
 
 }  // namespace sextant
