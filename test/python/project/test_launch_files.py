@@ -222,26 +222,35 @@ def test_an_empty_argument_means_what_its_doc_has(path):
         assert {key: defaults[key] for key in taken} == taken
 
 
+def params_with(path, *args):
+    needed = [*NEEDED.get(path.name, []), *ENTERED.get(path.name, [])]
+    return {key: param.value for key, param in load(path, [*needed, *args]).params.items()}
+
+
+def reader_of(path, name, file):
+    """The node that reads a file of parameters, with a slash at both ends."""
+    file.write_text("probe: 1")
+    (node,) = (key[:-5] for key in params_with(path, f"{name}:={file}") if key.endswith("/probe"))
+    return node
+
+
+def differences(params, others):
+    return {key for key, value in params.items() if others.get(key) != value}
+
+
 @pytest.mark.parametrize(("path", "name"), FILES, ids=lambda each: getattr(each, "name", each))
 def test_a_file_wins_over_defaults_and_arguments_win_over_the_file(path, name, tmp_path):
     file = tmp_path / "params.yaml"
-    needed = [*NEEDED.get(path.name, []), *ENTERED.get(path.name, [])]
+    node = reader_of(path, name, file)
     empty = {arg for arg, (default, _) in own_declared(path).items() if default == ""}
     sevens = [f"{arg}:=7" for arg in empty - {"camera_info", "manager"}]  # which are names
-
-    def params(*args):
-        return {key: param.value for key, param in load(path, [*needed, *args]).params.items()}
-
-    file.write_text("probe: 1")
-    (node,) = (key[: -len("probe")] for key in params(f"{name}:={file}") if key.endswith("/probe"))
-    plain, given = params(), params(*sevens)
-    of_node = {key for key in given if key.startswith(node)}
-    file.write_text(yaml.safe_dump({key[len(node) :]: "of the file" for key in of_node}))
-    in_file, in_both = params(f"{name}:={file}"), params(f"{name}:={file}", *sevens)
-    lost = {key[len(node) :] for key in of_node if in_file[key] != "of the file"}
-    assert lost == ARGUMENTS_ALONE.get((path.name, name), set())
-    changed = {key for key in of_node if given[key] != plain.get(key)}
-    assert {key: in_both[key] for key in changed} == {key: given[key] for key in changed}
+    plain, given = params_with(path), params_with(path, *sevens)
+    from_file = {key: "of the file" for key in given if key.startswith(node)}
+    file.write_text(yaml.safe_dump({key[len(node) :]: value for key, value in from_file.items()}))
+    lost = differences(from_file, params_with(path, f"{name}:={file}"))
+    assert {key[len(node) :] for key in lost} == ARGUMENTS_ALONE.get((path.name, name), set())
+    lost = differences(given, params_with(path, f"{name}:={file}", *sevens))
+    assert not lost & differences(given, plain)
 
 
 def test_the_demo_of_landmarks_tells_what_its_sensor_sees():
