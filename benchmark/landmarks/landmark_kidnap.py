@@ -19,7 +19,6 @@ from tables import Row, Table, Value
 import sextant
 from landmarks.landmark_drives import labelled, nees, pose_error
 from sextant.geometry.plane_poses import composed
-from sextant.landmarks.slam_params import LandmarkSlamSettings
 from sextant.simulation.landmark_world import LandmarkDrive, LandmarkWorld, LandmarkWorldParams
 
 DEMO = Path(__file__).resolve().parents[2] / "launch" / "landmarks_demo.launch"
@@ -73,10 +72,10 @@ def demo_world(seed: int) -> LandmarkWorld:
 
 def timeline_of(world: LandmarkWorld):
     """sextant.LandmarkTimeline at the start, as the demo begins it."""
-    settings = LandmarkSlamSettings()
-    settings.slam.sensor.field_of_view = world.params.field_of_view
-    slam = sextant.LandmarkSlam(settings.slam, world.start, settings.start_covariance)
-    return sextant.LandmarkTimeline(settings.timeline, slam)
+    params = sextant.LandmarkSlamNodeParams()
+    params.slam.sensor.field_of_view = world.params.field_of_view
+    slam = sextant.LandmarkSlam(params.slam, world.start, params.first_covariance)
+    return sextant.LandmarkTimeline(params.timeline, slam)
 
 
 def told_after(seed: int, is_told: bool) -> Iterator[Told]:

@@ -6,24 +6,26 @@
 #include <stdexcept>
 
 namespace sextant {
+namespace {
+
+constexpr int kDigits = 12;  // of the ends: 0.9999999 is not written as 1
+
+}  // namespace
 
 void Range::require(const std::string& name, double value, const std::string& unit) const {
-  const bool above = open_ ? value > low_ : value >= low_;
-  if (above && value <= high_) return;
-  std::ostringstream text;
-  text << name << " is " << value << ", allowed is " << (open_ ? "(" : "[") << low_ << ", " << high_ << "]"
-       << (unit.empty() ? "" : " ") << unit;
-  throw std::invalid_argument(text.str());
+  const bool above = left_ == '(' ? value > low_ : value >= low_;
+  const bool below = right_ == ')' ? value < high_ : value <= high_;
+  if (above && below) return;
+  std::ostringstream message;
+  message << name << " is " << value << ", allowed is " << text() << (unit.empty() ? "" : " ") << unit;
+  throw std::invalid_argument(message.str());
 }
 
-void requireOneOf(const std::string& name, const std::string& value,
-                  const std::vector<std::string>& allowed) {
-  std::string names;
-  for (const std::string& each : allowed) {
-    if (value == each) return;
-    names += (names.empty() ? "" : ", ") + each;
-  }
-  throw std::invalid_argument(name + " is '" + value + "', allowed is one of " + names);
+std::string Range::text() const {
+  std::ostringstream text;
+  text.precision(kDigits);
+  text << left_ << low_ << ", " << high_ << right_;
+  return text.str();
 }
 
 }  // namespace sextant

@@ -4,8 +4,9 @@
 
 #include "image_arrays.hpp"
 #include "marker_casters.hpp"
+#include "params.hpp"
 #include "sextant/detection/corner_refiner.hpp"
-#include "sextant/detection/marker_detector.hpp"
+#include "sextant/detection/marker_detector_node_params.hpp"
 
 namespace py = pybind11;
 using namespace py::literals;
@@ -14,18 +15,10 @@ namespace sextant {
 namespace {
 
 void bindMarkerDetector(py::module_& module) {
-  py::class_<DetectorParams>(module, "DetectorParams")
-      .def(py::init<>())
-      .def_readwrite("families", &DetectorParams::families)
-      .def_readwrite("search", &DetectorParams::search)
-      .def_readwrite("threads", &DetectorParams::threads)
-      .def_readwrite("decimate", &DetectorParams::decimate)
-      .def_readwrite("max_hamming", &DetectorParams::max_hamming)
-      .def_readwrite("min_decision_margin", &DetectorParams::min_decision_margin)
-      .def_readwrite("error_correction", &DetectorParams::error_correction)
-      .def_readwrite("min_perimeter", &DetectorParams::min_perimeter)
-      .def_readwrite("refine_corners", &DetectorParams::refine_corners)
-      .def("validate", &DetectorParams::validate);
+  bindParams<DetectorParams>(module, "DetectorParams");
+  bindParams<MarkerDetectorNodeParams>(module, "MarkerDetectorNodeParams",
+                                       "Of the nodelet sextant/MarkerDetector.")
+      .def_readwrite("detector", &MarkerDetectorNodeParams::detector);
   py::class_<MarkerDetector>(module, "MarkerDetector", "Finds markers in an image.")
       .def(py::init(&makeMarkerDetector), "params"_a)
       .def(

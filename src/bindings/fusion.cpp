@@ -3,7 +3,9 @@
 #include <pybind11/stl.h>
 
 #include "marker_casters.hpp"
+#include "params.hpp"
 #include "pose_casters.hpp"
+#include "sextant/fusion/landmark_slam_node_params.hpp"
 #include "sextant/fusion/marker_landmarks.hpp"
 
 namespace py = pybind11;
@@ -13,13 +15,15 @@ namespace sextant {
 namespace {
 
 void bindMarkerLandmarks(py::module_& module) {
-  py::class_<MarkerLandmarkParams>(module, "MarkerLandmarkParams",
-                                   "How printed markers become landmarks of the plane.")
-      .def(py::init<>())
-      .def_readwrite("decided", &MarkerLandmarkParams::decided)
-      .def_readwrite("corner_sigma", &MarkerLandmarkParams::corner_sigma)
-      .def_readwrite("tilt_sigma", &MarkerLandmarkParams::tilt_sigma)
-      .def("validate", &MarkerLandmarkParams::validate);
+  bindParams<MarkerLandmarkParams>(module, "MarkerLandmarkParams",
+                                   "How printed markers become landmarks of the plane.");
+  bindParams<LandmarkSlamNodeParams>(module, "LandmarkSlamNodeParams", "Of the nodelet sextant/LandmarkSlam.")
+      .def_readwrite("slam", &LandmarkSlamNodeParams::slam)
+      .def_readwrite("timeline", &LandmarkSlamNodeParams::timeline)
+      .def_readwrite("markers", &LandmarkSlamNodeParams::markers)
+      .def_property_readonly("first_pose", &LandmarkSlamNodeParams::startPose,
+                             "(3,) of start_pose: x, y, heading in the map")
+      .def_property_readonly("first_covariance", &LandmarkSlamNodeParams::startCovariance, "(3, 3) of it");
   module.def(
       "marker_sighting",
       [](const std::string& family, int id, const Pose& T_base_camera, const Pose& T_camera_marker,

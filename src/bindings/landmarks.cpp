@@ -3,6 +3,7 @@
 #include <pybind11/operators.h>
 #include <pybind11/stl.h>
 
+#include "params.hpp"
 #include "pose_casters.hpp"
 #include "sextant/landmarks/landmark_filter.hpp"
 #include "sextant/landmarks/landmark_map_file.hpp"
@@ -70,17 +71,10 @@ void bindPlaneSighting(py::module_& module) {
 }
 
 void bindOdometrySteps(py::module_& module) {
-  py::class_<OdometryNoiseParams>(
+  bindParams<OdometryNoiseParams>(
       module, "OdometryNoiseParams",
       "What a step of wheel odometry may be off by: deviations after a metre or a radian, "
-      "that grow with the root.")
-      .def(py::init<>())
-      .def_readwrite("turn_by_turn", &OdometryNoiseParams::turn_by_turn, "radians")
-      .def_readwrite("turn_by_way", &OdometryNoiseParams::turn_by_way, "radians")
-      .def_readwrite("way_by_way", &OdometryNoiseParams::way_by_way, "metres")
-      .def_readwrite("way_by_turn", &OdometryNoiseParams::way_by_turn, "metres")
-      .def_readwrite("aside_by_way", &OdometryNoiseParams::aside_by_way, "metres")
-      .def("validate", &OdometryNoiseParams::validate);
+      "that grow with the root.");
   module.def(
       "odometry_step_noise",
       [](const Pose2& step, const OdometryNoiseParams& params) { return noisyStep(step, params).noise; },
@@ -100,12 +94,7 @@ void updateKnown(LandmarkFilter& self, const std::vector<size_t>& landmarks,
 }
 
 void bindLandmarkFilterParams(py::module_& module) {
-  py::class_<LandmarkFilterParams>(module, "LandmarkFilterParams")
-      .def(py::init<>())
-      .def_readwrite("scale_sigma", &LandmarkFilterParams::scale_sigma)
-      .def_readwrite("scale_drift", &LandmarkFilterParams::scale_drift)
-      .def_readwrite("clock_sigma", &LandmarkFilterParams::clock_sigma)
-      .def("validate", &LandmarkFilterParams::validate);
+  bindParams<LandmarkFilterParams>(module, "LandmarkFilterParams");
 }
 
 void bindLandmarkFilter(py::module_& module) {
@@ -149,56 +138,25 @@ void bindLandmarkFilter(py::module_& module) {
 }
 
 void bindLandmarkSlamParams(py::module_& module) {
-  py::class_<AssociationParams>(module, "AssociationParams",
-                                "How sightings are told to be of known landmarks.")
-      .def(py::init<>())
-      .def_readwrite("gate", &AssociationParams::gate)
-      .def_readwrite("doubt", &AssociationParams::doubt)
-      .def_readwrite("margin", &AssociationParams::margin)
-      .def_readwrite("density", &AssociationParams::density)
-      .def_readwrite("new_margin", &AssociationParams::new_margin)
-      .def_readwrite("effort", &AssociationParams::effort)
-      .def("validate", &AssociationParams::validate);
-  py::class_<CandidateParams>(module, "CandidateParams",
-                              "When something that is seen is taken for a landmark.")
-      .def(py::init<>())
-      .def_readwrite("gate", &CandidateParams::gate)
-      .def_readwrite("sightings", &CandidateParams::sightings)
-      .def_readwrite("memory", &CandidateParams::memory)
-      .def("validate", &CandidateParams::validate);
+  bindParams<AssociationParams>(module, "AssociationParams",
+                                "How sightings are told to be of known landmarks.");
+  bindParams<CandidateParams>(module, "CandidateParams",
+                              "When something that is seen is taken for a landmark.");
 }
 
 void bindSensorParams(py::module_& module) {
-  py::class_<LandmarkSensorParams>(module, "LandmarkSensorParams", "What a sensor sees, and how surely.")
-      .def(py::init<>())
-      .def_readwrite("max_range", &LandmarkSensorParams::max_range)
-      .def_readwrite("min_range", &LandmarkSensorParams::min_range)
-      .def_readwrite("field_of_view", &LandmarkSensorParams::field_of_view)
-      .def_readwrite("detection", &LandmarkSensorParams::detection)
-      .def_readwrite("phantom", &LandmarkSensorParams::phantom)
-      .def_readwrite("width", &LandmarkSensorParams::width)
-      .def_readwrite("separation", &LandmarkSensorParams::separation)
-      .def("validate", &LandmarkSensorParams::validate);
-  py::class_<LandmarkMatchingParams>(module, "LandmarkMatchingParams",
-                                     "How a lost robot finds itself in a map.")
-      .def(py::init<>())
-      .def_readwrite("gate", &LandmarkMatchingParams::gate)
-      .def_readwrite("certainty", &LandmarkMatchingParams::certainty)
-      .def_readwrite("present", &LandmarkMatchingParams::present)
-      .def("validate", &LandmarkMatchingParams::validate);
+  bindParams<LandmarkSensorParams>(module, "LandmarkSensorParams", "What a sensor sees, and how surely.");
+  bindParams<LandmarkMatchingParams>(module, "LandmarkMatchingParams",
+                                     "How a lost robot finds itself in a map.");
 }
 
 void bindSlamParams(py::module_& module) {
-  py::class_<LandmarkSlamParams>(module, "LandmarkSlamParams")
-      .def(py::init<>())
+  bindParams<LandmarkSlamParams>(module, "LandmarkSlamParams")
       .def_readwrite("filter", &LandmarkSlamParams::filter)
       .def_readwrite("association", &LandmarkSlamParams::association)
       .def_readwrite("candidates", &LandmarkSlamParams::candidates)
       .def_readwrite("sensor", &LandmarkSlamParams::sensor)
-      .def_readwrite("matching", &LandmarkSlamParams::matching)
-      .def_readwrite("lost_after", &LandmarkSlamParams::lost_after)
-      .def_readwrite("read_only", &LandmarkSlamParams::read_only)
-      .def("validate", &LandmarkSlamParams::validate);
+      .def_readwrite("matching", &LandmarkSlamParams::matching);
 }
 
 void bindLandmarkSlamReport(py::module_& module) {
@@ -247,12 +205,8 @@ void bindLandmarkSlam(py::module_& module) {
 }
 
 void bindLandmarkTimelineParts(py::module_& module) {
-  py::class_<LandmarkTimelineParams>(module, "LandmarkTimelineParams")
-      .def(py::init<>())
-      .def_readwrite("odometry", &LandmarkTimelineParams::odometry)
-      .def_readwrite("lag", &LandmarkTimelineParams::lag)
-      .def_readwrite("clock_offset", &LandmarkTimelineParams::clock_offset)
-      .def("validate", &LandmarkTimelineParams::validate);
+  bindParams<LandmarkTimelineParams>(module, "LandmarkTimelineParams")
+      .def_readwrite("odometry", &LandmarkTimelineParams::odometry);
   py::enum_<Arrival>(module, "Arrival", "What became of sightings.")
       .value("TAKEN", Arrival::taken)
       .value("WAITING", Arrival::waiting, "for odometry of their moment")

@@ -3,9 +3,10 @@
 #include <pybind11/stl.h>
 
 #include "marker_casters.hpp"
+#include "params.hpp"
 #include "pose_casters.hpp"
 #include "sextant/localization/marker_localization.hpp"
-#include "sextant/localization/marker_locator.hpp"
+#include "sextant/localization/marker_locator_node_params.hpp"
 
 namespace py = pybind11;
 using namespace py::literals;
@@ -36,19 +37,7 @@ void bindMarkerLocator(py::module_& module) {
       .def_readonly("detections", &MarkerView::detections)
       .def_readwrite("camera_index", &MarkerView::camera_index, "which of the robot's cameras, from 0")
       .def_readwrite("noise_scale", &MarkerView::noise_scale);
-  py::class_<LocatorParams>(module, "LocatorParams")
-      .def(py::init<>())
-      .def_readwrite("mode", &LocatorParams::mode)
-      .def_readwrite("corner_sigma", &LocatorParams::corner_sigma)
-      .def_readwrite("max_reprojection_error", &LocatorParams::max_reprojection_error)
-      .def_readwrite("robust_width", &LocatorParams::robust_width)
-      .def_readwrite("gate", &LocatorParams::gate)
-      .def_readwrite("floor_height_sigma", &LocatorParams::floor_height_sigma)
-      .def_readwrite("floor_tilt_sigma", &LocatorParams::floor_tilt_sigma)
-      .def_readwrite("decided", &LocatorParams::decided)
-      .def_readwrite("ambiguous", &LocatorParams::ambiguous)
-      .def_readwrite("constant_covariance", &LocatorParams::constant_covariance)
-      .def("validate", &LocatorParams::validate);
+  bindParams<LocatorParams>(module, "LocatorParams");
   py::class_<PosePrior>(module, "PosePrior", "What is known of a pose before the image.")
       .def(py::init<Pose, Matrix6d>(), "T_map_base"_a, "covariance"_a);
   py::class_<MarkerLocator>(module, "MarkerLocator", "Locates a robot from mapped markers.")
@@ -62,21 +51,14 @@ void bindMarkerLocator(py::module_& module) {
 }
 
 void bindMarkerLocalization(py::module_& module) {
-  py::class_<OdometryParams>(module, "OdometryParams")
-      .def(py::init<>())
-      .def_readwrite("position_drift", &OdometryParams::position_drift)
-      .def_readwrite("heading_drift", &OdometryParams::heading_drift)
-      .def_readwrite("turn_drift", &OdometryParams::turn_drift)
-      .def_readwrite("gate", &OdometryParams::gate)
-      .def_readwrite("recovery", &OdometryParams::recovery)
-      .def("validate", &OdometryParams::validate);
-  py::class_<LocalizationParams>(module, "LocalizationParams")
-      .def(py::init<>())
+  bindParams<OdometryParams>(module, "OdometryParams");
+  bindParams<LocalizationParams>(module, "LocalizationParams")
       .def_readwrite("locator", &LocalizationParams::locator)
-      .def_readwrite("odometry", &LocalizationParams::odometry)
-      .def_readwrite("estimate_noise", &LocalizationParams::estimate_noise)
-      .def_readwrite("leave_out_moved", &LocalizationParams::leave_out_moved)
-      .def("validate", &LocalizationParams::validate);
+      .def_readwrite("odometry", &LocalizationParams::odometry);
+  bindParams<MarkerLocatorNodeParams>(module, "MarkerLocatorNodeParams",
+                                      "Of the nodelet sextant/MarkerLocator.")
+      .def_readwrite("localization", &MarkerLocatorNodeParams::localization)
+      .def_readwrite("text", &MarkerLocatorNodeParams::text);
   py::class_<MovedMarker>(module, "MovedMarker", "A marker that does not stand where the map has it.")
       .def_property_readonly("family", [](const MovedMarker& marker) { return marker.key.family; })
       .def_property_readonly("id", [](const MovedMarker& marker) { return marker.key.id; })

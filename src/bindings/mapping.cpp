@@ -3,6 +3,7 @@
 #include <pybind11/stl.h>
 
 #include "marker_casters.hpp"
+#include "params.hpp"
 #include "pose_casters.hpp"
 #include "sextant/mapping/map_maker.hpp"
 
@@ -22,26 +23,11 @@ void bindRecording(py::module_& module) {
       .def_readonly("views", &RecordedInstant::views)
       .def_readonly("T_odom_base", &RecordedInstant::T_odom_base)
       .def_readonly("drive", &RecordedInstant::drive);
-  py::class_<MarkerSizes>(module, "MarkerSizes")
-      .def(py::init<>())
-      .def_readwrite("size", &MarkerSizes::size)
-      .def_readwrite("sizes", &MarkerSizes::sizes)
-      .def("validate", &MarkerSizes::validate);
+  bindParams<MarkerSizes>(module, "MarkerSizes");
 }
 
 void bindMappingParams(py::module_& module) {
-  py::class_<MappingParams>(module, "MappingParams")
-      .def(py::init<>())
-      .def_readwrite("corner_sigma", &MappingParams::corner_sigma)
-      .def_readwrite("estimate_noise", &MappingParams::estimate_noise)
-      .def_readwrite("robust_width", &MappingParams::robust_width)
-      .def_readwrite("gate", &MappingParams::gate)
-      .def_readwrite("decided", &MappingParams::decided)
-      .def_readwrite("floor_height_sigma", &MappingParams::floor_height_sigma)
-      .def_readwrite("floor_tilt_sigma", &MappingParams::floor_tilt_sigma)
-      .def_readwrite("odometry", &MappingParams::odometry)
-      .def_readwrite("threads", &MappingParams::threads)
-      .def("validate", &MappingParams::validate);
+  bindParams<MappingParams>(module, "MappingParams").def_readwrite("odometry", &MappingParams::odometry);
 }
 
 void bindFindings(py::module_& module) {

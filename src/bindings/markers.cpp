@@ -4,6 +4,7 @@
 
 #include "image_arrays.hpp"
 #include "marker_casters.hpp"
+#include "params.hpp"
 #include "pose_casters.hpp"
 #include "sextant/markers/marker.hpp"
 #include "sextant/markers/marker_family.hpp"
@@ -129,15 +130,8 @@ void bindMarkerMap(py::module_& module) {
            "Raises ValueError for what cannot be and what is there already.")
       .def("set", &MarkerMap::set, "marker"_a,
            "As add(), but replaces the marker with the same family and id.");
-  py::class_<TextMapParams>(module, "TextMapParams",
-                            "What the plain text format does not say of its markers.")
-      .def(py::init<>())
-      .def_readwrite("frame", &TextMapParams::frame)
-      .def_readwrite("family", &TextMapParams::family)
-      .def_readwrite("size", &TextMapParams::size)
-      .def_readwrite("sizes", &TextMapParams::sizes)
-      .def_readwrite("parents", &TextMapParams::parents)
-      .def("validate", &TextMapParams::validate);
+  bindParams<TextMapParams>(module, "TextMapParams",
+                            "What the plain text format does not say of its markers.");
   module.def("read_marker_map", &readMarkerMap, "path"_a, "text"_a = TextMapParams(),
              "Reads YAML or the plain text format; RuntimeError 'file:line: reason'.");
   module.def(

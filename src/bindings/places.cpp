@@ -3,6 +3,7 @@
 #include <pybind11/stl.h>
 
 #include "image_arrays.hpp"
+#include "params.hpp"
 #include "sextant/places/descriptor_index.hpp"
 #include "sextant/places/local_features.hpp"
 
@@ -23,21 +24,8 @@ py::array_t<float> keypointArray(const std::vector<cv::KeyPoint>& keypoints) {
 }
 
 void bindLocalFeatures(py::module_& module) {
-  py::class_<FeatureParams>(module, "FeatureParams")
-      .def(py::init<>())
-      .def_static("plain", &FeatureParams::plain, "detector"_a, "extractor"_a)
-      .def_readwrite("detector", &FeatureParams::detector)
-      .def_readwrite("extractor", &FeatureParams::extractor)
-      .def_readwrite("max_side", &FeatureParams::max_side)
-      .def_readwrite("max_features", &FeatureParams::max_features)
-      .def_readwrite("upright", &FeatureParams::upright)
-      .def_readwrite("root", &FeatureParams::root)
-      .def_readwrite("support", &FeatureParams::support)
-      .def_readwrite("sift_contrast", &FeatureParams::sift_contrast)
-      .def_readwrite("surf_threshold", &FeatureParams::surf_threshold)
-      .def_readwrite("akaze_threshold", &FeatureParams::akaze_threshold)
-      .def_readwrite("orb_wta_k", &FeatureParams::orb_wta_k)
-      .def("validate", &FeatureParams::validate);
+  bindParams<FeatureParams>(module, "FeatureParams")
+      .def_static("plain", &FeatureParams::plain, "detector"_a, "extractor"_a);
   py::class_<LocalFeatures>(module, "LocalFeatures", "Keypoints and descriptors of one picture.")
       .def_property_readonly(
           "size", [](const LocalFeatures& self) { return py::make_tuple(self.size.width, self.size.height); },

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "image_arrays.hpp"
+#include "params.hpp"
 #include "pose_casters.hpp"
 #include "sextant/simulation/arena_camera.hpp"
 #include "sextant/simulation/arena_scene.hpp"
@@ -36,15 +37,8 @@ void bindRoomRendererScene(py::module_& module) {
       .def_readwrite("center", &RoomObstacle::center)
       .def_readwrite("size", &RoomObstacle::size)
       .def_readwrite("reflectance", &RoomObstacle::reflectance);
-  py::class_<RoomSceneParams>(module, "RoomSceneParams", "Units and ranges: room_scene.hpp.")
-      .def(py::init<>())
-      .def_readwrite("size", &RoomSceneParams::size)
-      .def_readwrite("floor_center", &RoomSceneParams::floor_center)
-      .def_readwrite("quiet_zone", &RoomSceneParams::quiet_zone)
-      .def_readwrite("light_unevenness", &RoomSceneParams::light_unevenness)
-      .def_readwrite("seed", &RoomSceneParams::seed)
-      .def_readwrite("obstacles", &RoomSceneParams::obstacles)
-      .def("validate", &RoomSceneParams::validate);
+  bindParams<RoomSceneParams>(module, "RoomSceneParams")
+      .def_readwrite("obstacles", &RoomSceneParams::obstacles);
   py::class_<RoomScene, std::shared_ptr<RoomScene>>(module, "RoomScene", "A room with printed markers.")
       .def(py::init<const RoomSceneParams&, const MarkerMap&>(), "params"_a, "map"_a,
            "ValueError for a parameter out of range, or a marker outside of the room.")
@@ -53,15 +47,7 @@ void bindRoomRendererScene(py::module_& module) {
 
 void bindRoomRenderer(py::module_& module) {
   bindRoomRendererScene(module);
-  py::class_<RoomRendererParams>(module, "RoomRendererParams", "Units and ranges: room_renderer.hpp.")
-      .def(py::init<>())
-      .def_readwrite("supersampling", &RoomRendererParams::supersampling)
-      .def_readwrite("blur_sigma", &RoomRendererParams::blur_sigma)
-      .def_readwrite("noise_sigma", &RoomRendererParams::noise_sigma)
-      .def_readwrite("vignette", &RoomRendererParams::vignette)
-      .def_readwrite("white_level", &RoomRendererParams::white_level)
-      .def_readwrite("seed", &RoomRendererParams::seed)
-      .def("validate", &RoomRendererParams::validate);
+  bindParams<RoomRendererParams>(module, "RoomRendererParams");
   py::class_<RoomRenderer>(module, "RoomRenderer", "Takes pictures in a room.")
       .def(py::init<const RoomRendererParams&, std::shared_ptr<RoomScene>, const CameraModel&>(), "params"_a,
            "scene"_a, "camera"_a)
@@ -102,19 +88,8 @@ void bindArenaScene(py::module_& module) {
       .def_readwrite("radius", &ArenaObject::radius)
       .def_readwrite("height", &ArenaObject::height)
       .def_readwrite("colour", &ArenaObject::colour);
-  py::class_<ArenaLight>(module, "ArenaLight", "The light of the moment.")
-      .def(py::init<>())
-      .def_readwrite("brightness", &ArenaLight::brightness)
-      .def_readwrite("direct", &ArenaLight::direct)
-      .def_readwrite("toward", &ArenaLight::toward)
-      .def_readwrite("tint", &ArenaLight::tint)
-      .def("validate", &ArenaLight::validate);
-  py::class_<ArenaSceneParams>(module, "ArenaSceneParams", "Units and ranges: arena_scene.hpp.")
-      .def(py::init<>())
-      .def_readwrite("size", &ArenaSceneParams::size)
-      .def_readwrite("wall_height", &ArenaSceneParams::wall_height)
-      .def_readwrite("seed", &ArenaSceneParams::seed)
-      .def("validate", &ArenaSceneParams::validate);
+  bindParams<ArenaLight>(module, "ArenaLight", "The light of the moment.");
+  bindParams<ArenaSceneParams>(module, "ArenaSceneParams");
   py::class_<ArenaScene>(module, "ArenaScene", "A room with a patterned floor and walls, and what is in it.")
       .def(py::init<const ArenaSceneParams&>(), "params"_a)
       .def("set_objects", &ArenaScene::setObjects, "objects"_a)
@@ -122,25 +97,8 @@ void bindArenaScene(py::module_& module) {
 }
 
 void bindArenaParams(py::module_& module) {
-  py::class_<ArenaCameraParams>(module, "ArenaCameraParams", "Units and ranges: arena_camera.hpp.")
-      .def(py::init<>())
-      .def_readwrite("supersampling", &ArenaCameraParams::supersampling)
-      .def_readwrite("blur_sigma", &ArenaCameraParams::blur_sigma)
-      .def_readwrite("noise_sigma", &ArenaCameraParams::noise_sigma)
-      .def_readwrite("white_level", &ArenaCameraParams::white_level)
-      .def_readwrite("gamma", &ArenaCameraParams::gamma)
-      .def_readwrite("seed", &ArenaCameraParams::seed)
-      .def("validate", &ArenaCameraParams::validate);
-  py::class_<DepthCameraParams>(module, "DepthCameraParams", "Units and ranges: depth_camera.hpp.")
-      .def(py::init<>())
-      .def_readwrite("noise", &DepthCameraParams::noise)
-      .def_readwrite("scale", &DepthCameraParams::scale)
-      .def_readwrite("baseline", &DepthCameraParams::baseline)
-      .def_readwrite("min_depth", &DepthCameraParams::min_depth)
-      .def_readwrite("max_depth", &DepthCameraParams::max_depth)
-      .def_readwrite("holes", &DepthCameraParams::holes)
-      .def_readwrite("seed", &DepthCameraParams::seed)
-      .def("validate", &DepthCameraParams::validate);
+  bindParams<ArenaCameraParams>(module, "ArenaCameraParams");
+  bindParams<DepthCameraParams>(module, "DepthCameraParams");
 }
 
 void bindArena(py::module_& module) {

@@ -8,7 +8,6 @@
 #include "apriltag_search.hpp"
 #include "aruco_search.hpp"
 #include "marker_tracker.hpp"
-#include "sextant/base/range.hpp"
 #include "sextant/markers/marker_family.hpp"
 
 namespace sextant {
@@ -34,9 +33,8 @@ class TrackingDetector : public MarkerDetector {
   std::vector<MarkerTracker> trackers_;
 };
 
-}  // namespace
-
-void DetectorParams::validate() const {
+void requireFamilies(const Param& param) {
+  const auto& families = *std::get<std::vector<std::string>*>(param.value);
   if (families.empty()) throw std::invalid_argument("families is empty, name at least one marker family");
   std::set<std::string> prints;
   try {
@@ -46,18 +44,37 @@ void DetectorParams::validate() const {
   } catch (const std::invalid_argument& error) {
     throw std::invalid_argument(std::string("families: ") + error.what());
   }
-  if (search != "full" && search != "tracking")
-    throw std::invalid_argument("search is '" + search + "', it must be full or tracking");
-  Range::closed(1, 64).require("threads", threads);
-  Range::closed(1, 8).require("decimate", decimate);
-  Range::closed(0, 3).require("max_hamming", max_hamming);
-  Range::closed(0, 255).require("min_decision_margin", min_decision_margin);
-  Range::closed(0, 1).require("error_correction", error_correction);
-  Range::openLow(0, 4).require("min_perimeter", min_perimeter);
+}
+
+}  // namespace
+
+ParamList DetectorParams::fields() {
+  return {
+      {"families", &families, Allowed("[families](#marker-families)", requireFamilies), "",
+       "marker families to detect, searched one after another"},
+      {"threads", &threads, Range::closed(1, 64), "",
+       "threads of the AprilTag backend; with more than one, OpenCV uses its own too"},
+      {"search", &search, oneOf({"full", "tracking"}), "",
+       "tracking: markers are searched where they are predicted, new ones in one image of three and where "
+       "the image moves away from; full: every image by itself, several times the work"},
+      {"decimate", &decimate, Range::closed(1, 8), "",
+       "AprilTag: quads are searched in an image smaller by this factor"},
+      {"max_hamming", &max_hamming, Range::closed(0, 3), "bits",
+       "AprilTag: more corrected bits are no detection; a large family refuses what needs over 1 GB"},
+      {"min_decision_margin", &min_decision_margin, Range::closed(0, 255), "grey levels",
+       "AprilTag: less contrast is no detection"},
+      {"error_correction", &error_correction, Range::closed(0, 1), "",
+       "ArUco: share of the dictionary's correctable bits that are corrected"},
+      {"min_perimeter", &min_perimeter, Range::openLow(0, 4), "",
+       "ArUco: smallest marker, its perimeter over the larger side of the image"},
+      {"refine_corners", &refine_corners, Allowed(), "",
+       "corners from edges fitted in the full image as the lens bends them, each with its own deviation "
+       "(large where something hides an edge)"},
+  };
 }
 
 std::unique_ptr<MarkerDetector> makeMarkerDetector(const DetectorParams& params) {
-  params.validate();
+  validate(params);
   const bool tracking = params.search == "tracking";
   std::vector<MarkerTracker> trackers;
   std::vector<std::string> tags;

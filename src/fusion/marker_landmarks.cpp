@@ -4,8 +4,6 @@
 
 #include <cmath>
 
-#include "sextant/base/range.hpp"
-
 namespace sextant {
 namespace {
 
@@ -33,10 +31,15 @@ Eigen::Matrix<double, 3, 6> planeJacobian(const Matrix3d& R) {
 
 }  // namespace
 
-void MarkerLandmarkParams::validate() const {
-  Range::closed(0.5, 1 - 1e-12).require("decided", decided);
-  Range::openLow(0, 10).require("corner_sigma", corner_sigma, "px");
-  Range::closed(0, 1).require("tilt_sigma", tilt_sigma, "rad");
+ParamList MarkerLandmarkParams::fields() {
+  return {
+      {"decided", &decided, Range::openHigh(0.5, 1), "",
+       "printed markers: probability of a marker's pose from which its heading is used"},
+      {"corner_sigma", &corner_sigma, Range::openLow(0, 10), "px",
+       "printed markers: noise of a corner's coordinate where the detection has none"},
+      {"tilt_sigma", &tilt_sigma, Range::closed(0, 1), "rad",
+       "printed markers: deviation of the robot's roll and pitch from those of the floor"},
+  };
 }
 
 double headingOf(const Matrix3d& R_map_marker) {

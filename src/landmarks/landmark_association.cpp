@@ -8,8 +8,6 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "sextant/base/range.hpp"
-
 namespace sextant {
 namespace {
 
@@ -158,13 +156,19 @@ class JointSearch {
 
 }  // namespace
 
-void AssociationParams::validate() const {
-  Range::closed(0.5, 1 - 1e-12).require("gate", gate);
-  Range::closed(gate, 1 - 1e-12).require("doubt", doubt);
-  Range::closed(0, 100).require("margin", margin);
-  Range::openLow(0, 1000).require("density", density, "1/m^2");
-  Range::closed(0, 100).require("new_margin", new_margin);
-  Range::closed(100, 1e9).require("effort", effort);
+ParamList AssociationParams::fields() {
+  return {
+      {"gate", &gate, Range::openHigh(0.5, 1), "",
+       "probability within which a sighting is compatible with its landmark"},
+      {"doubt", &doubt, Allowed(Range::openHigh(gate, 1), "[`gate`, 1)"), "",
+       "beyond which it is of another thing; between the two it is not used"},
+      {"margin", &margin, Range::closed(0, 100), "",
+       "squared Mahalanobis distance by which the next best has to be worse"},
+      {"new_margin", &new_margin, Range::closed(0, 100), "",
+       "as `margin`, against being of a landmark that is not known yet"},
+      {"density", &density, Range::openLow(0, 1000), "1/m²", "of those, a class, where the sensor looks"},
+      {"effort", &effort, Range::closed(100, 1e9), "", "pairs that the joint search looks at, at most"},
+  };
 }
 
 std::vector<Association> associate(const std::vector<LandmarkPoint>& landmarks, const MatrixXd& covariance,

@@ -7,14 +7,17 @@
 #include <cmath>
 #include <limits>
 
-#include "sextant/base/range.hpp"
-
 namespace sextant {
 
-void CandidateParams::validate() const {
-  Range::closed(0.5, 1 - 1e-12).require("candidate_gate", gate);
-  Range::closed(0, 1000).require("candidate_sightings", sightings);
-  Range::openLow(0, 3600).require("candidate_memory", memory, "s");
+ParamList CandidateParams::fields() {
+  return {
+      {"sightings", &sightings, Range::closed(0, 1000), "",
+       "more sightings than these make a candidate a landmark; 0: no sighting is false"},
+      {"gate", &gate, Range::openHigh(0.5, 1), "",
+       "probability within which two sightings are of one candidate"},
+      {"memory", &memory, Range::openLow(0, 3600), "s",
+       "how long after its last sighting a candidate is forgotten"},
+  };
 }
 
 /// Squared Mahalanobis distance of a sighting and the mean of others; of another label: infinite.

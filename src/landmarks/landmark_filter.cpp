@@ -10,8 +10,6 @@
 #include <stdexcept>
 #include <string>
 
-#include "sextant/base/range.hpp"
-
 namespace sextant {
 
 using Eigen::Index;
@@ -82,16 +80,21 @@ Matrix3d squareRoot(const Matrix3d& matrix) {
 
 }  // namespace
 
-void LandmarkFilterParams::validate() const {
-  Range::closed(0, 1).require("scale_sigma", scale_sigma);
-  Range::closed(0, 1).require("scale_drift", scale_drift);
-  Range::closed(0, 10).require("clock_sigma", clock_sigma, "s");
+ParamList LandmarkFilterParams::fields() {
+  return {
+      {"scale_sigma", &scale_sigma, Range::closed(0, 1), "",
+       "deviation of odometry's scale at the start; 0: it is not estimated"},
+      {"scale_drift", &scale_drift, Range::closed(0, 1), "",
+       "of it after 1 m, growing with the root of the distance"},
+      {"clock_sigma", &clock_sigma, Range::closed(0, 10), "s",
+       "deviation of the sightings' clock offset; 0: it is not estimated"},
+  };
 }
 
 LandmarkFilter::LandmarkFilter(const LandmarkFilterParams& params, const Pose2& T_map_base,
                                const Matrix3d& covariance)
     : params_(params) {
-  params.validate();
+  validate(params);
   if (Eigen::LLT<Matrix3d>(covariance).info() != Eigen::Success)
     throw std::invalid_argument("the covariance of the first pose is not positive definite");
   Index size = 3;

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sextant/base/range.hpp"
 #include "sextant/landmarks/landmark_sensor.hpp"
 
 namespace sextant {
@@ -208,10 +207,14 @@ class Matcher {
 
 }  // namespace
 
-void LandmarkMatchingParams::validate() const {
-  Range::closed(0.5, 1 - 1e-12).require("match_gate", gate);
-  Range::closed(0.5, 1 - 1e-12).require("match_certainty", certainty);
-  Range::closed(0.01, 0.99).require("match_present", present);
+ParamList LandmarkMatchingParams::fields() {
+  return {
+      {"gate", &gate, Range::openHigh(0.5, 1), "", "lost: probability within which two landmarks are one"},
+      {"certainty", &certainty, Range::openHigh(0.5, 1), "",
+       "lost: probability that a match is right from which it is accepted"},
+      {"present", &present, Range::closed(0.01, 0.99), "",
+       "lost: probability that what is seen is in the map"},
+  };
 }
 
 std::optional<LandmarkMatch> matchLandmarks(const std::vector<MapPoint>& local,

@@ -6,8 +6,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sextant/base/range.hpp"
-
 namespace sextant {
 
 using Eigen::Index;
@@ -31,17 +29,23 @@ double largestDeviation(const Eigen::Matrix2d& covariance) {
   return std::sqrt(std::max(0.0, covariance.selfadjointView<Eigen::Lower>().eigenvalues().maxCoeff()));
 }
 
-void LandmarkSensorParams::validate() const {
-  Range::openLow(0, 1000).require("max_range", max_range, "m");
-  Range::closed(0, max_range).require("min_range", min_range, "m");
-  Range::openLow(0, 2 * M_PI).require("field_of_view", field_of_view, "rad");
-  Range::closed(0.01, 0.99).require("detection", detection);
-  Range::closed(0.001, 0.5).require("phantom", phantom);
-  Range::closed(0, 100).require("width", width, "m");
-  Range::closed(0, 100).require("separation", separation, "m");
+ParamList LandmarkSensorParams::fields() {
+  return {
+      {"max_range", &max_range, Range::openLow(0, 1000), "m", "how far the sensor surely sees"},
+      {"min_range", &min_range, Allowed(Range::closed(0, max_range), "[0, `max_range`]"), "m",
+       "from where on it surely sees: what is nearer may be missed"},
+      {"field_of_view", &field_of_view, Allowed(Range::openLow(0, 2 * M_PI), "(0, 2π]"), "rad",
+       "of all directions that it surely sees, about the x axis of the sightings' frame, or the optical axis "
+       "of a camera of markers"},
+      {"detection", &detection, Range::closed(0.01, 0.99), "", "probability that it sees what is there"},
+      {"phantom", &phantom, Range::closed(0.001, 0.5), "", "probability that a sighting is of nothing"},
+      {"width", &width, Range::closed(0, 100), "m", "of landmarks: what stands behind one is not seen"},
+      {"separation", &separation, Range::closed(0, 100), "m",
+       "two landmarks of a class are never nearer: nearer ones are one"},
+  };
 }
 
-LandmarkSensor::LandmarkSensor(const LandmarkSensorParams& params) : params_(params) { params.validate(); }
+LandmarkSensor::LandmarkSensor(const LandmarkSensorParams& params) : params_(params) { validate(params); }
 
 std::vector<size_t> LandmarkSensor::surelyInView(const SightingPrediction& in_base,
                                                  const Pose2& T_base_sensor) const {

@@ -7,8 +7,6 @@
 #include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 
-#include "sextant/base/range.hpp"
-
 namespace sextant {
 namespace {
 
@@ -35,13 +33,15 @@ long countOf(const LandmarkLabel& label, const std::vector<LabelledSighting>& si
 
 }  // namespace
 
-void LandmarkSlamParams::validate() const {
-  filter.validate();
-  association.validate();
-  candidates.validate();
-  sensor.validate();
-  matching.validate();
-  Range::closed(0, 10000).require("lost_after", lost_after);
+ParamList LandmarkSlamParams::fields() {
+  const ParamList own = {
+      {"read_only", &read_only, Allowed(), "", "no landmark comes or goes"},
+      {"lost_after", &lost_after, Range::closed(0, 10000), "",
+       "moments in a row in which nothing is where it should be, after which the robot is lost; 0: it never "
+       "is"},
+  };
+  return joined({sensor.fields(), prefixed("candidate_", candidates.fields()), association.fields(), own,
+                 prefixed("match_", matching.fields()), filter.fields()});
 }
 
 LandmarkSlam::LandmarkSlam(const LandmarkSlamParams& params, const Pose2& T_map_base,
@@ -51,7 +51,7 @@ LandmarkSlam::LandmarkSlam(const LandmarkSlamParams& params, const Pose2& T_map_
       register_(params.filter, T_map_base, covariance),
       candidates_(params.candidates),
       watch_(params.lost_after) {
-  params.validate();
+  validate(params);
 }
 
 void LandmarkSlam::predict(const OdometryStep& step, double duration) {

@@ -4,8 +4,6 @@
 
 #include <algorithm>
 
-#include "sextant/base/range.hpp"
-
 namespace sextant {
 namespace {
 
@@ -16,15 +14,17 @@ constexpr double kKept = 4;                     // states in a lag: a large map'
 
 }  // namespace
 
-void LandmarkTimelineParams::validate() const {
-  odometry.validate();
-  Range::openLow(0, 60).require("lag", lag, "s");
-  Range::closed(-10, 10).require("clock_offset", clock_offset, "s");
+ParamList LandmarkTimelineParams::fields() {
+  const ParamList own = {
+      {"lag", &lag, Range::openLow(0, 60), "s", "how late sightings may come"},
+      {"clock_offset", &clock_offset, Range::closed(-10, 10), "s", "that is added to the sightings' stamps"},
+  };
+  return joined({odometry.fields(), own});
 }
 
 LandmarkTimeline::LandmarkTimeline(const LandmarkTimelineParams& params, const LandmarkSlam& slam)
     : params_(params), history_(params.odometry, 2 * kSettled * params.lag), base_{0, slam} {
-  params.validate();
+  validate(params);
 }
 
 bool LandmarkTimeline::odometry(double stamp, const Pose2& T_odom_base) {

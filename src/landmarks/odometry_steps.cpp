@@ -5,19 +5,23 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sextant/base/range.hpp"
 #include "sextant/geometry/odometry_drift.hpp"
 
 namespace sextant {
 
 using Eigen::Matrix3d;
 
-void OdometryNoiseParams::validate() const {
-  Range::closed(0, 10).require("turn_by_turn", turn_by_turn, "rad");
-  Range::closed(0, 10).require("turn_by_way", turn_by_way, "rad");
-  Range::closed(0, 10).require("way_by_way", way_by_way, "m");
-  Range::closed(0, 10).require("way_by_turn", way_by_turn, "m");
-  Range::closed(0, 10).require("aside_by_way", aside_by_way, "m");
+ParamList OdometryNoiseParams::fields() {
+  const Range range = Range::closed(0, 10);
+  return {
+      {"turn_by_turn", &turn_by_turn, range, "rad",
+       "[odometry](landmarks.md#how-good-odometry-is): deviation of the heading after 1 rad, growing with "
+       "the root; so are the next four"},
+      {"turn_by_way", &turn_by_way, range, "rad", "of the heading after 1 m"},
+      {"way_by_way", &way_by_way, range, "m", "along x after 1 m"},
+      {"way_by_turn", &way_by_turn, range, "m", "along x after 1 rad"},
+      {"aside_by_way", &aside_by_way, range, "m", "along y after 1 m"},
+  };
 }
 
 OdometryStep noisyStep(const Pose2& step, const OdometryNoiseParams& params) {

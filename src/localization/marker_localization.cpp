@@ -12,16 +12,22 @@ const std::set<MarkerKey> kNone;
 
 }  // namespace
 
-void LocalizationParams::validate() const {
-  locator.validate();
-  odometry.validate();
+ParamList LocalizationParams::fields() {
+  const ParamList own = {
+      {"estimate_noise", &estimate_noise, Allowed(), "",
+       "`corner_sigma` is where it begins; then it is estimated by the residuals of poses from two markers "
+       "or more, camera by camera, and image by image where these differ (some are blurred)"},
+      {"leave_out_moved", &leave_out_moved, Allowed(), "",
+       "markers that are found to stand elsewhere than in the map do not count, until they agree again"},
+  };
+  return joined({locator.fields(), own, prefixed("odometry_", odometry.fields())});
 }
 
 MarkerLocalization::MarkerLocalization(const LocalizationParams& params)
     : params_(params), locator_(params.locator), correction_(params.odometry) {}
 
 void MarkerLocalization::setParams(const LocalizationParams& params) {
-  params.validate();
+  validate(params);
   locator_ = MarkerLocator(params.locator);
   correction_.setParams(params.odometry);
   params_ = params;

@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "marker_innovation.hpp"
-#include "sextant/base/range.hpp"
 #include "sextant/localization/mapped_sighting.hpp"
 #include "sextant/localization/pose_posterior.hpp"
 #include "sextant/markers/marker_pose.hpp"
@@ -59,8 +58,8 @@ std::vector<PoseStart> starts(const std::vector<Seen>& all) {
   return poses;
 }
 
-Matrix6d constantCovariance(const LocatorParams& params) {
-  return Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(params.constant_covariance.data());
+Matrix6d constantCovariance(const std::vector<double>& numbers) {
+  return Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(numbers.data());
 }
 
 std::optional<FloorPrior> floorPrior(const LocatorParams& params) {
@@ -203,6 +202,13 @@ std::vector<MarkerKey> keys(const LocatedPose& pose, bool used) {
   return some;
 }
 
+void requireCovariance(const Param& param) {
+  const auto& numbers = *std::get<std::vector<double>*>(param.value);
+  if (!numbers.empty() && (numbers.size() != 36 || !isCovariance(constantCovariance(numbers))))
+    throw std::invalid_argument(
+        "constant_covariance must be empty or a symmetric positive matrix of 36 numbers, row by row");
+}
+
 }  // namespace
 
 CornerSigmas cornerSigmas(const MarkerView& view, const Detection& detection, double corner_sigma) {
@@ -215,25 +221,35 @@ CornerSigmas cornerSigmas(const MarkerView& view, const Detection& detection, do
 std::vector<MarkerKey> LocatedPose::used() const { return keys(*this, true); }
 std::vector<MarkerKey> LocatedPose::leftOut() const { return keys(*this, false); }
 
-void LocatorParams::validate() const {
-  if (modes().count(mode) == 0)
-    throw std::invalid_argument("mode is '" + mode + "', allowed are nearest, average and joint");
-  Range::openLow(0, 10).require("corner_sigma", corner_sigma, "px");
-  Range::openLow(0, 1000).require("max_reprojection_error", max_reprojection_error, "px");
-  Range::closed(0.5, 1000).require("robust_width", robust_width);
-  Range::closed(8, 1e6).require("gate", gate);
-  Range::closed(0, 10).require("floor_height_sigma", floor_height_sigma, "m");
-  Range::openLow(0, 1).require("floor_tilt_sigma", floor_tilt_sigma, "rad");
-  Range::closed(0.5, 0.9999999).require("decided", decided);
-  if (ambiguous != "cover" && ambiguous != "skip")
-    throw std::invalid_argument("ambiguous is '" + ambiguous + "', allowed are cover and skip");
-  if (constant_covariance.empty()) return;
-  if (constant_covariance.size() != 36 || !isCovariance(constantCovariance(*this)))
-    throw std::invalid_argument(
-        "constant_covariance must be empty or a symmetric positive matrix of 36 numbers, row by row");
+ParamList LocatorParams::fields() {
+  return {
+      {"mode", &mode, oneOf(locatorModes()), "",
+       "`nearest`: the marker with the smallest z in the camera frame; `average`: mean of the poses from "
+       "every marker; `joint`: one pose from all corners of all markers"},
+      {"corner_sigma", &corner_sigma, Range::openLow(0, 10), "px",
+       "noise that all corner coordinates have in common; that of the corner itself (`corner_sigmas`) is "
+       "added"},
+      {"max_reprojection_error", &max_reprojection_error, Range::openLow(0, 1000), "px",
+       "RMS over all used corners above which there is no pose"},
+      {"robust_width", &robust_width, Range::closed(0.5, 1000), "",
+       "in the first search a marker farther off than so many deviations counts less (Huber)"},
+      {"gate", &gate, Range::closed(8, 1e6), "",
+       "squared Mahalanobis distance of a marker's eight coordinates beyond which the pose leaves it out"},
+      {"floor_height_sigma", &floor_height_sigma, Range::closed(0, 10), "m",
+       "deviation of the base from the map's plane z = 0; 0: it does not stand on it"},
+      {"floor_tilt_sigma", &floor_tilt_sigma, Range::openLow(0, 1), "rad",
+       "deviation of the base's roll and pitch from 0; with `floor_height_sigma`"},
+      // Hypotheses of a probability of 1e-7 are not looked at: more than 1 - 1e-7 would never be reached.
+      {"decided", &decided, Range::closed(0.5, 0.9999999), "",
+       "probability from which one of several poses is taken as certain"},
+      {"ambiguous", &ambiguous, oneOf({"cover", "skip"}), "",
+       "what is published else: the most probable pose with a covariance that holds all of them, or none"},
+      {"constant_covariance", &constant_covariance, Allowed("empty or 36", requireCovariance), "",
+       "published instead of the measurement's own covariance: row by row, order x y z roll pitch yaw"},
+  };
 }
 
-MarkerLocator::MarkerLocator(const LocatorParams& params) : params_(params) { params_.validate(); }
+MarkerLocator::MarkerLocator(const LocatorParams& params) : params_(params) { validate(params_); }
 
 LocatorResult MarkerLocator::locate(const MarkerMap& map, const std::vector<MarkerView>& views,
                                     const std::optional<PosePrior>& prior,
@@ -254,7 +270,7 @@ LocatorResult MarkerLocator::locate(const MarkerMap& map, const std::vector<Mark
     result.pose.reset();
   }
   if (result.pose && !params_.constant_covariance.empty())
-    result.pose->covariance = constantCovariance(params_);
+    result.pose->covariance = constantCovariance(params_.constant_covariance);
   return result;
 }
 

@@ -4,7 +4,6 @@
 
 #include <Eigen/Cholesky>
 
-#include "sextant/base/range.hpp"
 #include "sextant/geometry/odometry_drift.hpp"
 
 namespace sextant {
@@ -31,18 +30,25 @@ PosePrior movedByOdometry(const PosePrior& pose, const Pose& step, const Odometr
   return {pose.T_map_base * step, F * pose.covariance * F.transpose() + drift(params, step)};
 }
 
-void OdometryParams::validate() const {
-  Range::openLow(0, 10).require("odometry_position_drift", position_drift, "m");
-  Range::openLow(0, 10).require("odometry_heading_drift", heading_drift, "rad");
-  Range::openLow(0, 10).require("odometry_turn_drift", turn_drift, "rad");
-  Range::closed(12, 1e6).require("odometry_gate", gate);
-  Range::closed(1, 1000).require("odometry_recovery", recovery);
+ParamList OdometryParams::fields() {
+  return {
+      {"position_drift", &position_drift, Range::openLow(0, 10), "m",
+       "deviation of an axis after 1 m, growing with the root of the distance"},
+      {"heading_drift", &heading_drift, Range::openLow(0, 10), "rad",
+       "deviation of the rotation after 1 m, growing with the root of the distance"},
+      {"turn_drift", &turn_drift, Range::openLow(0, 10), "rad",
+       "deviation of the rotation after 1 rad of turning, growing with the root"},
+      {"gate", &gate, Range::closed(12, 1e6), "",
+       "squared Mahalanobis distance beyond which a pose contradicts the odometry and is not published"},
+      {"recovery", &recovery, Range::closed(1, 1000), "",
+       "so many in a row that contradict the odometry but not one another are right: it was the odometry"},
+  };
 }
 
-OdometryCorrection::OdometryCorrection(const OdometryParams& params) : params_(params) { params_.validate(); }
+OdometryCorrection::OdometryCorrection(const OdometryParams& params) : params_(params) { validate(params_); }
 
 void OdometryCorrection::setParams(const OdometryParams& params) {
-  params.validate();
+  validate(params);
   params_ = params;
 }
 

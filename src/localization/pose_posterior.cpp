@@ -17,10 +17,12 @@ namespace sextant {
 namespace {
 
 constexpr double kRegion95 = 12.591587;  // chi-square, 6 degrees of freedom
-constexpr double kHeld = 0.92;           // at least, by that region where undecided
-constexpr double kNegligible = 1e-7;     // probability of a hypothesis that is not looked at
-constexpr double kLikeMinimum = 2.25;    // variance of a rotation over what the minimum says, or inverse
-constexpr double kCurved = 0.01;         // squared deviations by which the arc may leave its tangent
+// Least probability that the region holds where undecided. A region that holds more stays as it is, so that
+// all regions together hold 95 %.
+constexpr double kHeld = 0.92;
+constexpr double kNegligible = 1e-7;   // probability of a hypothesis that is not looked at
+constexpr double kLikeMinimum = 2.25;  // variance of a rotation over what the minimum says, or inverse
+constexpr double kCurved = 0.01;       // squared deviations by which the arc may leave its tangent
 
 // A Gaussian about a pose, one of many that make up the distribution.
 struct Component {

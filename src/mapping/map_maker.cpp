@@ -9,7 +9,6 @@
 
 #include "known_markers.hpp"
 #include "map_draft.hpp"
-#include "sextant/base/range.hpp"
 #include "sextant/mapping/map_adjustment.hpp"
 
 namespace sextant {
@@ -144,21 +143,31 @@ class Making {
 
 }  // namespace
 
-void MappingParams::validate() const {
-  Range::openLow(0, 10).require("corner_sigma", corner_sigma, "px");
-  Range::closed(0.5, 1000).require("robust_width", robust_width);
-  Range::closed(8, 1e6).require("gate", gate);
-  Range::closed(0.5, 0.9999999).require("decided", decided);
-  Range::closed(0, 10).require("floor_height_sigma", floor_height_sigma, "m");
-  Range::openLow(0, 1).require("floor_tilt_sigma", floor_tilt_sigma, "rad");
-  Range::closed(1, 64).require("threads", threads);
-  odometry.validate();
+ParamList MappingParams::fields() {
+  const ParamList own = {
+      {"corner_sigma", &corner_sigma, Range::openLow(0, 10), "px",
+       "noise that all corner coordinates have in common"},
+      {"estimate_noise", &estimate_noise, Allowed(), "",
+       "`corner_sigma` is scaled by what the residuals show, camera by camera"},
+      {"robust_width", &robust_width, Range::closed(0.5, 1000), "",
+       "a marker farther off than so many deviations counts less at first"},
+      {"gate", &gate, Range::closed(8, 1e6), "",
+       "squared Mahalanobis distance beyond which a sighting is left out"},
+      {"decided", &decided, Range::closed(0.5, 0.9999999), "",
+       "probability from which one of several poses is taken as certain"},
+      {"floor_height_sigma", &floor_height_sigma, Range::closed(0, 10), "m",
+       "deviation of the base from the map's plane z = 0; 0: it does not stand on it"},
+      {"floor_tilt_sigma", &floor_tilt_sigma, Range::openLow(0, 1), "rad",
+       "deviation of the base's roll and pitch from 0; with `floor_height_sigma`"},
+      {"threads", &threads, Range::closed(1, 64), "", "of the adjustment"},
+  };
+  return joined({own, prefixed("odometry_", odometry.fields())});
 }
 
 MadeMap makeMarkerMap(MarkerRecording recording, const MarkerSizes& sizes, const MarkerMap& known,
                       const MappingParams& params) {
-  params.validate();
-  sizes.validate();
+  validate(params);
+  validate(sizes);
   return Making(std::move(recording), sizes, known, params).make();
 }
 

@@ -11,8 +11,6 @@
 namespace sextant {
 namespace {
 
-const Range kSizes = Range::openLow(0, 100);
-
 bool namesMarker(const std::string& name) {
   const size_t slash = name.rfind('/');
   if (slash != std::string::npos) canonicalFamily(name.substr(0, slash));
@@ -23,13 +21,20 @@ bool namesMarker(const std::string& name) {
 
 }  // namespace
 
-void MarkerSizes::validate() const {
-  kSizes.require("marker_size", size, "m");
-  for (const auto& [name, value] : sizes) {
-    if (!namesMarker(name))
-      throw std::invalid_argument("marker_sizes: '" + name + "' names no marker, write an id or family/id");
-    kSizes.require("marker_sizes: that of " + name, value, "m");
-  }
+ParamList MarkerSizes::fields() {
+  const Allowed lengths = Range::openLow(0, 100);
+  const auto check = [lengths](const Param& param) {
+    for (const auto& entry : *std::get<std::map<std::string, double>*>(param.value))
+      if (!namesMarker(entry.first))
+        throw std::invalid_argument(param.name + ": '" + entry.first +
+                                    "' names no marker, write an id or family/id");
+    lengths.check(param);
+  };
+  return {
+      {"size", &size, lengths, "m", "edge length of the markers"},
+      {"sizes", &sizes, Allowed(lengths.text, check), "m",
+       "edge length of single markers, by `\"ID\"` or `\"FAMILY/ID\"`"},
+  };
 }
 
 double MarkerSizes::of(const MarkerKey& key) const {

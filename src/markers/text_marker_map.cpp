@@ -9,7 +9,6 @@
 #include <stdexcept>
 
 #include "sextant/base/atomic_file.hpp"
-#include "sextant/base/range.hpp"
 #include "sextant/markers/marker_family.hpp"
 
 namespace sextant {
@@ -91,15 +90,21 @@ void requireTextual(const MappedMarker& marker, const TextMapParams& params) {
 
 }  // namespace
 
-void TextMapParams::validate() const {
-  Range::openLow(0, 100).require("size", size, "m");
-  for (const auto& [id, value] : sizes)
-    Range::openLow(0, 100).require("sizes: that of marker " + std::to_string(id), value, "m");
-  if (frame.empty()) throw std::invalid_argument("frame is empty, name the map's tf frame");
+ParamList TextMapParams::fields() {
+  return {
+      {"frame", &frame, notEmpty(), "", "plain text map: its frame"},
+      {"family", &family, Allowed("[families](#marker-families)", nullptr), "",
+       "plain text map: family of every marker"},
+      {"size", &size, Range::openLow(0, 100), "m", "plain text map: edge length"},
+      {"sizes", &sizes, Range::openLow(0, 100), "m",
+       "plain text map: edge length of single markers, by `\"ID\"`"},
+      {"parents", &parents, Allowed(), "",
+       "plain text map: parents of frames that are no markers, by name; else the map's frame"},
+  };
 }
 
 MarkerMap parseTextMap(std::istream& in, const std::string& path, const TextMapParams& params) {
-  params.validate();
+  validate(params);
   MarkerMap map(params.frame);
   std::string line;
   for (int n = 1; std::getline(in, line); ++n) {

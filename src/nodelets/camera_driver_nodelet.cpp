@@ -11,9 +11,11 @@
 #include <memory>
 #include <pluginlib/class_list_macros.hpp>
 
+#include "sextant/images/camera_driver_node_params.hpp"
+#include "sextant/ros/base/param_reader.hpp"
 #include "sextant/ros/base/trouble_log.hpp"
 #include "sextant/ros/images/calibration.hpp"
-#include "sextant/ros/images/camera_driver_params.hpp"
+#include "sextant/ros/images/image_player.hpp"
 
 namespace sextant {
 
@@ -24,7 +26,8 @@ class CameraDriverNodelet : public nodelet::Nodelet {
     std::unique_ptr<ImageSource> source;
     std::string calibration_url;
     try {
-      params_ = CameraDriverParams::fromRos(getPrivateNodeHandle());
+      params_ = readParams<CameraDriverNodeParams>(getPrivateNodeHandle());
+      params_.player.rate = params_.source.rate;
       calibration_url = calibrationUrl(params_.camera_info_url);
       source = makeImageSource(params_.source);
     } catch (const std::exception& error) {
@@ -104,7 +107,7 @@ class CameraDriverNodelet : public nodelet::Nodelet {
     diagnosed_ = now;
   }
 
-  CameraDriverParams params_;
+  CameraDriverNodeParams params_;
   std::unique_ptr<TroubleLog> trouble_;
   std::unique_ptr<camera_info_manager::CameraInfoManager> calibration_;
   image_transport::Publisher image_pub_;

@@ -14,6 +14,8 @@
 #include <pluginlib/class_list_macros.hpp>
 
 #include "sextant/MarkerMapEntries.h"
+#include "sextant/fusion/landmark_slam_node_params.hpp"
+#include "sextant/ros/base/param_reader.hpp"
 #include "sextant/ros/base/rate_limit.hpp"
 #include "sextant/ros/base/stage_clock.hpp"
 #include "sextant/ros/base/start_in_queue.hpp"
@@ -23,7 +25,6 @@
 #include "sextant/ros/landmarks/landmark_conversions.hpp"
 #include "sextant/ros/landmarks/landmark_services.hpp"
 #include "sextant/ros/landmarks/landmark_session.hpp"
-#include "sextant/ros/landmarks/landmark_slam_params.hpp"
 #include "sextant/ros/landmarks/landmark_slam_report.hpp"
 #include "sextant/ros/landmarks/landmark_visualization.hpp"
 #include "sextant/ros/markers/marker_conversions.hpp"
@@ -39,7 +40,7 @@ class LandmarkSlamNodelet : public nodelet::Nodelet {
     trouble_ = std::make_unique<TroubleLog>(getName());
     report_ = std::make_unique<LandmarkSlamReport>(*trouble_);
     try {
-      params_ = LandmarkSlamNodeParams::fromRos(getPrivateNodeHandle());
+      params_ = readParams<LandmarkSlamNodeParams>(getPrivateNodeHandle());
       session_ = std::make_unique<LandmarkSession>(params_);
       if (const auto why = session_->whyEmpty(); !why.empty())
         NODELET_WARN("%s: %s", getName().c_str(), why.c_str());

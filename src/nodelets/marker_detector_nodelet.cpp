@@ -13,7 +13,11 @@
 #include <pluginlib/class_list_macros.hpp>
 
 #include "sextant/MarkerArray.h"
+#include "sextant/MarkerDetectorConfig.h"
+#include "sextant/detection/marker_detector_node_params.hpp"
 #include "sextant/markers/marker_picture.hpp"
+#include "sextant/ros/base/param_config.hpp"
+#include "sextant/ros/base/param_reader.hpp"
 #include "sextant/ros/base/rate_limit.hpp"
 #include "sextant/ros/base/reconfigure_server.hpp"
 #include "sextant/ros/base/stage_clock.hpp"
@@ -21,8 +25,6 @@
 #include "sextant/ros/base/trouble_log.hpp"
 #include "sextant/ros/detection/detector_report.hpp"
 #include "sextant/ros/detection/image_bridge.hpp"
-#include "sextant/ros/detection/marker_detector_config.hpp"
-#include "sextant/ros/detection/marker_detector_params.hpp"
 #include "sextant/ros/markers/marker_conversions.hpp"
 
 namespace sextant {
@@ -32,7 +34,7 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
   void onInit() override {
     trouble_ = std::make_unique<TroubleLog>(getName());
     try {
-      params_ = MarkerDetectorParams::fromRos(getPrivateNodeHandle());
+      params_ = readParams<MarkerDetectorNodeParams>(getPrivateNodeHandle());
       detector_ = makeMarkerDetector(params_.detector);
     } catch (const std::exception& error) {
       NODELET_FATAL("%s: %s", getName().c_str(), error.what());
@@ -57,7 +59,7 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
     diagnostics_->setHardwareID("none");
     diagnostics_->add("detection", this, &MarkerDetectorNodelet::diagnose);
     reconfigure_ = std::make_unique<ReconfigureServer<MarkerDetectorConfig>>(
-        getPrivateNodeHandle(), toConfig(params_),
+        getPrivateNodeHandle(), toConfig<MarkerDetectorConfig>(params_),
         [this](const MarkerDetectorConfig& config, uint32_t level) { reconfigure(config, level); },
         *trouble_);
     diagnostics_timer_ =
@@ -67,7 +69,7 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
   // In the queue of the images: between two of them. Level 1 (cfg/MarkerDetector.cfg) is the search itself,
   // whose state begins anew.
   void reconfigure(const MarkerDetectorConfig& config, uint32_t level) {
-    const MarkerDetectorParams changed = withConfig(params_, config);
+    const MarkerDetectorNodeParams changed = withConfig(params_, config);
     if (level & 1) detector_ = makeMarkerDetector(changed.detector);
     params_ = changed;
   }
@@ -249,7 +251,7 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
     clock_.fill(status);
   }
 
-  MarkerDetectorParams params_;
+  MarkerDetectorNodeParams params_;
   std::unique_ptr<MarkerDetector> detector_;
   sensor_msgs::CameraInfoConstPtr info_;
   std::optional<CameraModel> camera_;

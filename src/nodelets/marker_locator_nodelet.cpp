@@ -13,9 +13,13 @@
 #include <pluginlib/class_list_macros.hpp>
 
 #include "sextant/MarkerArray.h"
+#include "sextant/MarkerLocatorConfig.h"
 #include "sextant/MarkerMapEntries.h"
 #include "sextant/localization/marker_localization.hpp"
+#include "sextant/localization/marker_locator_node_params.hpp"
 #include "sextant/localization/stamp_groups.hpp"
+#include "sextant/ros/base/param_config.hpp"
+#include "sextant/ros/base/param_reader.hpp"
 #include "sextant/ros/base/reconfigure_server.hpp"
 #include "sextant/ros/base/stage_clock.hpp"
 #include "sextant/ros/base/start_in_queue.hpp"
@@ -24,8 +28,6 @@
 #include "sextant/ros/geometry/tf_bridge.hpp"
 #include "sextant/ros/localization/locator_report.hpp"
 #include "sextant/ros/localization/locator_visualization.hpp"
-#include "sextant/ros/localization/marker_locator_config.hpp"
-#include "sextant/ros/localization/marker_locator_params.hpp"
 #include "sextant/ros/markers/marker_conversions.hpp"
 
 namespace sextant {
@@ -55,7 +57,7 @@ class MarkerLocatorNodelet : public nodelet::Nodelet {
     trouble_ = std::make_unique<TroubleLog>(getName());
     report_ = std::make_unique<LocatorReport>(*trouble_);
     try {
-      params_ = MarkerLocatorParams::fromRos(getPrivateNodeHandle());
+      params_ = readParams<MarkerLocatorNodeParams>(getPrivateNodeHandle());
       localization_ = std::make_unique<MarkerLocalization>(params_.localization);
       if (!params_.map_file.empty()) map_ = readMarkerMap(params_.map_file, params_.text);
     } catch (const std::exception& error) {
@@ -80,7 +82,7 @@ class MarkerLocatorNodelet : public nodelet::Nodelet {
     diagnostics_->setHardwareID("none");
     diagnostics_->add("localization", this, &MarkerLocatorNodelet::diagnose);
     reconfigure_ = std::make_unique<ReconfigureServer<MarkerLocatorConfig>>(
-        getPrivateNodeHandle(), toConfig(params_),
+        getPrivateNodeHandle(), toConfig<MarkerLocatorConfig>(params_),
         [this](const MarkerLocatorConfig& config, uint32_t) { reconfigure(config); }, *trouble_);
     diagnostics_timer_ =
         node.createWallTimer(ros::WallDuration(1.0), [this](const ros::WallTimerEvent&) { everySecond(); });
@@ -93,7 +95,7 @@ class MarkerLocatorNodelet : public nodelet::Nodelet {
 
   // In the queue of the images: between two of them.
   void reconfigure(const MarkerLocatorConfig& config) {
-    const MarkerLocatorParams changed = withConfig(params_, config);
+    const MarkerLocatorNodeParams changed = withConfig(params_, config);
     localization_->setParams(changed.localization);
     params_ = changed;
   }
@@ -272,7 +274,7 @@ class MarkerLocatorNodelet : public nodelet::Nodelet {
     clock_.fill(status);
   }
 
-  MarkerLocatorParams params_;
+  MarkerLocatorNodeParams params_;
   std::unique_ptr<MarkerLocalization> localization_;
   std::optional<MarkerMap> map_;
   std::unique_ptr<Groups> groups_;

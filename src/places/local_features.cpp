@@ -11,7 +11,6 @@
 #include <stdexcept>
 #include <tuple>
 
-#include "sextant/base/range.hpp"
 #include "surf.hpp"
 
 namespace sextant {
@@ -212,19 +211,33 @@ FeatureParams FeatureParams::plain(const std::string& detector, const std::strin
   return params;
 }
 
-void FeatureParams::validate() const {
-  method("detector", detector);
-  method("extractor", extractor);
-  if (extractor == "AKAZE" && detector != "AKAZE")
-    throw std::invalid_argument("extractor AKAZE describes keypoints of detector AKAZE only, not of " +
-                                detector);
-  Range::closed(0, 16384).require("max_side", max_side, "pixels");
-  Range::closed(0, 1000000).require("max_features", max_features);
-  Range::openLow(0, 16).require("support", support);
-  Range::openLow(0, 1).require("sift_contrast", sift_contrast);
-  Range::openLow(0, 1e6).require("surf_threshold", surf_threshold);
-  Range::openLow(0, 1).require("akaze_threshold", akaze_threshold);
-  Range::closed(2, 4).require("orb_wta_k", orb_wta_k);
+ParamList FeatureParams::fields() {
+  const auto is_method = [](const Param& param) { method(param.name, *std::get<std::string*>(param.value)); };
+  const auto fits = [this](const Param& param) {
+    method(param.name, extractor);
+    if (extractor == "AKAZE" && detector != "AKAZE")
+      throw std::invalid_argument("extractor AKAZE describes keypoints of detector AKAZE only, not of " +
+                                  detector);
+  };
+  return {
+      {"detector", &detector, Allowed("AKAZE, ORB, SIFT, SURF", is_method), "",
+       "of keypoints; SURF is dlib's"},
+      {"extractor", &extractor, Allowed("AKAZE, ORB, SIFT, SURF", fits), "",
+       "of descriptors; AKAZE describes AKAZE's keypoints only"},
+      {"max_side", &max_side, Range::closed(0, 16384), "px", "larger pictures are reduced to it; 0: none is"},
+      {"max_features", &max_features, Range::closed(0, 1000000), "",
+       "the strongest of a picture; 0: all (ORB: its 500)"},
+      {"upright", &upright, Allowed(), "", "descriptors are not turned with the picture"},
+      {"root", &root, Allowed(), "", "SIFT: RootSIFT"},
+      {"support", &support, Range::openLow(0, 16), "",
+       "SIFT and SURF describe a neighbourhood larger by this factor"},
+      {"sift_contrast", &sift_contrast, Range::openLow(0, 1), "",
+       "less is no keypoint; OpenCV's own default is 0.04"},
+      {"surf_threshold", &surf_threshold, Range::openLow(0, 1e6), "", "dlib's measure, not OpenCV's"},
+      {"akaze_threshold", &akaze_threshold, Range::openLow(0, 1), "", "less is no keypoint"},
+      {"orb_wta_k", &orb_wta_k, Range::closed(2, 4), "",
+       "points that decide a bit; 3 and 4 are for BruteForce-Hamming(2)"},
+  };
 }
 
 std::vector<std::string> featureNames() {
@@ -235,7 +248,7 @@ std::vector<std::string> featureNames() {
 
 bool isBinaryExtractor(const std::string& extractor) { return method("extractor", extractor).binary; }
 
-FeatureExtractor::FeatureExtractor(const FeatureParams& params) : params_(params) { params_.validate(); }
+FeatureExtractor::FeatureExtractor(const FeatureParams& params) : params_(params) { validate(params_); }
 
 LocalFeatures FeatureExtractor::extract(const cv::Mat& image) const {
   if (image.type() != CV_8UC1 || image.empty())

@@ -11,6 +11,7 @@ from typing import Any, List
 
 _ROOMS = (
     "geometry",
+    "images",
     "markers",
     "detection",
     "localization",

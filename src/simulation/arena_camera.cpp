@@ -9,7 +9,6 @@
 
 #include "arena_noise.hpp"
 #include "arena_tracer.hpp"
-#include "sextant/base/range.hpp"
 
 namespace sextant {
 namespace {
@@ -42,13 +41,17 @@ std::vector<SeenObject> seenIn(const cv::Mat_<std::uint16_t>& surfaces, size_t c
 
 }  // namespace
 
-void ArenaCameraParams::validate() const {
-  Range::closed(1, 8).require("supersampling", supersampling);
-  Range::closed(0, 20).require("blur_sigma", blur_sigma, "px");
-  Range::closed(0, 100).require("noise_sigma", noise_sigma);
-  Range::openLow(0, 1000).require("white_level", white_level);
-  Range::closed(0.5, 4).require("gamma", gamma);
-  Range::closed(0, std::numeric_limits<int>::max()).require("seed", seed);
+ParamList ArenaCameraParams::fields() {
+  return {
+      {"supersampling", &supersampling, Range::closed(1, 8), "",
+       "n * n rays for a pixel that an edge crosses"},
+      {"blur_sigma", &blur_sigma, Range::closed(0, 20), "px", "of the lens"},
+      {"noise_sigma", &noise_sigma, Range::closed(0, 100), "levels", "of the sensor"},
+      {"white_level", &white_level, Range::openLow(0, 1000), "levels",
+       "of what reflects all light of brightness 1"},
+      {"gamma", &gamma, Range::closed(0.5, 4), "", "of the camera's curve"},
+      {"seed", &seed, Range::closed(0, std::numeric_limits<int>::max()), "", "of the noise"},
+  };
 }
 
 ArenaCamera::ArenaCamera(const ArenaCameraParams& params, const CameraModel& camera)
@@ -56,7 +59,7 @@ ArenaCamera::ArenaCamera(const ArenaCameraParams& params, const CameraModel& cam
       tracer_(std::make_unique<ArenaTracer>(camera)),
       light_(camera.height(), camera.width()),
       noise_(arenaNoise(params.seed, kNoiseTable)) {
-  params.validate();
+  validate(params);
   for (int i = 0; i < kLevels; ++i) {
     const double light = (i + 0.5) * kMostLight / kLevels;
     levels_.push_back(

@@ -27,21 +27,29 @@ void requireColour(const std::string& name, const Eigen::Vector3d& colour, doubl
 
 }  // namespace
 
-void ArenaLight::validate() const {
-  Range::closed(0, 10).require("brightness", brightness);
-  Range::closed(0, 1).require("direct", direct);
-  requireColour("tint", tint, 10);
-  Range::openLow(0, 1e9).require("toward's length", toward.norm());
+ParamList ArenaLight::fields() {
+  const auto require_length = [this](const Param& param) {
+    Range::openLow(0, 1e9).require(param.name + "'s length", toward.norm());
+  };
+  return {
+      {"brightness", &brightness, Range::closed(0, 10), "", "1: a white thing in it is white"},
+      {"direct", &direct, Range::closed(0, 1), "", "share of it that comes from one direction"},
+      {"toward", Numbers{toward.data(), 3}, Allowed("longer than 0", require_length), "", "that direction"},
+      {"tint", Numbers{tint.data(), 3}, Range::closed(0, 10), "", "of red, green and blue"},
+  };
 }
 
-void ArenaSceneParams::validate() const {
-  for (int i = 0; i < 2; ++i) Range::closed(1, 100).require("size", size[i], "m");
-  Range::closed(0.1, 100).require("wall_height", wall_height, "m");
-  Range::closed(0, std::numeric_limits<int>::max()).require("seed", seed);
+ParamList ArenaSceneParams::fields() {
+  return {
+      {"size", Numbers{size.data(), 2}, Range::closed(1, 100), "m",
+       "of the floor, whose middle is the origin"},
+      {"wall_height", &wall_height, Range::closed(0.1, 100), "m", "of all four walls"},
+      {"seed", &seed, Range::closed(0, std::numeric_limits<int>::max()), "", "of floor, walls and ceiling"},
+  };
 }
 
 ArenaScene::ArenaScene(const ArenaSceneParams& params) : params_(params) {
-  params.validate();
+  validate(params);
   const Eigen::Vector2f half = 0.5F * params.size.cast<float>();
   low_ << -half, 0;
   high_ << half, static_cast<float>(params.wall_height);
@@ -68,7 +76,7 @@ void ArenaScene::setObjects(const std::vector<ArenaObject>& objects) {
 }
 
 void ArenaScene::setLight(const ArenaLight& light) {
-  light.validate();
+  validate(light);
   tint_ = (light.brightness * light.tint).cast<float>();
   direct_ = static_cast<float>(light.direct);
   ambient_ = 1 - direct_;

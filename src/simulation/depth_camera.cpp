@@ -8,7 +8,6 @@
 
 #include "arena_noise.hpp"
 #include "arena_tracer.hpp"
-#include "sextant/base/range.hpp"
 
 namespace sextant {
 namespace {
@@ -34,14 +33,19 @@ std::vector<float> windowNoise(int seed) {
 
 }  // namespace
 
-void DepthCameraParams::validate() const {
-  Range::closed(0, 1).require("noise", noise, "m");
-  Range::closed(0.5, 2).require("scale", scale);
-  Range::closed(0, 1).require("baseline", baseline, "m");
-  Range::closed(0, 10).require("min_depth", min_depth, "m");
-  Range::openLow(min_depth, 100).require("max_depth", max_depth, "m");
-  Range::closed(0, 1).require("holes", holes);
-  Range::closed(0, std::numeric_limits<int>::max()).require("seed", seed);
+ParamList DepthCameraParams::fields() {
+  return {
+      {"noise", &noise, Range::closed(0, 1), "m",
+       "deviation at 1 m, growing with the square of the depth; alike in pixels beside each other"},
+      {"scale", &scale, Range::closed(0.5, 2), "", "measured depth of one metre"},
+      {"baseline", &baseline, Range::closed(0, 1), "m",
+       "to its other camera: what only one of them sees has no depth"},
+      {"min_depth", &min_depth, Range::closed(0, 10), "m", "nearest that it measures"},
+      {"max_depth", &max_depth, Allowed(Range::openLow(min_depth, 100), "(`min_depth`, 100]"), "m",
+       "farthest that it measures"},
+      {"holes", &holes, Range::closed(0, 1), "", "share of all else that has no depth"},
+      {"seed", &seed, Range::closed(0, std::numeric_limits<int>::max()), "", "of noise and holes"},
+  };
 }
 
 DepthCamera::DepthCamera(const DepthCameraParams& params, const CameraModel& camera)
@@ -49,7 +53,7 @@ DepthCamera::DepthCamera(const DepthCameraParams& params, const CameraModel& cam
       focal_length_(camera.focalLength()),
       tracer_(std::make_unique<ArenaTracer>(camera)),
       noise_(windowNoise(params.seed)) {
-  params.validate();
+  validate(params);
 }
 
 DepthCamera::~DepthCamera() = default;

@@ -9,8 +9,6 @@
 #include <stdexcept>
 #include <string>
 
-#include "sextant/base/range.hpp"
-
 namespace sextant {
 namespace {
 
@@ -56,13 +54,17 @@ struct RoomRenderer::Shot {
   cv::Mat_<std::uint16_t> surfaces;  // 0: no ray
 };
 
-void RoomRendererParams::validate() const {
-  Range::closed(1, 16).require("supersampling", supersampling);
-  Range::closed(0, 20).require("blur_sigma", blur_sigma, "px");
-  Range::closed(0, 100).require("noise_sigma", noise_sigma);
-  Range::closed(0, 1).require("vignette", vignette);
-  Range::openLow(0, 1000).require("white_level", white_level);
-  Range::closed(0, std::numeric_limits<int>::max()).require("seed", seed);
+ParamList RoomRendererParams::fields() {
+  return {
+      {"supersampling", &supersampling, Range::closed(1, 16), "",
+       "n * n rays for a pixel that an edge crosses"},
+      {"blur_sigma", &blur_sigma, Range::closed(0, 20), "px", "of the lens"},
+      {"noise_sigma", &noise_sigma, Range::closed(0, 100), "grey levels", "of the sensor"},
+      {"vignette", &vignette, Range::closed(0, 1), "", "share of the light that is lost in the corners"},
+      {"white_level", &white_level, Range::openLow(0, 1000), "grey levels",
+       "of white paper in the room's mean light"},
+      {"seed", &seed, Range::closed(0, std::numeric_limits<int>::max()), "", "of the noise"},
+  };
 }
 
 RoomRenderer::RoomRenderer(const RoomRendererParams& params, std::shared_ptr<const RoomScene> scene,
@@ -73,7 +75,7 @@ RoomRenderer::RoomRenderer(const RoomRendererParams& params, std::shared_ptr<con
       pixel_angle_(static_cast<float>(1.0 / camera.focalLength())),
       samples_(latticePoints(params.supersampling * params.supersampling)),
       noise_(kRenderNoise) {
-  params.validate();
+  validate(params);
   if (!scene_) throw std::invalid_argument("RoomRenderer: no scene");
   makeRays();
   makeVignette();

@@ -44,19 +44,24 @@ bool isBlack(const cv::Mat_<std::uint8_t>& modules, const cv::Point& module) {
 
 }  // namespace
 
-void RoomSceneParams::validate() const {
-  for (int i = 0; i < 3; ++i) {
-    Range::closed(0.5, 1000).require("size", size[i], "m");
-    Range::closed(-1e5, 1e5).require("floor_center", floor_center[i], "m");
-  }
-  Range::closed(1, 10).require("quiet_zone", quiet_zone, "modules");
-  Range::closed(0, 1).require("light_unevenness", light_unevenness);
-  Range::closed(0, std::numeric_limits<int>::max()).require("seed", seed);
-  for (const RoomObstacle& obstacle : obstacles) validateObstacle(obstacle);
+ParamList RoomSceneParams::fields() {
+  return {
+      {"size", Numbers{size.data(), 3}, Range::closed(0.5, 1000), "m", "inside"},
+      {"floor_center", Numbers{floor_center.data(), 3}, Range::closed(-1e5, 1e5), "m",
+       "middle of the floor in the map"},
+      {"quiet_zone", &quiet_zone, Range::closed(1, 10), "modules", "white margin of a print"},
+      {"light_unevenness", &light_unevenness, Range::closed(0, 1), "", "0: the same light everywhere"},
+      {"seed", &seed, Range::closed(0, std::numeric_limits<int>::max()), "", "of the walls"},
+  };
+}
+
+void validate(const RoomSceneParams& params) {
+  validate<RoomSceneParams>(params);
+  for (const RoomObstacle& obstacle : params.obstacles) validateObstacle(obstacle);
 }
 
 RoomScene::RoomScene(const RoomSceneParams& params, const MarkerMap& map) : params_(params) {
-  params.validate();
+  validate(params);
   const Eigen::Vector3d half(0.5 * params.size.x(), 0.5 * params.size.y(), 0.0);
   low_ = (params.floor_center - half).cast<float>();
   high_ = (params.floor_center + half + Eigen::Vector3d(0, 0, params.size.z())).cast<float>();

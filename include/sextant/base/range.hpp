@@ -3,28 +3,27 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 namespace sextant {
 
-/// What values a parameter may have.
+/// What values a number may have.
 class Range {
  public:
-  static Range closed(double low, double high) { return {low, high, false}; }  ///< [low, high]
-  static Range openLow(double low, double high) { return {low, high, true}; }  ///< (low, high]
+  static Range closed(double low, double high) { return {low, high, '[', ']'}; }    ///< [low, high]
+  static Range openLow(double low, double high) { return {low, high, '(', ']'}; }   ///< (low, high]
+  static Range openHigh(double low, double high) { return {low, high, '[', ')'}; }  ///< [low, high)
 
   /// @throws std::invalid_argument "name is value, allowed is (low, high] unit" where the value is outside or
   /// not a number
   void require(const std::string& name, double value, const std::string& unit = "") const;
+  std::string text() const;  ///< "(low, high]"
 
  private:
-  Range(double low, double high, bool open) : low_(low), high_(high), open_(open) {}
+  Range(double low, double high, char left, char right)
+      : low_(low), high_(high), left_(left), right_(right) {}
 
   double low_, high_;
-  bool open_;
+  char left_, right_;
 };
-
-/// @throws std::invalid_argument "name is 'value', allowed is one of ..."
-void requireOneOf(const std::string& name, const std::string& value, const std::vector<std::string>& allowed);
 
 }  // namespace sextant

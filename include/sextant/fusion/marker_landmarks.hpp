@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "sextant/base/params.hpp"
 #include "sextant/geometry/pose.hpp"
 #include "sextant/landmarks/plane_sighting.hpp"
 #include "sextant/markers/marker.hpp"
@@ -14,14 +15,11 @@ namespace sextant {
 
 /// How printed markers become landmarks of the plane.
 struct MarkerLandmarkParams {
-  double decided = 0.9999;  ///< probability of a marker's pose from which its heading is used, [0.5, 1)
-  double corner_sigma =
-      0.3;  ///< noise of a corner coordinate where a detection does not tell, pixels, (0, 10]
-  double tilt_sigma =
-      0.01;  ///< deviation of the robot's roll and pitch from those of the floor, radians, [0, 1]
+  double decided = 0.9999;
+  double corner_sigma = 0.3;
+  double tilt_sigma = 0.01;
 
-  /// @throws std::invalid_argument that names the first field out of range.
-  void validate() const;
+  ParamList fields();
 };
 
 /// From a print to who reads it, seen from above, radians: across its lower edge, which is the way of its

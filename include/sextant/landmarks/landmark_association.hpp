@@ -5,22 +5,21 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "sextant/base/params.hpp"
 #include "sextant/landmarks/landmark_filter.hpp"
 
 namespace sextant {
 
 /// How sightings are told to be of known landmarks.
 struct AssociationParams {
-  double gate = 0.999;      ///< probability within which a sighting is compatible with its landmark, [0.5, 1)
-  double doubt = 0.999999;  ///< and beyond which it is of another one; between the two: in doubt, [gate, 1)
-  double margin = 6.0;      ///< squared Mahalanobis distance by which the next best has to be worse, [0, 100]
-  double density =
-      0.01;  ///< of landmarks of a class that are not known yet, where one looks, 1/m^2, (0, 1000]
-  double new_margin = 4.0;  ///< as margin, against being one of those, [0, 100]
-  int effort = 20000;       ///< pairs that the joint search looks at, at most, [100, 1e9]
+  double gate = 0.999;
+  double doubt = 0.999999;
+  double margin = 6.0;
+  double density = 0.01;
+  double new_margin = 4.0;
+  int effort = 20000;
 
-  /// @throws std::invalid_argument that names the first field out of range.
-  void validate() const;
+  ParamList fields();
 };
 
 /// What a sighting is of.

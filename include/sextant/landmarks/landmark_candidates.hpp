@@ -6,18 +6,18 @@
 #include <optional>
 #include <vector>
 
+#include "sextant/base/params.hpp"
 #include "sextant/landmarks/landmark_filter.hpp"
 
 namespace sextant {
 
 /// When something that is seen is taken for a landmark.
 struct CandidateParams {
-  double gate = 0.999;   ///< probability within which two sightings are of one candidate, [0.5, 1)
-  int sightings = 3;     ///< beyond which it is a landmark, [0, 1000]; 0: there are no false ones
-  double memory = 10.0;  ///< how long after its last sighting it is forgotten, seconds, (0, 3600]
+  double gate = 0.999;
+  int sightings = 3;
+  double memory = 10.0;
 
-  /// @throws std::invalid_argument that names the first field out of range.
-  void validate() const;
+  ParamList fields();
 };
 
 /// Sightings of what may be landmarks: each is the mean of what was seen of it.

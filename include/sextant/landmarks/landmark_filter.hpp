@@ -6,6 +6,7 @@
 #include <functional>
 #include <vector>
 
+#include "sextant/base/params.hpp"
 #include "sextant/geometry/pose2.hpp"
 #include "sextant/landmarks/covariance_store.hpp"
 #include "sextant/landmarks/odometry_steps.hpp"
@@ -16,12 +17,11 @@ namespace sextant {
 
 /// How LandmarkFilter works.
 struct LandmarkFilterParams {
-  double scale_sigma = 0.0;  ///< deviation of odometry's scale at the start; 0: not estimated, [0, 1]
-  double scale_drift = 0.0;  ///< of it after a metre, growing with the root, [0, 1]
-  double clock_sigma = 0.0;  ///< deviation of the sightings' clock offset; 0: not estimated, seconds, [0, 10]
+  double scale_sigma = 0.0;
+  double scale_drift = 0.0;
+  double clock_sigma = 0.0;
 
-  /// @throws std::invalid_argument that names the first field out of range.
-  void validate() const;
+  ParamList fields();
 };
 
 /// A pose and what is not known of it: (x, y, heading), map's axes.
@@ -42,7 +42,7 @@ struct SightingPrediction {
 class LandmarkFilter {
  public:
   /// @param covariance of (x, y, heading) in the map's axes, positive definite
-  /// @throws std::invalid_argument as LandmarkFilterParams::validate(), or if the covariance is none
+  /// @throws std::invalid_argument as validate(LandmarkFilterParams), or if the covariance is none
   LandmarkFilter(const LandmarkFilterParams& params, const Pose2& T_map_base,
                  const Eigen::Matrix3d& covariance);
 

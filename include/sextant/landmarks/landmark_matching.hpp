@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "sextant/base/params.hpp"
 #include "sextant/landmarks/plane_sighting.hpp"
 
 namespace sextant {
@@ -19,12 +20,11 @@ struct MapPoint {
 };
 
 struct LandmarkMatchingParams {
-  double gate = 0.999;        ///< probability within which two landmarks are one, [0.5, 1)
-  double certainty = 0.9999;  ///< that a match is right, from which it is believed, [0.5, 1)
-  double present = 0.8;       ///< probability that a landmark of one map is in the other, too, [0.01, 0.99]
+  double gate = 0.999;
+  double certainty = 0.9999;
+  double present = 0.8;
 
-  /// @throws std::invalid_argument that names the first field out of range.
-  void validate() const;
+  ParamList fields();
 };
 
 /// Which landmarks of two maps are one.

@@ -5,29 +5,28 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "sextant/base/params.hpp"
 #include "sextant/landmarks/landmark_filter.hpp"
 
 namespace sextant {
 
 /// What a sensor sees, how surely, and what the things are like that it sees.
 struct LandmarkSensorParams {
-  double max_range = 5.0;  ///< metres, (0, 1000]
-  double min_range = 0.0;  ///< metres; what is nearer it may miss, [0, max_range]
-  double field_of_view =
-      1.0;                  ///< of all directions that it surely sees, about its x axis, radians, (0, 2 pi]
-  double detection = 0.8;   ///< probability that it sees what is there, [0.01, 0.99]
-  double phantom = 0.05;    ///< probability that a sighting is of nothing, [0.001, 0.5]
-  double width = 0.2;       ///< of landmarks: what stands behind one is not seen, metres, [0, 100]
-  double separation = 0.3;  ///< two landmarks of a class are never nearer, metres, [0, 100]
+  double max_range = 5.0;
+  double min_range = 0.0;
+  double field_of_view = 1.0;
+  double detection = 0.8;
+  double phantom = 0.05;
+  double width = 0.2;
+  double separation = 0.3;
 
-  /// @throws std::invalid_argument that names the first field out of range.
-  void validate() const;
+  ParamList fields();
 };
 
 /// Which landmarks a sensor should see.
 class LandmarkSensor {
  public:
-  /// @throws std::invalid_argument as LandmarkSensorParams::validate()
+  /// @throws std::invalid_argument as validate(LandmarkSensorParams)
   explicit LandmarkSensor(const LandmarkSensorParams& params);
 
   /// Indices of those that are surely in view, wherever robot and landmarks may be, with no other in the way.

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "sextant/base/params.hpp"
 #include "sextant/landmarks/landmark_association.hpp"
 #include "sextant/landmarks/landmark_candidates.hpp"
 #include "sextant/landmarks/landmark_filter.hpp"
@@ -23,11 +24,10 @@ struct LandmarkSlamParams {
   CandidateParams candidates;
   LandmarkSensorParams sensor;
   LandmarkMatchingParams matching;
-  int lost_after =
-      10;  ///< moments in a row in which nothing is where it should be, [1, 10000]; 0: never lost
-  bool read_only = false;  ///< no landmark comes or goes
+  int lost_after = 10;
+  bool read_only = false;
 
-  void validate() const;
+  ParamList fields();
 };
 
 /// What became of the sightings of a moment.
@@ -45,7 +45,7 @@ struct LandmarkReport {
 /// Localization and mapping with landmarks that come, are found to be one, and go.
 class LandmarkSlam {
  public:
-  /// @throws std::invalid_argument as LandmarkSlamParams::validate() and LandmarkFilter's constructor
+  /// @throws std::invalid_argument as validate(LandmarkSlamParams) and LandmarkFilter's constructor
   LandmarkSlam(const LandmarkSlamParams& params, const Pose2& T_map_base, const Eigen::Matrix3d& covariance);
 
   /// As LandmarkFilter::predict().

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "sextant/base/params.hpp"
 #include "sextant/landmarks/landmark_slam.hpp"
 #include "sextant/landmarks/odometry_steps.hpp"
 
@@ -13,11 +14,10 @@ namespace sextant {
 
 struct LandmarkTimelineParams {
   OdometryNoiseParams odometry;
-  double lag = 1.0;           ///< how late sightings may come, seconds, (0, 60]
-  double clock_offset = 0.0;  ///< that is added to their stamps, seconds, [-10, 10]
+  double lag = 1.0;
+  double clock_offset = 0.0;
 
-  /// @throws std::invalid_argument that names the first field out of range.
-  void validate() const;
+  ParamList fields();
 };
 
 /// What became of sightings.
@@ -32,7 +32,7 @@ enum class Arrival {
 /// own stamp, and what was applied after it is applied again.
 class LandmarkTimeline {
  public:
-  /// @throws std::invalid_argument as LandmarkTimelineParams::validate()
+  /// @throws std::invalid_argument as validate(LandmarkTimelineParams)
   LandmarkTimeline(const LandmarkTimelineParams& params, const LandmarkSlam& slam);
 
   /// @returns whether the reading was taken; it is not newer than the last one otherwise

@@ -6,22 +6,20 @@
 #include <deque>
 #include <optional>
 
+#include "sextant/base/params.hpp"
 #include "sextant/geometry/pose2.hpp"
 
 namespace sextant {
 
 /// Noise of a step of wheel odometry in the plane, as driftVariance().
 struct OdometryNoiseParams {
-  double turn_by_turn =
-      0.05;  ///< deviation of the heading after a radian, growing with the root, radians, [0, 10]
-  double turn_by_way =
-      0.02;  ///< deviation of the heading after a metre, growing with the root, radians, [0, 10]
-  double way_by_way = 0.03;    ///< deviation along x after a metre, growing with the root, metres, [0, 10]
-  double way_by_turn = 0.01;   ///< deviation along x after a radian, growing with the root, metres, [0, 10]
-  double aside_by_way = 0.01;  ///< deviation along y after a metre, growing with the root, metres, [0, 10]
+  double turn_by_turn = 0.05;
+  double turn_by_way = 0.02;
+  double way_by_way = 0.03;
+  double way_by_turn = 0.01;
+  double aside_by_way = 0.01;
 
-  /// @throws std::invalid_argument that names the first field out of range.
-  void validate() const;
+  ParamList fields();
 };
 
 /// T_last_base, and the covariance of (x, y, heading) that is felt where the step begins: X' = X exp(w) step.

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "sextant/base/params.hpp"
 #include "sextant/localization/corner_noise.hpp"
 #include "sextant/localization/marker_locator.hpp"
 #include "sextant/localization/marker_watch.hpp"
@@ -16,11 +17,10 @@ namespace sextant {
 struct LocalizationParams {
   LocatorParams locator;
   OdometryParams odometry;
-  bool estimate_noise = true;   ///< corner_sigma is followed by what the residuals say, camera by camera
-  bool leave_out_moved = true;  ///< markers that stand elsewhere than the map says count no more
+  bool estimate_noise = true;
+  bool leave_out_moved = true;
 
-  /// @throws std::invalid_argument that names the first field out of range.
-  void validate() const;
+  ParamList fields();
 };
 
 /// Locates a robot image by image: what a node does with its markers, without ROS. Remembers what an image
@@ -28,7 +28,7 @@ struct LocalizationParams {
 /// ones; the cameras' noise; markers that stand elsewhere than the map says.
 class MarkerLocalization {
  public:
-  /// @throws std::invalid_argument as LocalizationParams::validate().
+  /// @throws std::invalid_argument as validate(LocalizationParams).
   explicit MarkerLocalization(const LocalizationParams& params);
 
   const LocalizationParams& params() const { return params_; }

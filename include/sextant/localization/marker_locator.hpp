@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "sextant/base/params.hpp"
 #include "sextant/geometry/camera.hpp"
 #include "sextant/geometry/pose.hpp"
 #include "sextant/localization/pose_hypotheses.hpp"
@@ -31,25 +32,18 @@ struct MarkerView {
 CornerSigmas cornerSigmas(const MarkerView& view, const Detection& detection, double corner_sigma);
 
 struct LocatorParams {
-  std::string mode = "joint";  ///< nearest | average | joint
-  double corner_sigma = 0.3;   ///< noise that all corner coordinates have in common, pixels, (0, 10]
-  double max_reprojection_error =
-      2.0;  ///< RMS over all used corners above which there is no pose, pixels, (0, 1000]
-  double robust_width =
-      5.0;             ///< joint: a marker farther off than so many sigma counts less at first, [0.5, 1000]
-  double gate = 30.0;  ///< joint: squared Mahalanobis distance beyond which a marker is left out, [8, 1e6]
-  double floor_height_sigma =
-      0.0;  ///< joint: the base stands on the map's plane z = 0 so exactly, metres, [0, 10]; 0: it does not
-  double floor_tilt_sigma =
-      0.02;  ///< joint: roll and pitch are 0 so exactly, radians, (0, 1]; with floor_height_sigma
-  double decided = 0.999999;  ///< joint: probability from which one of two poses is told as certain, [0.5, 1)
-  std::string ambiguous =
-      "cover";  ///< joint: else tell the better one with a covariance that holds both (cover), or none (skip)
-  std::vector<double> constant_covariance;  ///< empty: the measurement's own; or 36 numbers that are told
-                                            ///< instead, row by row, order x y z roll pitch yaw
+  std::string mode = "joint";
+  double corner_sigma = 0.3;
+  double max_reprojection_error = 2.0;
+  double robust_width = 5.0;
+  double gate = 30.0;
+  double floor_height_sigma = 0.0;
+  double floor_tilt_sigma = 0.02;
+  double decided = 0.999999;
+  std::string ambiguous = "cover";
+  std::vector<double> constant_covariance;
 
-  /// @throws std::invalid_argument that names the first field out of range.
-  void validate() const;
+  ParamList fields();
 };
 
 /// What the other markers of an image say of one.
@@ -98,7 +92,7 @@ struct LocatorResult {
 ///           poses of every marker.
 class MarkerLocator {
  public:
-  /// @throws std::invalid_argument as LocatorParams::validate().
+  /// @throws std::invalid_argument as validate(LocatorParams).
   explicit MarkerLocator(const LocatorParams& params);
 
   const LocatorParams& params() const { return params_; }

@@ -4,6 +4,7 @@
 
 #include <optional>
 
+#include "sextant/base/params.hpp"
 #include "sextant/geometry/pose.hpp"
 #include "sextant/localization/pose_hypotheses.hpp"
 
@@ -12,16 +13,13 @@ namespace sextant {
 /// How odometry drifts (as driftVariance(), the same on all three axes: in space it is height, roll and
 /// pitch, too, that wheels do not measure), and what is made of poses that contradict it.
 struct OdometryParams {
-  double position_drift =
-      0.05;  ///< deviation of an axis after a metre, growing with the root, metres, (0, 10]
-  double heading_drift =
-      0.02;                  ///< deviation of an axis after a metre, growing with the root, radians, (0, 10]
-  double turn_drift = 0.05;  ///< deviation of an axis after a radian, growing with the root, radians, (0, 10]
-  double gate = 40.0;  ///< squared Mahalanobis distance beyond which a pose contradicts odometry, [12, 1e6]
-  int recovery = 5;    ///< so many in a row that contradict odometry but not one another are right, [1, 1000]
+  double position_drift = 0.05;
+  double heading_drift = 0.02;
+  double turn_drift = 0.05;
+  double gate = 40.0;
+  int recovery = 5;
 
-  /// @throws std::invalid_argument that names the first field out of range.
-  void validate() const;
+  ParamList fields();
 };
 
 /// A pose after a step (T_last_base) that odometry measured, with what the step may have drifted added.
@@ -34,7 +32,7 @@ class OdometryCorrection {
   /// What became of a pose.
   enum class Verdict { taken, recovered, contradicts };
 
-  /// @throws std::invalid_argument as OdometryParams::validate().
+  /// @throws std::invalid_argument as validate(OdometryParams).
   explicit OdometryCorrection(const OdometryParams& params);
 
   /// Keeps what is known. @throws as the constructor, and changes nothing then

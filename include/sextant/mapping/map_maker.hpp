@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "sextant/base/params.hpp"
 #include "sextant/geometry/pose.hpp"
 #include "sextant/localization/odometry_correction.hpp"
 #include "sextant/mapping/marker_recording.hpp"
@@ -16,19 +17,17 @@
 namespace sextant {
 
 struct MappingParams {
-  double corner_sigma = 0.3;   ///< noise that all corner coordinates have in common, pixels, (0, 10]
-  bool estimate_noise = true;  ///< corner_sigma is scaled by what the residuals say, camera by camera
-  double robust_width = 5.0;   ///< a marker farther off than so many sigma counts less at first, [0.5, 1000]
-  double gate = 30.0;          ///< squared Mahalanobis distance beyond which a sighting is left out, [8, 1e6]
-  double decided = 0.999;      ///< probability from which one of several poses is taken as certain, [0.5, 1)
-  double floor_height_sigma = 0.0;  ///< the base stays on the plane z = 0 so exactly, metres, [0, 10]; 0: it
-                                    ///< does not
-  double floor_tilt_sigma = 0.02;   ///< its roll and pitch are 0 so exactly, radians, (0, 1]
-  OdometryParams odometry;          ///< how it drifts between images
-  int threads = 1;                  ///< of the adjustment, [1, 64]
+  double corner_sigma = 0.3;
+  bool estimate_noise = true;
+  double robust_width = 5.0;
+  double gate = 30.0;
+  double decided = 0.999;
+  double floor_height_sigma = 0.0;
+  double floor_tilt_sigma = 0.02;
+  OdometryParams odometry;
+  int threads = 1;
 
-  /// @throws std::invalid_argument that names the first field out of range.
-  void validate() const;
+  ParamList fields();
 };
 
 /// A sighting against the map that was made.
@@ -70,7 +69,7 @@ struct MadeMap {
 /// @param sizes of the markers that are not known
 /// @param known markers that hold the frame, by their covariance or exactly; if empty, one that is connected
 /// to most others hangs upright in the origin, and looks along -y
-/// @throws std::invalid_argument as MappingParams::validate()
+/// @throws std::invalid_argument as validate(MappingParams)
 /// @throws std::runtime_error when no marker can be placed, with the reason
 MadeMap makeMarkerMap(MarkerRecording recording, const MarkerSizes& sizes, const MarkerMap& known,
                       const MappingParams& params);

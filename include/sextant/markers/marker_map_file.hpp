@@ -5,21 +5,20 @@
 #include <map>
 #include <string>
 
+#include "sextant/base/params.hpp"
 #include "sextant/markers/marker_map.hpp"
 
 namespace sextant {
 
 /// What the plain text format does not say of its markers.
 struct TextMapParams {
-  std::string frame = "map";        ///< parent of every line
-  std::string family = "tag36h11";  ///< of every marker in the file
-  double size = 0.2;                ///< edge length in metres, (0, 100]
-  std::map<int, double> sizes;      ///< edge length in metres of single ids
-  std::map<std::string, std::string>
-      parents;  ///< of frames that are no markers, by name; else the map's frame
+  std::string frame = "map";
+  std::string family = "tag36h11";
+  double size = 0.2;
+  std::map<int, double> sizes;
+  std::map<std::string, std::string> parents;
 
-  /// @throws std::invalid_argument that names the first field out of range.
-  void validate() const;
+  ParamList fields();
 };
 
 /// Reads a marker map: ".yaml" and ".yml" as YAML (doc/marker_map.md), anything else as the plain text

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "sextant/base/params.hpp"
 #include "sextant/geometry/camera.hpp"
 #include "sextant/geometry/pose.hpp"
 #include "sextant/markers/marker.hpp"
@@ -16,11 +17,10 @@ namespace sextant {
 
 /// How large the markers are that a detector sees.
 struct MarkerSizes {
-  double size = 0.2;                    ///< edge length, metres, (0, 100]
-  std::map<std::string, double> sizes;  ///< of single markers, by "id" or "family/id", metres
+  double size = 0.2;
+  std::map<std::string, double> sizes;
 
-  /// @throws std::invalid_argument that names the first entry out of range or of a form that names no marker
-  void validate() const;
+  ParamList fields();
   double of(const MarkerKey& key) const;
 };
 

@@ -7,6 +7,7 @@
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
+#include "sextant/base/params.hpp"
 #include "sextant/geometry/camera.hpp"
 #include "sextant/geometry/pose.hpp"
 #include "sextant/simulation/arena_scene.hpp"
@@ -16,15 +17,14 @@ namespace sextant {
 class ArenaTracer;
 
 struct ArenaCameraParams {
-  int supersampling = 2;     ///< [1, 8]; n * n rays for a pixel that an edge crosses
-  double blur_sigma = 0.6;   ///< of the lens, pixels, [0, 20]
-  double noise_sigma = 4.0;  ///< of the sensor, levels, [0, 100]
-  double white_level = 230;  ///< of what reflects all light of brightness 1, (0, 1000]
-  double gamma = 2.2;        ///< of the camera's curve, [0.5, 4]
-  int seed = 1;              ///< of the noise, >= 0
+  int supersampling = 2;
+  double blur_sigma = 0.6;
+  double noise_sigma = 4.0;
+  double white_level = 230;
+  double gamma = 2.2;
+  int seed = 1;
 
-  /// @throws std::invalid_argument that names the first field out of range.
-  void validate() const;
+  ParamList fields();
 };
 
 /// What of an object a picture shows.
@@ -37,7 +37,7 @@ struct SeenObject {
 /// Takes colour pictures in an arena. Not thread-safe.
 class ArenaCamera {
  public:
-  /// @throws std::invalid_argument as ArenaCameraParams::validate()
+  /// @throws std::invalid_argument as validate(ArenaCameraParams)
   ArenaCamera(const ArenaCameraParams& params, const CameraModel& camera);
   ~ArenaCamera();
 

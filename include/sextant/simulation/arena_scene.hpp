@@ -7,6 +7,8 @@
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
+#include "sextant/base/params.hpp"
+
 namespace sextant {
 
 /// A round thing: a pillar stands on the floor, upright; a ball lies anywhere.
@@ -21,34 +23,32 @@ struct ArenaObject {
 
 /// The light of the moment.
 struct ArenaLight {
-  double brightness = 1.0;                ///< [0, 10]
-  double direct = 0.5;                    ///< share of it that comes from one direction, [0, 1]
-  Eigen::Vector3d toward{0.3, 0.5, 0.8};  ///< that direction
-  Eigen::Vector3d tint{1, 1, 1};          ///< of red, green and blue, [0, 10]
+  double brightness = 1.0;
+  double direct = 0.5;
+  Eigen::Vector3d toward{0.3, 0.5, 0.8};
+  Eigen::Vector3d tint{1, 1, 1};
 
-  /// @throws std::invalid_argument that names the first field out of range.
-  void validate() const;
+  ParamList fields();
 };
 
 struct ArenaSceneParams {
-  Eigen::Vector2d size{8, 6};  ///< of the floor, whose middle is the origin, metres, [1, 100]
-  double wall_height = 2.5;    ///< metres, [0.1, 100]
-  int seed = 1;                ///< of floor, walls and ceiling, >= 0
+  Eigen::Vector2d size{8, 6};
+  double wall_height = 2.5;
+  int seed = 1;
 
-  /// @throws std::invalid_argument that names the first field out of range.
-  void validate() const;
+  ParamList fields();
 };
 
 /// A room with a patterned floor and walls, and what stands and lies in it. Rays meet planes, cylinders and
 /// spheres exactly.
 class ArenaScene {
  public:
-  /// @throws std::invalid_argument as ArenaSceneParams::validate()
+  /// @throws std::invalid_argument as validate(ArenaSceneParams)
   explicit ArenaScene(const ArenaSceneParams& params);
 
   /// @throws std::invalid_argument for a radius, height or colour out of range
   void setObjects(const std::vector<ArenaObject>& objects);
-  void setLight(const ArenaLight& light);  ///< @throws std::invalid_argument as ArenaLight::validate()
+  void setLight(const ArenaLight& light);  ///< @throws std::invalid_argument as validate(ArenaLight)
 
   const ArenaSceneParams& params() const { return params_; }
   const std::vector<ArenaObject>& objects() const { return objects_; }

@@ -7,6 +7,7 @@
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
+#include "sextant/base/params.hpp"
 #include "sextant/geometry/camera.hpp"
 #include "sextant/geometry/pose.hpp"
 #include "sextant/simulation/arena_scene.hpp"
@@ -16,24 +17,21 @@ namespace sextant {
 class ArenaTracer;
 
 struct DepthCameraParams {
-  /// Deviation at 1 m, growing with the square of the depth, metres, [0, 1]; alike in pixels beside each
-  /// other.
   double noise = 0.004;
-  double scale = 1.0;       ///< what it says of a metre, [0.5, 2]
-  double baseline = 0.05;   ///< to its other camera: what only one of them sees has no depth, metres, [0, 1]
-  double min_depth = 0.28;  ///< metres, [0, 10]
-  double max_depth = 10.0;  ///< metres, (min_depth, 100]
-  double holes = 0.01;      ///< share of all else that has no depth, [0, 1]
-  int seed = 1;             ///< >= 0
+  double scale = 1.0;
+  double baseline = 0.05;
+  double min_depth = 0.28;
+  double max_depth = 10.0;
+  double holes = 0.01;
+  int seed = 1;
 
-  /// @throws std::invalid_argument that names the first field out of range.
-  void validate() const;
+  ParamList fields();
 };
 
 /// A stereo depth camera as Intel's D435. Not thread-safe.
 class DepthCamera {
  public:
-  /// @throws std::invalid_argument as DepthCameraParams::validate()
+  /// @throws std::invalid_argument as validate(DepthCameraParams)
   DepthCamera(const DepthCameraParams& params, const CameraModel& camera);
   ~DepthCamera();
 

@@ -9,6 +9,7 @@
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
+#include "sextant/base/params.hpp"
 #include "sextant/geometry/camera.hpp"
 #include "sextant/geometry/pose.hpp"
 #include "sextant/simulation/room_scene.hpp"
@@ -16,15 +17,14 @@
 namespace sextant {
 
 struct RoomRendererParams {
-  int supersampling = 4;       ///< [1, 16]; n * n rays for a pixel that an edge crosses
-  double blur_sigma = 0.5;     ///< of the lens, pixels, [0, 20]
-  double noise_sigma = 4.0;    ///< of the sensor, grey levels, [0, 100]
-  double vignette = 0.25;      ///< share of the light that is lost in the image's corners, [0, 1]
-  double white_level = 200.0;  ///< grey level of white paper in the room's mean light, (0, 1000]
-  int seed = 1;                ///< of the noise, >= 0
+  int supersampling = 4;
+  double blur_sigma = 0.5;
+  double noise_sigma = 4.0;
+  double vignette = 0.25;
+  double white_level = 200.0;
+  int seed = 1;
 
-  /// @throws std::invalid_argument that names the first field out of range.
-  void validate() const;
+  ParamList fields();
 };
 
 /// Takes pictures in a room. Rays go out through the full camera model, so that lens distortion is exact:
@@ -32,7 +32,7 @@ struct RoomRendererParams {
 /// grey levels (a linear sensor). Not thread-safe: one renderer a thread.
 class RoomRenderer {
  public:
-  /// @throws std::invalid_argument as RoomRendererParams::validate(), or for no scene.
+  /// @throws std::invalid_argument as validate(RoomRendererParams), or for no scene.
   RoomRenderer(const RoomRendererParams& params, std::shared_ptr<const RoomScene> scene,
                const CameraModel& camera);
 

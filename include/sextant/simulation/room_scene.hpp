@@ -8,6 +8,7 @@
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
+#include "sextant/base/params.hpp"
 #include "sextant/markers/marker_map.hpp"
 #include "sextant/simulation/room_texture.hpp"
 
@@ -21,11 +22,11 @@ struct RoomObstacle {
 };
 
 struct RoomSceneParams {
-  Eigen::Vector3d size{6.0, 6.0, 2.5};                     ///< inside, metres, each [0.5, 1000]
-  Eigen::Vector3d floor_center = Eigen::Vector3d::Zero();  ///< middle of the floor, metres, map
-  double quiet_zone = 1.0;                                 ///< white margin of a print, modules, [1, 10]
-  double light_unevenness = 1.0;                           ///< [0, 1]; 0: the same light everywhere
-  int seed = 1;                                            ///< of the walls, >= 0
+  Eigen::Vector3d size{6.0, 6.0, 2.5};
+  Eigen::Vector3d floor_center = Eigen::Vector3d::Zero();
+  double quiet_zone = 1.0;
+  double light_unevenness = 1.0;
+  int seed = 1;
   std::vector<RoomObstacle> obstacles = {
       {{1.6, 0.2, 1.25}, {0.06, 0.06, 2.5}, 0.7},  // post
       {{-0.6, -2.2, 1.25}, {0.1, 0.1, 2.5}, 0.3},  // post
@@ -33,9 +34,11 @@ struct RoomSceneParams {
       {{2.55, -2.6, 0.9}, {0.5, 0.5, 1.8}, 0.25},  // cupboard
   };
 
-  /// @throws std::invalid_argument that names the first field out of range.
-  void validate() const;
+  ParamList fields();  ///< all but the obstacles
 };
+
+/// @throws std::invalid_argument that names the first field out of range, of an obstacle too
+void validate(const RoomSceneParams& params);
 
 struct RoomRay {
   Eigen::Vector3f origin;     ///< metres, map
@@ -54,7 +57,7 @@ struct RoomHit {
 /// A furnished box-shaped room with printed markers: what rays meet in it and how bright that is.
 class RoomScene {
  public:
-  /// @throws std::invalid_argument as RoomSceneParams::validate(), or for a marker outside of the room.
+  /// @throws std::invalid_argument as validate(RoomSceneParams), or for a marker outside of the room.
   RoomScene(const RoomSceneParams& params, const MarkerMap& map);
 
   const RoomSceneParams& params() const { return params_; }

@@ -2,8 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sextant/ros/base/param_reader.hpp"
 
-#include <ros/names.h>
-
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -12,10 +11,7 @@ namespace sextant {
 namespace {
 
 // Read by libraries in the node's private namespace, not by us.
-const std::set<std::string>& foreign() {
-  static const std::set<std::string> names = {"num_worker_threads"};
-  return names;
-}
+const char* const kForeign = "num_worker_threads";
 
 // A name with a slash, "tag36h11/5", is a table in a table on the parameter server.
 bool flatten(const XmlRpc::XmlRpcValue& table, const std::string& prefix,
@@ -33,70 +29,93 @@ bool flatten(const XmlRpc::XmlRpcValue& table, const std::string& prefix,
   return true;
 }
 
-}  // namespace
-
-template <typename T>
-void ParamReader::readAs(const std::string& name, T& value, const char* type) {
-  known_.insert(name);
-  if (node_.hasParam(name) && !node_.getParam(name, value))
-    throw std::invalid_argument("parameter " + node_.resolveName(name) + " must be " + type);
+bool isId(const std::string& name) {
+  return !name.empty() && name.size() <= 9 && name.find_first_not_of("0123456789") == std::string::npos;
 }
 
-void ParamReader::read(const std::string& name, bool& value) { readAs(name, value, "true or false"); }
-void ParamReader::read(const std::string& name, int& value) {
-  double number = value;
-  readAs(name, number, "a whole number");
-  if (!(std::abs(number) <= std::numeric_limits<int>::max()) || number != std::trunc(number))
-    throw std::invalid_argument("parameter " + node_.resolveName(name) + " must be a whole number");
-  value = static_cast<int>(number);
-}
-void ParamReader::read(const std::string& name, double& value) { readAs(name, value, "a number"); }
-void ParamReader::read(const std::string& name, std::string& value) { readAs(name, value, "a text"); }
-void ParamReader::read(const std::string& name, std::vector<std::string>& value) {
-  readAs(name, value, "a list of texts");
-}
-void ParamReader::read(const std::string& name, std::vector<double>& value) {
-  readAs(name, value, "a list of numbers");
-}
-void ParamReader::read(const std::string& name, std::map<std::string, double>& value) {
-  const char* type = "a table of names and numbers";
-  XmlRpc::XmlRpcValue table;
-  readAs(name, table, type);
-  if (!table.valid()) return;
-  value.clear();
-  if (!flatten(table, "", value))
-    throw std::invalid_argument("parameter " + node_.resolveName(name) + " must be " + type);
-}
-void ParamReader::read(const std::string& name, std::map<std::string, std::string>& value) {
-  readAs(name, value, "a table of names and texts");
-}
+/// Reads one parameter that is set.
+struct Reader {
+  const ros::NodeHandle& node;
+  const Param& param;
 
-void ParamReader::readWord(const std::string& name, std::string& value) {
-  int number = 0;
-  if (!node_.getParam(name, number)) return read(name, value);
-  known_.insert(name);
-  value = std::to_string(number);
-}
+  void operator()(bool* value) const { get(*value, "true or false"); }
+  void operator()(double* value) const { get(*value, "a number"); }
+  void operator()(std::vector<std::string>* value) const { get(*value, "a list of texts"); }
+  void operator()(std::vector<double>* value) const { get(*value, "a list of numbers"); }
+  void operator()(std::map<std::string, std::string>* value) const {
+    get(*value, "a table of names and texts");
+  }
+  void operator()(int* value) const {
+    double number = 0;
+    get(number, "a whole number");
+    if (!(std::abs(number) <= std::numeric_limits<int>::max()) || number != std::trunc(number))
+      refuse("a whole number");
+    *value = static_cast<int>(number);
+  }
+  void operator()(std::string* value) const {
+    int number = 0;
+    if (param.may_be_number && node.getParam(param.name, number))
+      *value = std::to_string(number);
+    else
+      get(*value, "a text");
+  }
+  void operator()(std::map<std::string, double>* value) const {
+    XmlRpc::XmlRpcValue table;
+    get(table, "a table of names and numbers");
+    value->clear();
+    if (!flatten(table, "", *value)) refuse("a table of names and numbers");
+  }
+  // YAML has no tables with numbers as names, so the ids come as texts.
+  void operator()(std::map<int, double>* value) const {
+    std::map<std::string, double> named;
+    (*this)(&named);
+    value->clear();
+    for (const auto& [name, number] : named) {
+      if (!isId(name))
+        throw std::invalid_argument("parameter " + node.resolveName(param.name) + ": '" + name +
+                                    "' is no marker id");
+      (*value)[std::stoi(name)] = number;
+    }
+  }
+  void operator()(const Numbers&) const { throw std::logic_error(param.name + " is no parameter of a node"); }
 
-void ParamReader::rejectUnknown() const {
+  template <typename T>
+  void get(T& value, const char* type) const {
+    if (!node.getParam(param.name, value)) refuse(type);
+  }
+  [[noreturn]] void refuse(const char* type) const {
+    throw std::invalid_argument("parameter " + node.resolveName(param.name) + " must be " + type);
+  }
+};
+
+void rejectUnknown(const ros::NodeHandle& node, const ParamList& params) {
   std::vector<std::string> set;
-  node_.getParamNames(set);
-  const std::string prefix = node_.getNamespace() + "/";
+  node.getParamNames(set);
+  const std::string prefix = node.getNamespace() + "/";
   std::string known;
-  for (const auto& name : known_) known += " " + name;
+  for (const Param& param : params) known += " " + param.name;
   for (const auto& full : set) {
     if (full.compare(0, prefix.size(), prefix) != 0) continue;
     const std::string name = full.substr(prefix.size(), full.find('/', prefix.size()) - prefix.size());
-    if (known_.count(name) == 0 && foreign().count(name) == 0)
+    const auto is_it = [&](const Param& param) { return param.name == name; };
+    if (name != kForeign && std::none_of(params.begin(), params.end(), is_it))
       throw std::invalid_argument("unknown parameter " + full + "; known are" + known);
   }
 }
 
-void requireTopics(const std::string& name, const std::vector<std::string>& topics) {
-  for (const std::string& topic : topics) {
-    std::string reason = "it is empty";
-    if (topic.empty() || !ros::names::validate(topic, reason))
-      throw std::invalid_argument(name + ": '" + topic + "' is no topic: " + reason);
+}  // namespace
+
+void readParams(const ros::NodeHandle& private_node, const ParamList& params) {
+  for (const Param& param : params)
+    if (private_node.hasParam(param.name)) std::visit(Reader{private_node, param}, param.value);
+  rejectUnknown(private_node, params);
+}
+
+void requireAllowed(const ros::NodeHandle& private_node, const ParamList& params) {
+  try {
+    requireAllowed(params);
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument("parameter " + private_node.getNamespace() + "/" + error.what());
   }
 }
 

@@ -19,15 +19,10 @@ constexpr milliseconds kSettle{500};
 
 }  // namespace
 
-void ImagePlayerParams::validate() const {
-  if (!(rate >= 0 && rate <= 1000)) throw std::invalid_argument("rate must be in [0, 1000] Hz");
-  if (frames < 0) throw std::invalid_argument("frames must not be negative");
-}
-
 ImagePlayer::ImagePlayer(std::unique_ptr<ImageSource> source, const ImagePlayerParams& params, Outlet outlet,
                          TroubleLog& trouble)
     : source_(std::move(source)), params_(params), outlet_(std::move(outlet)), trouble_(trouble) {
-  params_.validate();
+  validate(params_);
   thread_ = std::thread(&ImagePlayer::run, this);
 }
 

@@ -21,7 +21,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kNominalRate = 10.0;  // Hz, where the recording tells none
-constexpr int kLongestSide = 16384;    // pixels
 
 std::string sizeText(int width, int height) { return std::to_string(width) + " x " + std::to_string(height); }
 
@@ -250,27 +249,10 @@ void requirePicture(ImageSource& source, const ImageSourceParams& params) {
   throw std::runtime_error(trouble);
 }
 
-void requireSide(const std::string& name, int side) {
-  if (side < 0 || side > kLongestSide)
-    throw std::invalid_argument(name + " must be in [0, " + std::to_string(kLongestSide) + "] pixels");
-}
-
 }  // namespace
 
-void ImageSourceParams::validate() const {
-  if (source.empty())
-    throw std::invalid_argument("source must name a device, a video file, an image or a folder of images");
-  if (encoding != "mono8" && encoding != "bgr8")
-    throw std::invalid_argument("encoding is '" + encoding + "', it must be mono8 or bgr8");
-  requireSide("width", width);
-  requireSide("height", height);
-  if (!(rate >= 0 && rate <= 1000)) throw std::invalid_argument("rate must be in [0, 1000] Hz");
-  if (!fourcc.empty() && fourcc.size() != 4)
-    throw std::invalid_argument("fourcc is '" + fourcc + "', it must be empty or four letters such as MJPG");
-}
-
 std::unique_ptr<ImageSource> makeImageSource(const ImageSourceParams& params) {
-  params.validate();
+  validate(params);
   ImageSourceParams found = params;
   if (!isDevice(params.source)) {
     found.source = fs::absolute(params.source).lexically_normal().string();

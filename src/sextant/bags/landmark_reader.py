@@ -166,7 +166,7 @@ class _Drive:
         if self._bag.types[recorded.topic] == LANDMARKS:
             sightings = landmark_sightings(message, T)
         else:
-            sightings = marker_sightings(message, T, self._run.settings.markers)
+            sightings = marker_sightings(message, T, self._run.params.markers)
             for marker in message.markers:
                 if not marker.size > 0.0:
                     self._losses.lost(

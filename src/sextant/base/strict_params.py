@@ -169,6 +169,35 @@ def _built(cls: Type[Params], values: Mapping[str, Any]) -> Params:
     return cls(**arguments)
 
 
+# What sextant._core calls the types of parameters.
+_TYPES = {
+    "true/false": bool,
+    "whole": int,
+    "real": float,
+    "text": str,
+    "list of texts": List[str],
+    "list of reals": List[float],
+    "table of reals": Dict[str, float],
+    "table of texts": Dict[str, str],
+}
+
+
+def parse_struct(
+    struct: Type[Params], values: Mapping[str, Any], namespace: str, separator: str = "/"
+) -> Params:
+    """As parse_params(), an instance of a struct of parameters of the core."""
+    fields = [(name, _TYPES[kind]) for name, kind, _, _, _ in struct.fields()]
+    record = dataclasses.make_dataclass(struct.__name__, [(*field, param(None)) for field in fields])
+    taken, params = parse_params(record, values, namespace, separator), struct()
+    for name in values:
+        setattr(params, name, getattr(taken, name))
+    try:
+        params.validate()
+    except ValueError as error:
+        raise ValueError(f"{namespace}{separator}{error}") from None
+    return params
+
+
 def _is_required(field: dataclasses.Field) -> bool:
     return field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING
 

@@ -8,7 +8,6 @@ map_landmarks next.bag -o better.yaml --start-map map.yaml --lost               
 """
 
 import argparse
-import dataclasses
 from pathlib import Path
 from typing import List, Optional, Sequence
 
@@ -16,11 +15,12 @@ from tqdm import tqdm
 
 import sextant
 from sextant.bags.landmark_reader import LandmarkTopics, run_on_bags
+from sextant.base.strict_params import parse_struct
 from sextant.commands.bag_options import pair, read_mounts
 from sextant.commands.command_line import Answer, CommandParser, check_output, run
 from sextant.evaluation.trajectory_files import WRITTEN, write_trajectory
 from sextant.landmarks.landmark_plan import ENDINGS, write_plan
-from sextant.landmarks.slam_params import LandmarkSlamSettings, read_settings
+from sextant.landmarks.slam_params import read_values
 from sextant.landmarks.slam_run import SlamRun
 from sextant.landmarks.slam_summary import summary, warnings
 
@@ -77,11 +77,11 @@ def _add_bags(group) -> None:
 def _make(options: argparse.Namespace) -> Answer:
     """Runs the filter over the bags, and writes what was asked for."""
     _check_outputs(options)
-    settings = _settings(options)
-    slam_run = SlamRun(settings, _start_map(options), _marker_map(settings))
+    params = _params(options)
+    slam_run = SlamRun(params, _start_map(options), _marker_map(params))
     with tqdm(total=100, desc="bags", unit="%", disable=None, bar_format="{l_bar}{bar}| {elapsed}") as bar:
         notes = run_on_bags(
-            options.bags, _topics(options, settings), slam_run, lambda share: bar.update(100 * share - bar.n)
+            options.bags, _topics(options, params), slam_run, lambda share: bar.update(100 * share - bar.n)
         )
     told = [f"warning: {warning}" for warning in warnings(slam_run)]
     return Answer([*notes, *summary(slam_run), *told, *_written(options, slam_run)])
@@ -100,41 +100,33 @@ def _check_outputs(options: argparse.Namespace) -> None:
         check_output(path, options.force)
 
 
-def _settings(options: argparse.Namespace) -> LandmarkSlamSettings:
-    """:raises ValueError: as read_settings(), or options that do not fit together"""
-    settings = read_settings(options.params) if options.params else LandmarkSlamSettings()
-    marker_map = options.marker_map or settings.nodelet.marker_map_file
+def _params(options: argparse.Namespace) -> "sextant.LandmarkSlamNodeParams":
+    """:raises ValueError: as parse_struct(), or options that do not fit together"""
+    values = read_values(options.params) if options.params else {}
+    params = parse_struct(sextant.LandmarkSlamNodeParams, values, str(options.params), ": ")
+    params.marker_map_file = options.marker_map or params.marker_map_file
     if options.lost and not options.start_map:
         raise ValueError("--lost: the robot is to be found in a map, name one by --start-map")
-    if options.read_only and not (options.start_map or marker_map):
+    if options.read_only and not (options.start_map or params.marker_map_file):
         raise ValueError("--read-only: name the map that is only read by --start-map or --marker-map")
-    settings.slam.read_only |= options.read_only
-    start = _start(options, settings)
-    settings.nodelet = dataclasses.replace(settings.nodelet, start=start, marker_map_file=marker_map)
-    return settings
-
-
-def _start(options: argparse.Namespace, settings: LandmarkSlamSettings) -> str:
-    """Where the robot is in --start-map, as the parameter start has it."""
-    if options.lost:
-        return "unknown"
-    return settings.nodelet.start if "start" in settings.told else "map"
+    params.read_only |= options.read_only
+    params.start = "unknown" if options.lost else values.get("start", "map")
+    return params
 
 
 def _start_map(options: argparse.Namespace) -> Optional["sextant.LandmarkMap"]:
     return sextant.read_landmark_map(options.start_map) if options.start_map else None
 
 
-def _marker_map(settings: LandmarkSlamSettings) -> Optional["sextant.MarkerMap"]:
-    path = settings.nodelet.marker_map_file
-    return sextant.read_marker_map(path) if path else None
+def _marker_map(params: "sextant.LandmarkSlamNodeParams") -> Optional["sextant.MarkerMap"]:
+    return sextant.read_marker_map(params.marker_map_file) if params.marker_map_file else None
 
 
-def _topics(options: argparse.Namespace, settings: LandmarkSlamSettings) -> LandmarkTopics:
+def _topics(options: argparse.Namespace, params: "sextant.LandmarkSlamNodeParams") -> LandmarkTopics:
     return LandmarkTopics(
         odometry=options.odometry, landmarks=options.landmarks,
-        cameras=tuple(options.markers or settings.nodelet.cameras),
-        base_frame=options.base_frame or settings.nodelet.base_frame,
+        cameras=tuple(options.markers or params.cameras),
+        base_frame=options.base_frame or params.base_frame,
         mounts=read_mounts(options.mounts), start=options.start, end=options.end,
     )  # fmt: skip
 

@@ -10,7 +10,6 @@ import numpy as np
 from scipy.linalg import block_diag
 
 import sextant
-from sextant.landmarks.slam_params import LandmarkSlamSettings
 
 
 class Leg(NamedTuple):
@@ -52,41 +51,41 @@ class SlamRun:
 
     def __init__(
         self,
-        settings: LandmarkSlamSettings,
+        params: "sextant.LandmarkSlamNodeParams",
         start_map: Optional["sextant.LandmarkMap"] = None,
         marker_map: Optional["sextant.MarkerMap"] = None,
     ):
-        """The robot is in start_map where settings.nodelet.start says; among markers it is found by them,
-        unless a start_pose is told.
+        """The robot is in start_map where params.start puts it; among markers it is found by them,
+        unless there is a start_pose.
 
         :raises ValueError: both maps are given
         """
-        self.settings, self.frame = settings, settings.nodelet.map_frame
-        slam = sextant.LandmarkSlam(settings.slam, settings.start_pose, settings.start_covariance)
-        self.timeline = sextant.LandmarkTimeline(settings.timeline, slam)
+        self.params, self.frame = params, params.map_frame
+        slam = sextant.LandmarkSlam(params.slam, params.first_pose, params.first_covariance)
+        self.timeline = sextant.LandmarkTimeline(params.timeline, slam)
         self.tally, self.legs = SlamTally(), [Leg({}, {})]
         if start_map and marker_map:
             raise ValueError("a landmark map and a marker map are given: the first may hold markers, too")
         if marker_map:
             self._begin_with_markers(marker_map)
         if start_map:
-            self._begin_with(start_map, settings.nodelet.start)
+            self._begin_with(start_map, params.start)
 
     def _begin_with(self, start_map: "sextant.LandmarkMap", start: str) -> None:
         self.frame = start_map.frame
         self.timeline.set_map(start_map.pose, start_map.landmarks, start_map.labels, start_map.covariance)
         if start == "origin":
-            self.timeline.set_pose(self.settings.start_pose, self.settings.start_covariance)
+            self.timeline.set_pose(self.params.first_pose, self.params.first_covariance)
         if start == "unknown" or (start == "map" and start_map.is_lost):
             self.timeline.lose()
 
     def _begin_with_markers(self, marker_map: "sextant.MarkerMap") -> None:
         """Each by itself: a map of markers does not tell how their errors depend on one another."""
         landmarks, labels, covariances = sextant.marker_landmarks(marker_map)
-        covariance = block_diag(self.settings.start_covariance, *covariances)
+        covariance = block_diag(self.params.first_covariance, *covariances)
         self.frame = marker_map.frame
-        self.timeline.set_map(self.settings.start_pose, landmarks, labels, covariance)
-        if not self.settings.nodelet.start_pose:
+        self.timeline.set_map(self.params.first_pose, landmarks, labels, covariance)
+        if not self.params.start_pose:
             self.timeline.lose()
 
     def odometry(self, stamp: int, T_odom_base: np.ndarray) -> bool:
@@ -123,7 +122,7 @@ class SlamRun:
         arrival = self.timeline.see(seconds_of(stamp), list(sightings), T_base_sensor)
         self.tally.arrivals[arrival] += 1
         if arrival == sextant.Arrival.TOO_LATE:
-            moment = seconds_of(stamp) + self.settings.timeline.clock_offset
+            moment = seconds_of(stamp) + self.params.timeline.clock_offset
             self.tally.early += moment < seconds_of(next(iter(self.legs[-1].odometry), stamp))
         self._count_applied()
         return arrival
@@ -139,7 +138,7 @@ class SlamRun:
         if self.timeline.slam.labels:
             self.timeline.lose()
         else:
-            self.timeline.set_pose(self.settings.start_pose, self.settings.start_covariance)
+            self.timeline.set_pose(self.params.first_pose, self.params.first_covariance)
 
     def map(self) -> "sextant.LandmarkMap":
         """As save_map of the nodelet writes it."""

@@ -76,7 +76,7 @@ def _arrivals(run: SlamRun) -> List[str]:
     early, late = run.tally.early, arrivals[sextant.Arrival.TOO_LATE] - run.tally.early
     told: Dict[str, int] = {
         "are of before the first odometry": early,
-        f"came too late: raise lag ({run.settings.timeline.lag:g} s)": late,
+        f"came too late: raise lag ({run.params.timeline.lag:g} s)": late,
         "came twice, and were taken once": arrivals[sextant.Arrival.DUPLICATE],
     }
     for what, count in told.items():

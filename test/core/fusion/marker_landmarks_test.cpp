@@ -142,12 +142,12 @@ TEST(MarkerLandmarks, AMapOfMarkersAsLandmarks) {
 
 TEST(MarkerLandmarks, NamesAFieldThatIsOutOfRange) {
   MarkerLandmarkParams params;
-  params.validate();
+  validate(params);
   params.decided = 1.1;
-  EXPECT_EQ(refusal<std::invalid_argument>([&] { params.validate(); }).find("decided is "), 0u);
+  EXPECT_EQ(refusal<std::invalid_argument>([&] { validate(params); }).find("decided is "), 0u);
   params = {};
   params.tilt_sigma = -0.1;
-  EXPECT_EQ(refusal<std::invalid_argument>([&] { params.validate(); }).find("tilt_sigma is "), 0u);
+  EXPECT_EQ(refusal<std::invalid_argument>([&] { validate(params); }).find("tilt_sigma is "), 0u);
 }
 
 }  // namespace

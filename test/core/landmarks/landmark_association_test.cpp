@@ -262,11 +262,11 @@ TEST(LandmarkAssociation, NamesAFieldThatIsOutOfRange) {
       {"density", [](auto& params) { params.density = 0; }},
       {"new_margin", [nan](auto& params) { params.new_margin = nan; }},
       {"effort", [](auto& params) { params.effort = 99; }}};
-  AssociationParams().validate();
+  validate(AssociationParams());
   for (const auto& [name, spoil] : mistakes) {
     AssociationParams params;
     spoil(params);
-    EXPECT_EQ(refusal<std::invalid_argument>([&] { params.validate(); }).find(name + " is "), 0u) << name;
+    EXPECT_EQ(refusal<std::invalid_argument>([&] { validate(params); }).find(name + " is "), 0u) << name;
   }
 }
 

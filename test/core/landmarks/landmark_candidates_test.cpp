@@ -105,14 +105,14 @@ TEST(LandmarkCandidates, TwoSightingsOfOneMomentAreTwoThings) {
 
 TEST(LandmarkCandidates, NamesAFieldThatIsOutOfRange) {
   const std::vector<std::pair<std::string, std::function<void(CandidateParams&)>>> mistakes{
-      {"candidate_gate", [](auto& params) { params.gate = 1; }},
-      {"candidate_sightings", [](auto& params) { params.sightings = -1; }},
-      {"candidate_memory", [](auto& params) { params.memory = 0; }}};
-  CandidateParams().validate();
+      {"gate", [](auto& params) { params.gate = 1; }},
+      {"sightings", [](auto& params) { params.sightings = -1; }},
+      {"memory", [](auto& params) { params.memory = 0; }}};
+  validate(CandidateParams());
   for (const auto& [name, spoil] : mistakes) {
     CandidateParams params;
     spoil(params);
-    EXPECT_EQ(refusal<std::invalid_argument>([&] { params.validate(); }).find(name + " is "), 0u) << name;
+    EXPECT_EQ(refusal<std::invalid_argument>([&] { validate(params); }).find(name + " is "), 0u) << name;
   }
 }
 

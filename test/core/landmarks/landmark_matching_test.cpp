@@ -147,15 +147,15 @@ TEST(LandmarkMatching, NothingIsFoundInNothing) {
 
 TEST(LandmarkMatching, NamesAFieldThatIsOutOfRange) {
   const std::vector<std::pair<std::string, double LandmarkMatchingParams::*>> fields{
-      {"match_gate", &LandmarkMatchingParams::gate},
-      {"match_certainty", &LandmarkMatchingParams::certainty},
-      {"match_present", &LandmarkMatchingParams::present}};
-  LandmarkMatchingParams().validate();
+      {"gate", &LandmarkMatchingParams::gate},
+      {"certainty", &LandmarkMatchingParams::certainty},
+      {"present", &LandmarkMatchingParams::present}};
+  validate(LandmarkMatchingParams());
   for (const auto& [name, field] : fields)
     for (const double value : {0.0, 1.0, std::nan("")}) {
       LandmarkMatchingParams params;
       params.*field = value;
-      EXPECT_EQ(refusal<std::invalid_argument>([&, &params = params] { params.validate(); }).find(name), 0u);
+      EXPECT_EQ(refusal<std::invalid_argument>([&, &params = params] { validate(params); }).find(name), 0u);
     }
 }
 

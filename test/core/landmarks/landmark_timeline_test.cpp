@@ -237,7 +237,7 @@ TEST(LandmarkTimeline, AddsTheClocksOffset) {
 
 TEST(LandmarkTimeline, NamesAFieldThatIsOutOfRange) {
   const auto refused = [](const LandmarkTimelineParams& params) {
-    return refusal<std::invalid_argument>([&] { params.validate(); });
+    return refusal<std::invalid_argument>([&] { validate(params); });
   };
   LandmarkTimelineParams params;
   params.lag = 0;

@@ -168,12 +168,12 @@ TEST(OdometryNoise, NamesAFieldThatIsOutOfRange) {
       {"way_by_way", &OdometryNoiseParams::way_by_way},
       {"way_by_turn", &OdometryNoiseParams::way_by_turn},
       {"aside_by_way", &OdometryNoiseParams::aside_by_way}};
-  OdometryNoiseParams().validate();
+  validate(OdometryNoiseParams());
   for (const auto& [name, field] : fields)
     for (const double value : {-0.1, 10.1, std::nan("")}) {
       OdometryNoiseParams params;
       params.*field = value;
-      EXPECT_EQ(refusal<std::invalid_argument>([&, &params = params] { params.validate(); }).find(name), 0u);
+      EXPECT_EQ(refusal<std::invalid_argument>([&, &params = params] { validate(params); }).find(name), 0u);
     }
 }
 

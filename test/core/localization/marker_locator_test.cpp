@@ -9,6 +9,7 @@
 #include <random>
 
 #include "test_cameras.hpp"
+#include "test_refusal.hpp"
 #include "test_room.hpp"
 
 namespace sextant {
@@ -195,6 +196,12 @@ TEST(LocatorParams, RefusesWhatIsOutOfRange) {
   params = {};
   params.robust_width = std::nan("");
   EXPECT_THROW(MarkerLocator{params}, std::invalid_argument);
+  params = {};
+  params.decided = 0.9999999;
+  MarkerLocator{params};
+  params.decided = 0.99999999;
+  EXPECT_EQ(refusal<std::invalid_argument>([&] { MarkerLocator{params}; }),
+            "decided is 1, allowed is [0.5, 0.9999999]");
 }
 
 }  // namespace

@@ -138,5 +138,43 @@ TEST(PosePosterior, TwoHypothesesAreCoveredTogether) {
   EXPECT_LT(certain.covariance(1, 1), 0.01);
 }
 
+// One pose of 85 % and three of 5 % each, 2 m off along x, y and z: the second moment alone leaves these
+// three outside of its region.
+TEST(PosePosterior, TheRegionOfAnUndecidedPoseHolds92Percent) {
+  const CameraModel camera(testCalibrations()[0], CameraModel::Image::raw);
+  std::mt19937 random(8);
+  std::vector<MarkerSighting> sightings;
+  std::vector<PoseStart> starts;
+  const Pose offsets[] = {Pose::Identity(), poseFromXyzRpy({2, 0, 0}, {0, 0, 0}),
+                          poseFromXyzRpy({0, 2, 0}, {0, 0, 0}), poseFromXyzRpy({0, 0, 2}, {0, 0, 0})};
+  for (const Pose& T_map_base : offsets) {
+    starts.push_back({T_map_base, sightings.size()});
+    for (const MarkerSighting& sighting :
+         seenFrom(T_map_base, camera, kMount,
+                  {T_map_base * markerOnWall({2, 0.4, 1}, 0.3), T_map_base * markerOnWall({2.5, -0.6, 1.2}),
+                   T_map_base * markerOnWall({1.8, 0, 0.9}, -0.5)},
+                  0.2, 0.1, random))
+      sightings.push_back(sighting);
+  }
+  auto hypotheses = poseHypotheses(sightings, starts, {}, std::nullopt);
+  ASSERT_EQ(hypotheses.size(), 4u);
+  for (size_t i = 0; i < 4; ++i) hypotheses[i].weight = i == 0 ? 0.85 : 0.05;
+  const auto posterior = posePosterior(sightings, hypotheses, {});
+  ASSERT_EQ(posterior.best, 0u);
+  const Eigen::LDLT<Matrix6d> region(posterior.covariance);
+  std::normal_distribution<double> normal(0, 1);
+  double held = 0;
+  constexpr int kSamples = 20000;
+  for (const PoseHypothesis& found : hypotheses) {
+    const Vector6d mean = poseError(found.T_map_base, hypotheses[0].T_map_base);
+    const Matrix6d root = found.covariance.llt().matrixL();
+    for (int i = 0; i < kSamples; ++i) {
+      const Vector6d e = mean + root * Vector6d::NullaryExpr([&](auto) { return normal(random); });
+      if (e.dot(region.solve(e)) < kRegion6) held += found.weight / kSamples;
+    }
+  }
+  EXPECT_NEAR(held, 0.92, 0.01);
+}
+
 }  // namespace
 }  // namespace sextant

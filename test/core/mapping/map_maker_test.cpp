@@ -163,12 +163,12 @@ TEST(MapMaker, SaysWhyThereIsNoMap) {
 
 TEST(MappingParams, NamesTheFirstFieldOutOfRange) {
   MappingParams params;
-  EXPECT_NO_THROW(params.validate());
+  EXPECT_NO_THROW(validate(params));
   params.gate = 1;
-  EXPECT_THROW(params.validate(), std::invalid_argument);
+  EXPECT_THROW(validate(params), std::invalid_argument);
   params = {};
   params.odometry.position_drift = -1;
-  EXPECT_THROW(params.validate(), std::invalid_argument);
+  EXPECT_THROW(validate(params), std::invalid_argument);
 }
 
 }  // namespace

@@ -11,16 +11,14 @@ namespace {
 
 TEST(MarkerSizes, FamilyAndIdWinOverIdWinsOverAll) {
   MarkerSizes sizes{0.2, {{"7", 0.1}, {"tag25h9/7", 0.3}}};
-  sizes.validate();
+  validate(sizes);
   EXPECT_EQ(sizes.of({"tag36h11", 6}), 0.2);
   EXPECT_EQ(sizes.of({"tag36h11", 7}), 0.1);
   EXPECT_EQ(sizes.of({"tag25h9", 7}), 0.3);
 }
 
 TEST(MarkerSizes, RefusesWhatNamesNoMarkerOrNoSize) {
-  const auto refused = [](const MarkerSizes& sizes) {
-    EXPECT_THROW(sizes.validate(), std::invalid_argument);
-  };
+  const auto refused = [](const MarkerSizes& sizes) { EXPECT_THROW(validate(sizes), std::invalid_argument); };
   refused({0.0, {}});
   refused({0.2, {{"seven", 0.1}}});
   refused({0.2, {{"tag99/7", 0.1}}});

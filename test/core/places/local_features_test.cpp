@@ -253,11 +253,11 @@ TEST(LocalFeatures, WhatCannotBeIsRefused) {
               }),
               std::string("extractor AKAZE describes keypoints of detector AKAZE only, not of ") + detector);
   EXPECT_EQ(refusal<std::invalid_argument>([] {
-              paramsOf({"FAST", "SIFT"}).validate();
+              validate(paramsOf({"FAST", "SIFT"}));
             }),
             "detector is 'FAST', it must be one of AKAZE, ORB, SIFT, SURF");
   EXPECT_EQ(refusal<std::invalid_argument>([] {
-              paramsOf({"SIFT", "BRIEF"}).validate();
+              validate(paramsOf({"SIFT", "BRIEF"}));
             }),
             "extractor is 'BRIEF', it must be one of AKAZE, ORB, SIFT, SURF");
   EXPECT_EQ(refusal<std::invalid_argument>([] { isBinaryExtractor("BRIEF"); }),
@@ -266,13 +266,13 @@ TEST(LocalFeatures, WhatCannotBeIsRefused) {
 
 TEST(LocalFeatures, ValuesOutOfRangeAreNamed) {
   const std::vector<std::pair<std::string, std::function<void(FeatureParams&)>>> bad = {
-      {"max_side is -1, allowed is [0, 16384] pixels", [](auto& p) { p.max_side = -1; }},
-      {"max_side is 16385, allowed is [0, 16384] pixels", [](auto& p) { p.max_side = 16385; }},
-      {"max_features is -1, allowed is [0, 1e+06]", [](auto& p) { p.max_features = -1; }},
+      {"max_side is -1, allowed is [0, 16384] px", [](auto& p) { p.max_side = -1; }},
+      {"max_side is 16385, allowed is [0, 16384] px", [](auto& p) { p.max_side = 16385; }},
+      {"max_features is -1, allowed is [0, 1000000]", [](auto& p) { p.max_features = -1; }},
       {"support is 0, allowed is (0, 16]", [](auto& p) { p.support = 0; }},
       {"support is 17, allowed is (0, 16]", [](auto& p) { p.support = 17; }},
       {"sift_contrast is 0, allowed is (0, 1]", [](auto& p) { p.sift_contrast = 0; }},
-      {"surf_threshold is -3, allowed is (0, 1e+06]", [](auto& p) { p.surf_threshold = -3; }},
+      {"surf_threshold is -3, allowed is (0, 1000000]", [](auto& p) { p.surf_threshold = -3; }},
       {"akaze_threshold is 2, allowed is (0, 1]", [](auto& p) { p.akaze_threshold = 2; }},
       {"orb_wta_k is 1, allowed is [2, 4]", [](auto& p) { p.orb_wta_k = 1; }},
       {"orb_wta_k is 5, allowed is [2, 4]", [](auto& p) { p.orb_wta_k = 5; }},
@@ -280,13 +280,13 @@ TEST(LocalFeatures, ValuesOutOfRangeAreNamed) {
   for (const auto& [message, spoil] : bad) {
     FeatureParams params;
     spoil(params);
-    EXPECT_EQ(refusal<std::invalid_argument>([&] { params.validate(); }), message);
+    EXPECT_EQ(refusal<std::invalid_argument>([&] { validate(params); }), message);
     EXPECT_EQ(refusal<std::invalid_argument>([&] { FeatureExtractor extractor(params); }), message);
   }
-  EXPECT_EQ(refusal<std::invalid_argument>([] { FeatureParams().validate(); }), "accepted");
+  EXPECT_EQ(refusal<std::invalid_argument>([] { validate(FeatureParams()); }), "accepted");
   for (const Pair& pair : allPairs())
     EXPECT_EQ(
-        refusal<std::invalid_argument>([&] { FeatureParams::plain(pair.first, pair.second).validate(); }),
+        refusal<std::invalid_argument>([&] { validate(FeatureParams::plain(pair.first, pair.second)); }),
         "accepted");
 }
 

@@ -163,7 +163,7 @@ template <class Params, class Change>
 std::string refusalOf(Change change) {
   Params params;
   change(params);
-  return refusal<std::invalid_argument>([&] { params.validate(); });
+  return refusal<std::invalid_argument>([&] { validate(params); });
 }
 
 TEST(ArenaScene, WhatIsOutOfRangeIsRefusedByName) {

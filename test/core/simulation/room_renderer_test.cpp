@@ -205,7 +205,7 @@ TEST(RoomRenderer, RefusesWhatCannotBe) {
   const auto refused = [](auto change) {
     RoomRendererParams params;
     change(params);
-    EXPECT_THROW(params.validate(), std::invalid_argument);
+    EXPECT_THROW(validate(params), std::invalid_argument);
   };
   refused([](RoomRendererParams& p) { p.supersampling = 0; });
   refused([](RoomRendererParams& p) { p.blur_sigma = -0.1; });

@@ -133,7 +133,7 @@ TEST(RoomScene, RefusesWhatCannotBe) {
   const auto refused = [](auto change) {
     RoomSceneParams params;
     change(params);
-    EXPECT_THROW(params.validate(), std::invalid_argument);
+    EXPECT_THROW(validate(params), std::invalid_argument);
   };
   refused([](RoomSceneParams& p) { p.size.y() = 0.0; });
   refused([](RoomSceneParams& p) { p.floor_center.x() = std::numeric_limits<double>::quiet_NaN(); });

@@ -2,40 +2,22 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The parameters of landmark SLAM offline are those of the nodelet."""
 
-import dataclasses
 import re
-from operator import attrgetter
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+import sextant
+from sextant.base.strict_params import parse_struct
 from sextant.landmarks.landmark_colours import NAMED
-from sextant.landmarks.slam_params import (
-    CORE_FIELDS,
-    NAMES,
-    LandmarkSlamSettings,
-    NodeletParams,
-    read_settings,
-    settings_of,
-)
+from sextant.landmarks.slam_params import read_values
 
 ROOT = Path(__file__).resolve().parents[3]
 
 
-def test_the_names_are_those_that_the_nodelet_reads():
-    source = (ROOT / "src/ros/landmarks/landmark_slam_params.cpp").read_text()
-    read = re.findall(r'reader\.read\("(\w+)", params\.([\w.]+)\)', source)
-    assert sorted(name for name, _ in read) == sorted(NAMES)
-    assert {name: path for name, path in read if "." in path} == CORE_FIELDS
-
-
-def test_the_defaults_are_the_nodelets():
-    header = (ROOT / "include/sextant/ros/landmarks/landmark_slam_params.hpp").read_text()
-    for field in dataclasses.fields(NodeletParams):
-        default = getattr(NodeletParams(), field.name)
-        told = re.search(rf" {field.name}(?: = ([^;]+))?;", header)
-        text = str(default).replace("[", "{").replace("]", "}") if isinstance(default, list) else str(default)
-        assert told and (told[1] or "").strip('"') == ("" if default == [] else text)
+def params_of(values, where="here"):
+    return parse_struct(sextant.LandmarkSlamNodeParams, values, where, ": ")
 
 
 def test_the_colours_are_those_in_rviz():
@@ -46,33 +28,43 @@ def test_the_colours_are_those_in_rviz():
     } == NAMED
 
 
-OTHER = {
-    bool: lambda value: not value,
-    int: lambda value: value + 1,
-    float: lambda value: 0.99 * value or 0.5,
-}
+def test_parameters_arrive_in_the_parts():
+    params = params_of({"candidate_sightings": 7, "match_gate": 0.9, "lag": 2, "tilt_sigma": 0.5})
+    assert (params.slam.candidates.sightings, params.slam.matching.gate) == (7, 0.9)
+    assert (params.timeline.lag, params.markers.tilt_sigma) == (2.0, 0.5)
+    params.slam.sensor.max_range = 3.0
+    assert params.max_range == 3.0
 
 
-def test_every_parameter_arrives_where_it_belongs():
-    for name, path in CORE_FIELDS.items():
-        default = attrgetter(path)(LandmarkSlamSettings())
-        value = 0.9999 if name == "doubt" else OTHER[type(default)](default)
-        assert value != default
-        assert attrgetter(path)(settings_of({name: value}, "here")) == value
+def test_the_first_pose_is_the_origin_or_the_one_that_is_set():
+    assert params_of({}).first_pose.tolist() == [0, 0, 0]
+    params = params_of({"start_pose": [1.0, 2.0, 0.5], "pose_sigma": [0.1, 0.2, 0.3]})
+    assert params.first_pose.tolist() == [1.0, 2.0, 0.5]
+    np.testing.assert_allclose(params.first_covariance, np.diag([0.01, 0.04, 0.09]))
+
+
+def test_every_parameter_is_an_attribute_of_its_type():
+    params, types = params_of({}), {"whole": int, "real": float, "text": str, "true/false": bool}
+    for name, kind, _, _, what in sextant.LandmarkSlamNodeParams.fields():
+        value = getattr(params, name)
+        assert isinstance(value, types.get(kind, list)) and what
+        setattr(params, name, value)
+        with pytest.raises(TypeError, match=f"^{name} must be {kind}, not <object"):
+            setattr(params, name, object())
 
 
 @pytest.mark.parametrize(
     "text, reason",
     [
         ("gat: 0.9", "gat: unknown parameter; did you mean gate?"),
-        ("gate: 2", "gate is 2, allowed is [0.5, 1]"),
+        ("gate: 2", "gate is 2, allowed is [0.5, 1)"),
         ("gate: wide", "gate: must be a finite number, is 'wide'"),
         ("effort: 1000.5", "effort: must be a whole number, is 1000.5"),
         ("read_only: 1", "read_only: must be true or false, is 1"),
-        ("start_pose: [1, 2]", "start_pose: must be x, y (m) and heading (rad), is [1, 2]"),
-        ("pose_sigma: [0, 1, 1]", "pose_sigma: must be three deviations"),
-        ("cameras: [a, a]", "cameras: must be topics, none of them twice"),
-        ("start: here", "start: must be one of origin, map, unknown, is 'here'"),
+        ("start_pose: [1, 2]", "start_pose has 2 numbers, needed are x, y (m) and heading (rad)"),
+        ("pose_sigma: [0, 1, 1]", "pose_sigma is 0, allowed is (0, 1000] m, m, rad"),
+        ("cameras: [a, a]", "cameras: 'a' is there twice"),
+        ("start: here", "start is 'here', allowed is one of origin, map, unknown"),
         ("lag: 0", "lag is 0"),
         ("gate", "write `name: value`"),
         ("gate: [", "is no YAML"),
@@ -82,10 +74,10 @@ def test_a_file_with_a_mistake_is_refused(tmp_path, text, reason):
     path = tmp_path / "params.yaml"
     path.write_text("max_range: 4.0\n" + text if ":" in text else text)
     with pytest.raises(ValueError) as error:
-        read_settings(path)
+        params_of(read_values(path), str(path))
     assert str(error.value).startswith(f"{path}: ") and reason in str(error.value)
 
 
 def test_a_file_may_be_empty(tmp_path):
     (tmp_path / "params.yaml").write_text("# nothing\n")
-    assert read_settings(tmp_path / "params.yaml").told == ()
+    assert read_values(tmp_path / "params.yaml") == {}

@@ -19,7 +19,7 @@ GENERATED_HEADER = r"sextant/[A-Z]\w+\.h"
 CORE = {
     "base": ("", "Eigen yaml-cpp"),
     "geometry": ("", "Eigen"),
-    "images": ("", "opencv2"),
+    "images": ("base", "opencv2"),
     "markers": ("base geometry", "Eigen apriltag opencv2"),
     "detection": ("base geometry markers", "Eigen opencv2"),
     "localization": ("base geometry markers", "Eigen boost/math"),
@@ -32,10 +32,10 @@ CORE = {
 
 # A room of the bridges to ROS: (the rooms of the core that it uses, the rooms of the bridges that it uses)
 BRIDGES = {
-    "base": ("", ""),
+    "base": ("base", ""),
     "geometry": ("geometry", ""),
     "markers": ("geometry markers", "geometry"),
-    "images": ("", "base"),
+    "images": ("base images", "base"),
     "detection": ("base geometry images markers detection", "base"),
     "localization": ("base geometry markers localization", "base geometry markers"),
     "landmarks": ("base geometry markers landmarks fusion", "base geometry markers"),

@@ -5,6 +5,7 @@
 import dataclasses
 import importlib
 import re
+import sys
 from pathlib import Path
 
 import cv2
@@ -18,8 +19,10 @@ from sextant.base.strict_params import flat_fields
 ROOT = Path(__file__).resolve().parents[3]
 NODES_PAGE = (ROOT / "doc/nodes.md").read_text()
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "doc").rglob("*.md"), *(ROOT / "test").rglob("*.md")])
-HEADERS = "\n".join(path.read_text() for path in sorted((ROOT / "include").rglob("*.hpp")))
-NODELETS = {path.stem[: -len("_params")]: path for path in (ROOT / "src/ros").rglob("*_params.cpp")}
+sys.path.insert(0, str(ROOT / "tools"))
+from parameter_tables import STRUCTS as NODELETS  # noqa: E402
+from parameter_tables import with_tables  # noqa: E402
+
 SCRIPTS = {
     path.stem: path
     for path in sorted((ROOT / "src/sextant/nodes").rglob("*.py"))
@@ -52,37 +55,6 @@ def table_of(node):
     }
 
 
-def struct_of(name):
-    return re.search(rf"^struct {name} {{\n(.*?)^}};", HEADERS, re.M | re.S).group(1)
-
-
-def declaration_of(member, text):
-    """(type, initial value or "") of a member or variable."""
-    code_only = re.sub(r"//.*", "", text)
-    found = re.search(rf"^\s*([\w:]+(?:<[^;]*>)?)\s+{member}(?:\s*=\s*([^;]*))?;", code_only, re.M)
-    return found.group(1), found.group(2) or ""
-
-
-def value_of(kind, literal):
-    if not literal:
-        return {"std::string": "", "std::map": {}, "std::vector": []}[kind.partition("<")[0]]
-    return yaml.safe_load(literal.strip().replace("{", "[").replace("}", "]"))
-
-
-def read_by_nodelet(name):
-    """{parameter: default}: the reader's calls, and the members that they read into."""
-    source = NODELETS[name].read_text()
-    struct = re.search(r"^(\w+) \1::fromRos", source, re.M).group(1)
-    defaults = {}
-    for parameter, target in re.findall(r'reader\.read\w*\("(\w+)", ([\w.]+)\)', source):
-        *path, member = target.split(".")
-        text = struct_of(struct) if path else source
-        for part in path[1:]:
-            text = struct_of(declaration_of(part, text)[0])
-        defaults[parameter] = value_of(*declaration_of(member, text))
-    return defaults
-
-
 def read_by_script(name):
     """{parameter: default} of the dataclass that a rospy node reads."""
     source = SCRIPTS[name].read_text()
@@ -100,16 +72,23 @@ def default_of(field):
     return NEEDED if field.default_factory is dataclasses.MISSING else field.default_factory()
 
 
-@pytest.mark.parametrize("node", [*sorted(NODELETS), *SCRIPTS])
+@pytest.mark.parametrize("node", SCRIPTS)
 def test_parameters_and_defaults_are_those_of_the_code(node):
-    read = read_by_nodelet(node) if node in NODELETS else read_by_script(node)
+    read = read_by_script(node)
     assert read or "read_params" not in SCRIPTS[node].read_text()
     assert table_of(node) == read
 
 
-def test_a_parameter_that_is_read_twice_is_found_where_it_is_declared():
-    assert read_by_nodelet("marker_detector")["families"] == ["tag36h11"]
-    assert read_by_nodelet("marker_locator")["sizes"] == {}
+def test_tables_of_nodelets_are_those_of_the_structs():
+    """Else run tools/parameter_tables.py."""
+    assert with_tables(NODES_PAGE) == NODES_PAGE
+
+
+@pytest.mark.parametrize("node", NODELETS)
+def test_tables_of_nodelets_have_each_parameter_once(node):
+    params, table = NODELETS[node](), table_of(node)
+    assert len(table) == len(params.fields())
+    assert table == {name: getattr(params, name) for name in table}
 
 
 # ---- topics, services, families -------------------------------------------------------------------------

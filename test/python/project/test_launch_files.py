@@ -15,7 +15,7 @@ import yaml
 from test_doc import table_of
 
 import sextant
-from sextant.base.strict_params import parse_params
+from sextant.base.strict_params import parse_params, parse_struct
 from sextant.nodes.ball.ball_task_node_params import BallTaskNodeParams
 from sextant.nodes.evaluation.drive_recorder import RecorderParams
 from sextant.nodes.images.publish_image import PublisherParams
@@ -83,7 +83,7 @@ ARGUMENTS_ALONE = {
     ("ball_task.launch", "locator_params"): {"base_frame"},
 }
 
-# Parameters of the rospy nodes; those of a nodelet are in the source that reads them.
+# Parameters of the rospy nodes; those of a nodelet are in its struct of the core.
 RECORDS = {
     "ball_simulator": BallSimulatorParams,
     "marker_broadcaster": BroadcasterParams,
@@ -139,12 +139,6 @@ def snake_case(name):
     return re.sub(r"(?<!^)(?=[A-Z])", "_", name).lower()
 
 
-def read_by_nodelet(name):
-    """Parameters that a nodelet's fromRos() asks for."""
-    (path,) = (ROOT / "src/ros").rglob(f"{snake_case(name)}_params.cpp")
-    return set(re.findall(r'reader\.read\w*\("(\w+)"', path.read_text()))
-
-
 def declared(path):
     """Arguments that a user of the file may set."""
     return [each for each in ElementTree.parse(path).getroot().iter("arg") if each.get("value") is None]
@@ -175,7 +169,8 @@ def test_nodes_know_their_parameters(run):
         if node.type in RECORDS:
             parse_params(RECORDS[node.type], params_of(config, node.name), node.name)
     for node, nodelet in loaded_classes(config).items():
-        assert set(params_of(config, node)) <= read_by_nodelet(nodelet.split("/")[1]), node
+        struct = getattr(sextant, nodelet.split("/")[1] + "NodeParams")
+        parse_struct(struct, params_of(config, node), node)
 
 
 @pytest.mark.parametrize("path", LAUNCH_FILES, ids=lambda path: path.name)

@@ -177,7 +177,7 @@ TEST(ImageSourceParams, OutOfRangeIsRefusedByName) {
     ImageSourceParams params;
     change(params);
     try {
-      params.validate();
+      validate(params);
     } catch (const std::invalid_argument& error) {
       return std::string(error.what());
     }
@@ -185,7 +185,7 @@ TEST(ImageSourceParams, OutOfRangeIsRefusedByName) {
   };
   EXPECT_EQ(refused([](auto&) {}), "");
   EXPECT_NE(refused([](auto& p) { p.source = ""; }).find("source"), std::string::npos);
-  EXPECT_NE(refused([](auto& p) { p.encoding = "rgb8"; }).find("mono8 or bgr8"), std::string::npos);
+  EXPECT_NE(refused([](auto& p) { p.encoding = "rgb8"; }).find("mono8, bgr8"), std::string::npos);
   EXPECT_NE(refused([](auto& p) { p.width = -1; }).find("width"), std::string::npos);
   EXPECT_NE(refused([](auto& p) { p.height = 20000; }).find("height"), std::string::npos);
   EXPECT_NE(refused([](auto& p) { p.rate = NAN; }).find("rate"), std::string::npos);

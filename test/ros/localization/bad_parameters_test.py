@@ -39,7 +39,7 @@ DETECTOR = [
 ]
 LOCATOR = [
     ("publish_tf", True, "unknown parameter /{node}/publish_tf"),
-    ("mode", "best", "parameter /{node}/mode is 'best', allowed are nearest, average and joint"),
+    ("mode", "best", "parameter /{node}/mode is 'best', allowed is one of average, joint, nearest"),
     ("mode", 3, "parameter /{node}/mode must be a text"),
     ("tf_output", "odom", "parameter /{node}/tf_output is 'odom'"),
     ("max_reprojection_error", 0, "parameter /{node}/max_reprojection_error is 0"),

@@ -18,17 +18,6 @@
 
 namespace sextant {
 
-struct ImagePlayerParams {
-  double rate =
-      0.0;  ///< pictures a second at most, [0, 1000]; 0: a device's own, a video's own, 10 of a folder
-  bool loop = false;                ///< begin a file anew after its end
-  int frames = 0;                   ///< stop after so many published pictures, >= 0; 0: never
-  bool wait_for_subscriber = true;  ///< a file begins when somebody listens; a device never waits
-
-  /// @throws std::invalid_argument that names the first field out of range
-  void validate() const;
-};
-
 /// Plays a source in a thread of its own: keeps the pace, stamps at the grab, opens a lost device again every
 /// second, decodes only what somebody wants.
 class ImagePlayer {

@@ -6,20 +6,9 @@
 #include <opencv2/core/mat.hpp>
 #include <string>
 
+#include "sextant/images/camera_driver_node_params.hpp"
+
 namespace sextant {
-
-struct ImageSourceParams {
-  std::string source = "0";       ///< device (0, /dev/video0), video file, image, or folder of images
-  std::string encoding = "bgr8";  ///< of the pictures: mono8 or bgr8
-  int width = 0;      ///< pixels, [0, 16384]; 0: as it comes. A device is asked for it, a file must have it
-  int height = 0;     ///< pixels, [0, 16384]; as width
-  double rate = 0.0;  ///< pictures a second that a device is asked for, [0, 1000]; 0: as it comes
-  std::string fourcc = "MJPG";  ///< pixel format that a device is asked for, four letters; empty: as it comes
-  bool preload = false;         ///< decode a whole file or folder before its first picture is shown
-
-  /// @throws std::invalid_argument that names the first field out of range
-  void validate() const;
-};
 
 /// Pictures one after another: of a camera, a video file or a folder. For one thread at a time.
 class ImageSource {

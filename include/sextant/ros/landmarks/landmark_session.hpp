@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "sextant/fusion/landmark_slam_node_params.hpp"
 #include "sextant/landmarks/landmark_timeline.hpp"
 #include "sextant/markers/marker_map.hpp"
-#include "sextant/ros/landmarks/landmark_slam_params.hpp"
 
 namespace sextant {
 
