@@ -140,7 +140,7 @@ TEST(PosePosterior, TwoHypothesesAreCoveredTogether) {
 
 // One pose of 85 % and three of 5 % each, 2 m off along x, y and z: the second moment alone leaves these
 // three outside of its region.
-TEST(PosePosterior, TheRegionOfAnUndecidedPoseHolds92Percent) {
+TEST(PosePosterior, TheRegionOfAnUndecidedPoseHoldsAtLeast92Percent) {
   const CameraModel camera(testCalibrations()[0], CameraModel::Image::raw);
   std::mt19937 random(8);
   std::vector<MarkerSighting> sightings;
@@ -173,7 +173,8 @@ TEST(PosePosterior, TheRegionOfAnUndecidedPoseHolds92Percent) {
       if (e.dot(region.solve(e)) < kRegion6) held += found.weight / kSamples;
     }
   }
-  EXPECT_NEAR(held, 0.92, 0.01);
+  EXPECT_GE(held, 0.92);
+  EXPECT_LE(held, 0.95);
 }
 
 }  // namespace

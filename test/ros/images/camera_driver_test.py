@@ -190,7 +190,7 @@ class CameraDriverTest(unittest.TestCase):
             ({"source": good, "widht": 64}, "unknown parameter /driver/widht"),
             ({"source": good, "width": 65}, "has 64 x 48 pixels"),
             ({"source": good, "rate": "fast"}, "/driver/rate must be a number"),
-            ({"source": good, "encoding": "rgb8"}, "it must be mono8 or bgr8"),
+            ({"source": good, "encoding": "rgb8"}, "allowed is one of mono8, bgr8"),
             ({"source": good, "camera_name": "my/camera"}, "letters, digits and _"),
             ({"source": good, "camera_info_url": self.path("x.yaml", "text")}, "is not a calibration file"),
             ({"source": 0, "preload": True}, "preload is for files"),
