@@ -34,7 +34,7 @@ struct Outer {
   }
 };
 
-std::string refusal(const std::function<void(Outer&)>& change) {
+std::string refusalOf(const std::function<void(Outer&)>& change) {
   Outer params;
   change(params);
   try {
@@ -46,25 +46,25 @@ std::string refusal(const std::function<void(Outer&)>& change) {
 }
 
 TEST(Params, AllowedValuesAreAccepted) {
-  EXPECT_EQ(refusal([](Outer&) {}), "accepted");
+  EXPECT_EQ(refusalOf([](Outer&) {}), "accepted");
 }
 
 TEST(Params, WhatIsRefusedIsNamed) {
-  EXPECT_EQ(refusal([](Outer& p) { p.inner.low = 11; }), "inner_low is 11, allowed is [0, 10] m");
-  EXPECT_EQ(refusal([](Outer& p) { p.inner.low = 3; }), "inner_high is 2, allowed is [3, 10] m");
-  EXPECT_EQ(refusal([](Outer& p) { p.mode = "slow"; }), "mode is 'slow', allowed is one of fast, exact");
-  EXPECT_EQ(refusal([](Outer& p) {
+  EXPECT_EQ(refusalOf([](Outer& p) { p.inner.low = 11; }), "inner_low is 11, allowed is [0, 10] m");
+  EXPECT_EQ(refusalOf([](Outer& p) { p.inner.low = 3; }), "inner_high is 2, allowed is [3, 10] m");
+  EXPECT_EQ(refusalOf([](Outer& p) { p.mode = "slow"; }), "mode is 'slow', allowed is one of fast, exact");
+  EXPECT_EQ(refusalOf([](Outer& p) {
               p.sizes = {{3, 0.5}, {7, 2.0}};
             }),
             "sizes: that of 7 is 2, allowed is (0, 1] m");
-  EXPECT_EQ(refusal([](Outer& p) { p.position[2] = 2; }), "position is 2, allowed is [-1, 1] m");
+  EXPECT_EQ(refusalOf([](Outer& p) { p.position[2] = 2; }), "position is 2, allowed is [-1, 1] m");
 }
 
 TEST(Params, TopicsHaveNamesOfTheirOwn) {
   for (const std::string wrong : {"", "front markers", "7up", "a-b"})
-    EXPECT_EQ(refusal([&](Outer& p) { p.cameras = {wrong}; }).find("cameras: '" + wrong + "' is no topic"),
+    EXPECT_EQ(refusalOf([&](Outer& p) { p.cameras = {wrong}; }).find("cameras: '" + wrong + "' is no topic"),
               0u);
-  EXPECT_EQ(refusal([](Outer& p) { p.cameras = {"a", "a"}; }), "cameras: 'a' is there twice");
+  EXPECT_EQ(refusalOf([](Outer& p) { p.cameras = {"a", "a"}; }), "cameras: 'a' is there twice");
 }
 
 TEST(Params, DescribeThemselves) {
