@@ -13,6 +13,7 @@ from typing import Iterator, List, NamedTuple, Optional
 from xml.etree import ElementTree
 
 import numpy as np
+import yaml
 from scipy.stats import chi2
 from tables import Row, Table, Value
 
@@ -65,8 +66,8 @@ def kidnap_tables(quick: bool) -> List[Table]:
 
 def demo_world(seed: int) -> LandmarkWorld:
     """As the demo has it by default."""
-    texts = {each.get("name"): each.get("default") for each in ElementTree.parse(str(DEMO)).iter("arg")}
-    values = {name: type(getattr(LandmarkWorldParams, name))(texts[name]) for name in SET}
+    written = yaml.safe_load(next(ElementTree.parse(str(DEMO)).iter("rosparam")).text)
+    values = {name: written[name] for name in SET if name in written}
     return LandmarkWorld(LandmarkWorldParams(seed=seed, **values))
 
 

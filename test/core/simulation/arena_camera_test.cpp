@@ -162,8 +162,8 @@ TEST(ArenaCamera, RefusesWhatCannotBe) {
   };
   EXPECT_EQ(refused([](auto& p) { p.supersampling = 0; }), "supersampling is 0, allowed is [1, 8]");
   EXPECT_EQ(refused([](auto& p) { p.blur_sigma = 21; }), "blur_sigma is 21, allowed is [0, 20] px");
-  EXPECT_EQ(refused([](auto& p) { p.noise_sigma = -1; }), "noise_sigma is -1, allowed is [0, 100]");
-  EXPECT_EQ(refused([](auto& p) { p.white_level = 0; }), "white_level is 0, allowed is (0, 1000]");
+  EXPECT_EQ(refused([](auto& p) { p.noise_sigma = -1; }), "noise_sigma is -1, allowed is [0, 100] levels");
+  EXPECT_EQ(refused([](auto& p) { p.white_level = 0; }), "white_level is 0, allowed is (0, 1000] levels");
   EXPECT_EQ(refused([](auto& p) { p.gamma = 5; }), "gamma is 5, allowed is [0.5, 4]");
   EXPECT_NE(refused([](auto& p) { p.seed = -1; }).find("seed is -1"), std::string::npos);
 }

@@ -108,7 +108,7 @@ def test_nested_parameters_are_flat_with_their_prefixes():
         ({"left_near": 6.0}, "/robot/left_near: must be less than left_far, is 6.0"),
         ({"near": 6.0}, "/robot/near: must be less than far, is 6.0"),
         ({"left_far": 11.0}, "/robot/left_far: must be within [0.0, 10.0], is 11.0"),
-        ({"left_glass": "x"}, "/robot/left_glass: unknown parameter; did you mean glass?"),
+        ({"left_glass": "x"}, "/robot/left_glass: unknown parameter; did you mean left_far?"),
     ],
 )
 def test_nested_parameters_are_refused_by_their_flat_names(values, message):

@@ -6,7 +6,8 @@ import cv2
 import numpy as np
 import pytest
 
-from sextant.base.plot_colours import COLOURS, plot_drive
+from sextant.base.plot_colours import COLOURS
+from sextant.evaluation.drive_plot import plot_drive
 
 
 def at(x, y):

@@ -13,8 +13,9 @@ import sextant
 sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "benchmark"))
 
 import real_data  # noqa: E402
-import recorded_drives  # noqa: E402
 from under_test import locator  # noqa: E402
+
+from markers import recorded_drives  # noqa: E402
 
 FOLDER = real_data.EXTERNAL / "markers"
 pytestmark = pytest.mark.skipif(

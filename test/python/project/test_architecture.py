@@ -182,8 +182,9 @@ def test_room_includes_only_what_its_walls_let_through(room):
 
 
 def folders_of(*places):
-    found = (path for place in places for path in (ROOT / place).iterdir())
-    return {path.name for path in found if path.is_dir() and path.name != "__pycache__"}
+    """Names of the folders in these that have a source in them."""
+    found = (path for place in places for path in (ROOT / place).iterdir() if path.is_dir())
+    return {path.name for path in found if files(path.relative_to(ROOT), suffixes=(".cpp", ".hpp", ".py"))}
 
 
 def test_every_folder_is_a_room_with_walls():

@@ -173,7 +173,7 @@ class StartUpTest(unittest.TestCase):
         mistakes = (
             ("no_such_parameter", "1", "unknown"),
             ("noise_sigma", "loud", "must be"),
-            ("width", "-5", "allowed"),
+            ("width", "-5", "must be within [16, 8192]"),
             ("motion", "fly", "must be one of"),
             ("map_file", "/no/such/map.yaml", "/no/such/map.yaml"),
             ("family", "tag99h99", "tag99h99"),
