@@ -55,7 +55,7 @@ Points rays(const CameraModel& camera, const Eigen::Ref<const Pixels>& pixels) {
   return all;
 }
 
-void bindCamera(py::module_& module) {
+void bindCalibration(py::module_& module) {
   py::class_<CameraCalibration>(module, "CameraCalibration",
                                 "The fields and conventions of sensor_msgs/CameraInfo.")
       .def(py::init<>())
@@ -80,6 +80,9 @@ void bindCamera(py::module_& module) {
                                      state[5].cast<Eigen::Matrix3d>(),
                                      state[6].cast<Eigen::Matrix<double, 3, 4>>()};
           }));
+}
+
+void bindCamera(py::module_& module) {
   py::class_<CameraModel>(module, "CameraModel",
                           "Projection of a calibrated camera, optical frame to pixels.")
       .def(py::init([](const CameraCalibration& calibration, bool rectified) {
@@ -107,5 +110,6 @@ void bindCamera(py::module_& module) {
 PYBIND11_MODULE(geometry, module) {
   module.doc() = "Poses and cameras.";
   sextant::bindPose(module);
+  sextant::bindCalibration(module);
   sextant::bindCamera(module);
 }
