@@ -67,6 +67,7 @@ class ChainTest(PoseTest):
         super().setUp()
         self.markers = Recorder("markers", MarkerArray)
         self.addCleanup(self.markers.close)
+        self.assertTrue(self.markers.connected())
         self.assertTrue(until(lambda: self.images.get_num_connections() > 0))
         self.assertTrue(until(lambda: self.infos.get_num_connections() > 0))
 

@@ -70,6 +70,7 @@ def recorded(drives, tmp_path):
     return tmp_path / "a.bag"
 
 
+@pytest.mark.slow
 def test_what_two_cameras_saw_from_where_they_sit(recorded, drives, seen):
     drive = read_drive(recorded)
     assert drive.name == str(recorded) and drive.warnings == ()
@@ -268,6 +269,7 @@ def test_damage_of_single_images_is_told(tmp_path):
     assert sorted(lost) == [f"/cam/image_raw: 1 of 9 messages were left out: {reason}" for reason in reasons]
 
 
+@pytest.mark.slow
 def test_other_processes_read_the_same(drives, seen, tmp_path):
     drive, frames = drives[0]
     for name in ("a.bag", "b.bag"):

@@ -231,6 +231,7 @@ def test_markers_whose_calibration_changes(tmp_path):
     assert refusal(path, markers=["/others"]).startswith("/others is of raw and of rectified images")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "changes, said",
     [

@@ -26,6 +26,7 @@ def assert_won(played):
     assert played.front == pytest.approx(0.2, abs=0.05)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("task, seed", [(2, 0), (2, 1), (2, 5), (3, 2), (3, 4)])
 def test_drawn_worlds_are_won(task, seed):
     played = play(drawn_world(task, seed), seed=seed)
@@ -45,6 +46,7 @@ def test_with_the_truth_one_kick_does():
     assert abs(bearings[0]) < 0.1  # it hits the ball with its front
 
 
+@pytest.mark.slow
 def test_a_kick_that_falls_short_is_followed_by_a_harder_one():
     """It takes the floor for smoother than it is: v^2 = 2 a s with an a of a third."""
     params = BallTaskParams(kick=KickParams(ball_deceleration=0.12))
@@ -73,6 +75,7 @@ def test_a_ball_that_comes_to_lie_on_the_line_is_kicked_across_it():
     assert played.action.kicks == 2
 
 
+@pytest.mark.slow
 def test_a_ball_that_somebody_puts_elsewhere_is_found_there():
     moved = []
 
@@ -85,6 +88,7 @@ def test_a_ball_that_somebody_puts_elsewhere_is_found_there():
     assert moved
 
 
+@pytest.mark.slow
 def test_a_ball_that_rolls_aside_during_the_run_up_is_kicked_again():
     def meddle(ground, action):
         if (
@@ -100,6 +104,7 @@ def test_a_ball_that_rolls_aside_during_the_run_up_is_kicked_again():
     assert played.action.kicks == 2
 
 
+@pytest.mark.slow
 def test_a_ball_that_is_kicked_past_the_goal_is_brought_back():
     """A post that moves the ball's way: it comes to lie behind the line, beside the goal."""
 
@@ -112,6 +117,7 @@ def test_a_ball_that_is_kicked_past_the_goal_is_brought_back():
     assert played.action.kicks >= 2
 
 
+@pytest.mark.slow
 def test_something_that_stands_where_it_would_stop_is_gone_around():
     """It comes there when the ball is through, and the robot has not seen it before."""
     post = Pillar(-0.6, 0.0, 0.05, "red_pillar")

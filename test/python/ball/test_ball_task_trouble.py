@@ -25,16 +25,19 @@ def failed(played):
     return played.action.reason
 
 
+@pytest.mark.slow
 def test_no_ball():
     reason = failed(play(world_of()._replace(ball=None), FEW))
     assert reason.startswith("no ball was found from")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("posts", [[], POSTS[:1], [POSTS[0], Pillar(-1.0, -0.1, 0.05, "blue_pillar")]])
 def test_no_goal(posts):
     assert failed(play(world_of(posts=posts), FEW)).startswith("no goal was found from")
 
 
+@pytest.mark.slow
 def test_a_ball_that_nobody_can_come_behind():
     ring = [
         Pillar(0.3 * np.cos(a), 0.1 + 0.3 * np.sin(a), 0.05, "red_pillar") for a in np.arange(0.0, 6.2, 0.698)
@@ -45,6 +48,7 @@ def test_a_ball_that_nobody_can_come_behind():
     assert played.pillar_touches == 0
 
 
+@pytest.mark.slow
 def test_somebody_who_goes_out_of_the_way_is_no_end():
     """The ring is taken away while it looks around."""
     ring = [
@@ -65,6 +69,7 @@ def test_somebody_who_goes_out_of_the_way_is_no_end():
     assert "blocked" in states and "failed" not in states
 
 
+@pytest.mark.slow
 def test_a_ball_that_is_taken_away():
     def meddle(ground, action):
         if action.state == "approaching":
@@ -94,6 +99,7 @@ def test_a_bumper_that_is_pressed():
     assert np.linalg.norm(back[0] - back[-1]) == pytest.approx(0.25, abs=0.08)
 
 
+@pytest.mark.slow
 def test_a_pillar_that_is_never_seen_is_bumped_into_and_gone_around():
     world = world_of(ball=(0.0, 0.1), robot=(1.6, 0.1, 3.1))
     ground = BallGround(world.size, world.pillars, world.ball, world.robot)

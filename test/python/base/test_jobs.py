@@ -63,6 +63,7 @@ def bits(results):
     return [[np.asarray(value).tobytes() for value in each] for each in results]
 
 
+@pytest.mark.slow
 def test_results_are_the_same_in_one_process_and_in_two():
     job = partial(numbers, count=2000)
     here = list(run_jobs(job, range(4)))
@@ -70,6 +71,7 @@ def test_results_are_the_same_in_one_process_and_in_two():
     assert all(each[3] == 1 for each in here)
 
 
+@pytest.mark.slow
 def test_results_come_in_order_from_other_processes():
     threads = cv2.getNumThreads()
     results = list(run_jobs(late_if_even, range(4), jobs=2))
@@ -82,6 +84,7 @@ def test_results_come_in_order_from_other_processes():
 BEFORE = set(os.environ)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("jobs", [1, 2])
 def test_errors(jobs):
     names = [f"{number}.bag" for number in range(4)]
@@ -96,6 +99,7 @@ def test_errors(jobs):
     assert str(pickle.loads(pickle.dumps(results[3]))) == str(results[3])
 
 
+@pytest.mark.slow
 def test_a_process_that_dies_and_a_result_that_cannot_be_sent():
     with pytest.raises(JobError, match="first: a worker process died; is there memory"):
         list(run_jobs(dies, [1], jobs=2, names=["first"]))
@@ -103,6 +107,7 @@ def test_a_process_that_dies_and_a_result_that_cannot_be_sent():
         list(run_jobs(returns_what_cannot_be_sent, [1], jobs=2, names=["first"]))
 
 
+@pytest.mark.slow
 def test_who_stops_listening_ends_the_jobs():
     start = time.monotonic()
     results = run_jobs(sleeps, [0.0, 60.0, 60.0], jobs=2)
@@ -111,6 +116,7 @@ def test_who_stops_listening_ends_the_jobs():
     assert time.monotonic() - start < 20.0
 
 
+@pytest.mark.slow
 def test_ctrl_c_ends_all_processes_without_a_word_of_theirs():
     with two_workers() as process:
         os.killpg(process.pid, signal.SIGINT)
@@ -120,6 +126,7 @@ def test_ctrl_c_ends_all_processes_without_a_word_of_theirs():
         wait_for(lambda: not session(process.pid), 10.0)
 
 
+@pytest.mark.slow
 def test_workers_end_with_a_process_that_is_killed():
     with two_workers() as process:
         process.kill()
@@ -241,6 +248,7 @@ def local_cluster(workers):
     return LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=":0", host="127.0.0.1")
 
 
+@pytest.mark.slow
 @needs_distributed
 def test_a_cluster_gives_the_same_to_the_last_bit(cluster):
     scheduler = cluster.scheduler_address
@@ -254,6 +262,7 @@ def test_a_cluster_gives_the_same_to_the_last_bit(cluster):
     assert first == second and os.getpid() not in first.values()
 
 
+@pytest.mark.slow
 @needs_distributed
 def test_a_cluster_without_workers(monkeypatch):
     monkeypatch.setattr("sextant.base.jobs.PATIENCE", 1.0)

@@ -30,6 +30,7 @@ def ran(tmp_path_factory):
     return done, folder
 
 
+@pytest.mark.slow
 def test_every_topic_is_measured(ran):
     done, folder = ran
     assert done.returncode == 0, done.stderr

@@ -25,6 +25,7 @@ def run(*arguments):
     return subprocess.run(command, capture_output=True, text=True, timeout=300)
 
 
+@pytest.mark.slow
 def test_quick_run_of_a_simulated_drive(tmp_path):
     done = run("--quick", "--only", "simulated", "--json", tmp_path / "figures.json", "--plots", tmp_path)
     assert done.returncode == 0, done.stderr
@@ -38,18 +39,21 @@ def test_quick_run_of_a_simulated_drive(tmp_path):
     assert (tmp_path / "simulated.png").read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.slow
 def test_json_alone_is_on_standard_output():
     done = run("--quick", "--only", "simulated", "--json", "-")
     assert json.loads(done.stdout)["holds"]
     assert "joint, seed 1" in done.stderr
 
 
+@pytest.mark.slow
 def test_absent_data_is_said_and_is_no_success(tmp_path):
     done = run("--only", "photos", "--data", tmp_path)
     assert done.returncode == 2
     assert str(tmp_path) in done.stderr and "Traceback" not in done.stderr
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "options, reason",
     [
@@ -98,17 +102,20 @@ def run_trust(topic, folder):
     return json.loads(done.stdout)["topics"][topic]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("topic, column", [("consistency", "published"), ("head_on", "published")])
 def test_quick_run_of_trust_publishes(topic, column, tmp_path):
     for table in run_trust(topic, tmp_path):
         assert min(row[column]["value"] for row in table["rows"]) >= 0.5
 
 
+@pytest.mark.slow
 def test_quick_run_of_a_wrong_map_entry_leaves_it_out(tmp_path):
     for table in run_trust("moved_marker", tmp_path):
         assert all(row["left out, %"]["value"] > 0 for row in table["rows"][1:])
 
 
+@pytest.mark.slow
 def test_quick_run_of_the_searches_finds_the_same_markers(tmp_path):
     for table in run_trust("speed", tmp_path):
         plain, full, tracking = table["rows"]
@@ -126,6 +133,7 @@ def test_images_that_are_lost_leave_the_others_their_numbers(lost):
     assert found and all(number == pose for number, pose in found.items()) and set(found) == seen
 
 
+@pytest.mark.slow
 def test_quick_run_of_the_chain(tmp_path):
     tables = run_trust("chain", tmp_path)
     sizes = [table for table in tables if table["title"].startswith("Chain")]
@@ -136,6 +144,7 @@ def test_quick_run_of_the_chain(tmp_path):
     assert "localization: localization" in stages
 
 
+@pytest.mark.slow
 def test_quick_run_of_the_maps(tmp_path):
     command = [sys.executable, str(BENCHMARK / "marker_maps.py"), "--quick"]
     command += ["--only", "simulated,taped,series,bags"]
@@ -160,12 +169,14 @@ def run_places(topic, folder):
     return json.loads(done.stdout)["topics"][topic]
 
 
+@pytest.mark.slow
 def test_quick_run_of_the_seasons(tmp_path):
     (table,) = run_places("seasons", tmp_path)
     rows = {row["name"]: row for row in table["rows"]}
     assert rows["summer -> autumn, filter"]["recall@1"]["value"] > 0.8
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not (EXTERNAL / "places").is_dir(), reason="external test data")
 def test_quick_run_of_recall(tmp_path):
     corridor, nowhere, lund = run_places("recall", tmp_path)
@@ -176,6 +187,7 @@ def test_quick_run_of_recall(tmp_path):
         assert (tmp_path / f"{name}.png").read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not (EXTERNAL / "places").is_dir(), reason="external test data")
 def test_quick_run_of_the_calibration(tmp_path):
     probabilities, weights = run_places("calibration", tmp_path)
@@ -184,6 +196,7 @@ def test_quick_run_of_the_calibration(tmp_path):
     assert fitted["score"]["value"] > 0 < shipped["score"]["value"]
 
 
+@pytest.mark.slow
 def test_quick_run_of_speed_and_size(tmp_path):
     (speed,) = run_places("speed", tmp_path)
     votes, ours = speed["rows"]
@@ -203,6 +216,7 @@ def run_landmarks(topic, folder):
     return json.loads(done.stdout)["topics"][topic]
 
 
+@pytest.mark.slow
 def test_quick_run_of_the_accuracy_of_landmarks(tmp_path):
     (table,) = run_landmarks("accuracy", tmp_path)
     for row in table["rows"]:
@@ -210,11 +224,13 @@ def test_quick_run_of_the_accuracy_of_landmarks(tmp_path):
     assert (tmp_path / "accuracy.png").read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.slow
 def test_quick_run_of_the_association_of_landmarks(tmp_path):
     (table,) = run_landmarks("association", tmp_path)
     assert all(row["wrong associations"]["value"] == 0 for row in table["rows"])
 
 
+@pytest.mark.slow
 def test_quick_run_of_the_cost_of_landmarks(tmp_path):
     cost, same = run_landmarks("cost", tmp_path)
     assert cost["rows"][-1]["of the textbook's"]["value"] < 1
@@ -222,6 +238,7 @@ def test_quick_run_of_the_cost_of_landmarks(tmp_path):
         assert max(row[column]["value"] for column in row if column != "name") < 1e3  # 1e-9
 
 
+@pytest.mark.slow
 def test_quick_run_of_late_sightings(tmp_path):
     late, clock = run_landmarks("delay", tmp_path)
     at_stamp, at_arrival = (row["of no delay"]["value"] for row in late["rows"][1:])
@@ -229,6 +246,7 @@ def test_quick_run_of_late_sightings(tmp_path):
     assert all(30 < row["offset, ms"]["value"] < 70 for row in clock["rows"][1:])
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not (EXTERNAL / "landmarks").is_dir(), reason="external test data")
 def test_quick_run_of_victoria_park(tmp_path):
     optimum, known, unknown = run_landmarks("victoria_park", tmp_path)
@@ -238,12 +256,14 @@ def test_quick_run_of_victoria_park(tmp_path):
     assert (tmp_path / "victoria_park.png").read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.slow
 def test_quick_run_of_odometry_and_markers(tmp_path):
     (table,) = run_landmarks("fusion", tmp_path)
     for row in table["rows"]:
         assert row["off after the first marker, m"]["value"] < row["off before, m"]["value"]
 
 
+@pytest.mark.slow
 def test_quick_run_of_carried_robots(tmp_path):
     (table,) = run_landmarks("kidnap", tmp_path)
     for row in table["rows"]:

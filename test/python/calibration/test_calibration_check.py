@@ -106,6 +106,7 @@ def judge(truth, calibration, count=10, **settings):
     return Counter(each.state for each in checks), checks
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "truth, count", [(USUAL, 20), (WIDE, 20), (FISHEYE, 10)], ids=["usual", "wide", "fisheye"]
 )
@@ -118,6 +119,7 @@ def test_a_right_calibration_passes(truth, count):
     assert all(each.reasons == ["the calibration is still good"] for each in checks if each.state == GOOD)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "truth, change, words, count",
     [
@@ -136,12 +138,14 @@ def test_a_wrong_calibration_is_found(truth, change, words, count):
     assert len(found) >= 0.9 * count
 
 
+@pytest.mark.slow
 def test_tells_by_how_much():
     _, checks = judge(USUAL, changed(USUAL, focal=1.05, shift=(20.0, -12.0)), count=6)
     errors = np.mean([[one.error for one in each.deviations] for each in checks], axis=0)
     np.testing.assert_allclose(errors, [5.0, 20.0, -12.0, 0.0], atol=0.6)
 
 
+@pytest.mark.slow
 def test_a_board_tells_the_distortion_by_itself():
     """Its markers must fit one pose: no distance was measured."""
     photos = [replace(each, distance=None) for each in board_photos(WIDE)]

@@ -39,6 +39,7 @@ def rmse_of(out):
     return [float(each) for each in re.findall(r"ATE, m +RMSE ([\d.]+)", out)]
 
 
+@pytest.mark.slow
 def test_a_drive_against_its_truth(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     Path("truth.tum").write_text("\n".join(write_drive(tmp_path / "drive.bag", 0.0, 1)))
@@ -53,6 +54,7 @@ def test_a_drive_against_its_truth(tmp_path, monkeypatch, capsys):
     assert Path("file.csv").read_text() == Path("frame.csv").read_text()
 
 
+@pytest.mark.slow
 def test_several_drives_of_one_name_and_time(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     for folder, bias in (("a", 0.0), ("b", 0.3)):
@@ -68,6 +70,7 @@ def test_several_drives_of_one_name_and_time(tmp_path, monkeypatch, capsys):
     assert "run.bag: is named twice" in refused(capsys, *arguments, "./a/run.bag", "-o", "other")
 
 
+@pytest.mark.slow
 def test_a_drive_that_cannot_be_compared_is_refused_or_skipped(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     write_drive(tmp_path / "good.bag", 0.0, 1)

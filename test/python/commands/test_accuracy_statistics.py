@@ -47,6 +47,7 @@ def series(recorded, tmp_path, monkeypatch):
     return str(shutil.copytree(recorded, tmp_path / "series"))
 
 
+@pytest.mark.slow
 def test_what_is_published_is_what_is_measured(series, capsys):
     code, out, _ = called(capsys, series, "--size", SIZE)
     assert code == 0 and sorted(set(os.listdir()) - {"series"}) == FILES
@@ -66,6 +67,7 @@ def test_what_is_published_is_what_is_measured(series, capsys):
     assert book["2 m"].max_row > 600
 
 
+@pytest.mark.slow
 def test_two_processes_say_the_same(series, capsys):
     one = called(capsys, series, "-o", "run_1")[1].replace("run_1", "")
     two = called(capsys, series, "-o", "run_2", "--jobs", "2")[1].replace("run_2", "")
@@ -76,6 +78,7 @@ def test_two_processes_say_the_same(series, capsys):
         assert list(sheets[0].values) == list(sheets[1].values)
 
 
+@pytest.mark.slow
 def test_the_executable_with_two_processes(series):
     command = [sys.executable, str(ROOT / "scripts/accuracy_statistics"), series, "--jobs", "2"]
     done = subprocess.run(command, capture_output=True, text=True, timeout=120)
@@ -83,6 +86,7 @@ def test_the_executable_with_two_processes(series):
     assert sorted(set(os.listdir()) - {"series"}) == FILES
 
 
+@pytest.mark.slow
 def test_files_that_are_there_stay(series, capsys):
     Path("accuracy_spread.png").write_text("mine")
     assert "accuracy_spread.png: is there already; --force overwrites it" in refused(capsys, series)
@@ -90,6 +94,7 @@ def test_files_that_are_there_stay(series, capsys):
     assert Path("accuracy_spread.png").read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("what", ["no images", "no number", "cut off", "no bag"])
 def test_what_cannot_be_read_is_named_and_refused_or_skipped(series, capsys, what):
     if what == "no images":
@@ -114,6 +119,7 @@ def test_what_cannot_be_read_is_named_and_refused_or_skipped(series, capsys, wha
     assert f"{COUNT} " in out and sorted(set(os.listdir()) - {"series"}) == FILES
 
 
+@pytest.mark.slow
 def test_a_distance_from_which_nothing_was_seen_is_in_the_workbook(series, capsys):
     write_series(Path(series) / "7/a.bag", [])
     with WrittenBag(f"{series}/7/a.bag") as bag:
@@ -124,6 +130,7 @@ def test_a_distance_from_which_nothing_was_seen_is_in_the_workbook(series, capsy
     assert "7 m" in openpyxl.load_workbook("accuracy.xlsx").sheetnames
 
 
+@pytest.mark.slow
 def test_other_truths(series, capsys):
     code, out, _ = called(capsys, series, "--true", "x=0.01", "y=unknown")
     assert code == 0
@@ -156,6 +163,7 @@ def test_options_that_cannot_be(series, capsys, arguments, reason):
     assert reason in refused(capsys, series, *arguments)
 
 
+@pytest.mark.slow
 def test_several_markers_need_a_name(series, capsys):
     Path(f"{series}/2/b.bag").unlink()
     with WrittenBag(f"{series}/2/b.bag") as bag:
@@ -166,6 +174,7 @@ def test_several_markers_need_a_name(series, capsys):
     assert called(capsys, series, "--marker", ID)[0] == 0
 
 
+@pytest.mark.slow
 def test_the_family_tells_which_of_two_of_one_id(series, capsys):
     Path(f"{series}/2/b.bag").unlink()
     with WrittenBag(f"{series}/2/b.bag") as bag:
@@ -178,6 +187,7 @@ def test_the_family_tells_which_of_two_of_one_id(series, capsys):
     assert code == 0 and counts == [("0.757", "0"), ("2", str(COUNT)), ("2.5", "0")]
 
 
+@pytest.mark.slow
 def test_too_few_images_for_the_noise(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     write_series(tmp_path / "series/1/a.bag", noisy_corners(facing(1.0), 10, SIGMA, 1))
@@ -198,6 +208,7 @@ def test_poses_in_two_frames_are_not_mixed(tmp_path, monkeypatch, capsys):
     assert "not all in one frame: 'map' in 1/map.bag, 'odom' in 1/odom.bag" in said
 
 
+@pytest.mark.slow
 def test_poses_that_the_robot_published(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "series/1.5").mkdir(parents=True)
@@ -226,6 +237,7 @@ def test_poses_that_the_robot_published(tmp_path, monkeypatch, capsys):
     assert Path("accuracy.yaml").read_text() == "corner_sigma: 0.2"
 
 
+@pytest.mark.slow
 def test_images_of_a_camera_on_a_robot(tmp_path, monkeypatch, capsys):
     """tf and odometry of a robot change nothing: the poses are the camera's."""
     monkeypatch.chdir(tmp_path)

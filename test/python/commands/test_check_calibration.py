@@ -87,6 +87,7 @@ def inside(photos, monkeypatch):
     monkeypatch.chdir(photos)
 
 
+@pytest.mark.slow
 def test_a_good_calibration(capsys):
     assert main(["right.yaml", *MARKER, "0.7", "1.2", "2.4"]) == 0
     lines = capsys.readouterr().out.splitlines()
@@ -96,6 +97,7 @@ def test_a_good_calibration(capsys):
     np.testing.assert_allclose([float(row[2]) for row in told], [0.7, 1.2, 2.4], rtol=0.005)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name, words", [("long.yaml", "% too long"), ("shifted.yaml", "the principal point x is off by +1")]
 )
@@ -193,6 +195,7 @@ def test_small_numbers_as_camera_info_manager_writes_them(tmp_path):
     assert read_calibration(tmp_path / "file.yaml").D[0] == -5e-5
 
 
+@pytest.mark.slow
 def test_executable_ends_with_the_exit_code():
     command = [sys.executable, str(ROOT / "scripts/check_calibration"), "right.yaml", *MARKER, "1.2"]
     done = subprocess.run(command, stdout=subprocess.PIPE, timeout=60)

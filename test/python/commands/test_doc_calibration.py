@@ -66,6 +66,7 @@ def checks():
     return [arguments for name, arguments in COMMANDS if name == "check_calibration"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("arguments, code", zip(checks(), [1, 1, 2]))
 def test_checks_work(photos, monkeypatch, capsys, arguments, code):  # noqa: F811
     """Of a focal length that is 2 % too long; the last one has two photos that tell too little."""

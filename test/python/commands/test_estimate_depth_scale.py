@@ -13,6 +13,7 @@ from sextant.commands.estimate_depth_scale import main
 ROOT = Path(__file__).resolve().parents[3]
 
 
+@pytest.mark.slow
 def test_a_file_gives_a_scale_and_a_table(tmp_path):
     path = tmp_path / "depths.csv"
     path.write_text("told,true\n0.4808,0.5\n0.9615,1.0\n1.9231,2.0\n")

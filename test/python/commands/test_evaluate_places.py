@@ -52,6 +52,7 @@ def told(capsys, *arguments):
     return capsys.readouterr().out.splitlines()
 
 
+@pytest.mark.slow
 def test_photos_of_another_map(in_park, tmp_path, capsys):
     lines = told(
         capsys, "park.txt", "--queries", "autumn.txt", "--mode", "single", "--tolerance", "1",
@@ -81,12 +82,14 @@ def test_a_table_of_right_photos(in_park, capsys):
     assert not any(line.startswith("position") for line in lines)
 
 
+@pytest.mark.slow
 def test_photos_that_are_left_out(in_park, capsys):
     lines = told(capsys, "park.txt", "--leave-one-out", "--tolerance", "5")
     assert lines[0] == "park.txt, mode single: 6 queries, 6 of them nowhere in the map"
     assert lines[1].startswith("recall @1 -, @5 -, @10 -; area under precision-recall -")
 
 
+@pytest.mark.slow
 def test_votes_of_plain_features(in_park, capsys):
     arguments = ["--mode", "votes", "--profile", "plain", "--matcher", "FlannBased"]
     lines = told(capsys, "park.txt", "--queries", "autumn.txt", *arguments)
@@ -96,6 +99,7 @@ def test_votes_of_plain_features(in_park, capsys):
 GREY = ["--network", "net.onnx", "--network-channels", "grey", "--network-mean", "0.5", "--network-std", "1"]
 
 
+@pytest.mark.slow
 def test_a_network_takes_part_as_much_as_it_is_weighted(in_park, tmp_path, capsys):
     """Out of focus, where keypoints say little."""
     lines = ["query,right_refs"]
@@ -113,6 +117,7 @@ def test_a_network_takes_part_as_much_as_it_is_weighted(in_park, tmp_path, capsy
     assert recalls[0] < 0.9 and recalls[1] == 1.0
 
 
+@pytest.mark.slow
 def test_orb_of_four_points_has_a_matcher_of_its_own(in_park, capsys):
     orb = ["--detector", "ORB", "--extractor", "ORB", "--orb-wta-k", "4", "--matcher"]
     assert told(capsys, "park.txt", "--queries", "autumn.txt", *orb, "BruteForce-Hamming(2)")
@@ -150,6 +155,7 @@ REFUSED = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", REFUSED)
 def test_what_cannot_be_is_refused_in_one_line(case, in_park, capsys):
     arguments, reason = REFUSED[case]
@@ -161,6 +167,7 @@ def test_what_cannot_be_is_refused_in_one_line(case, in_park, capsys):
     assert (in_park / "there.json").read_text() == "{}"
 
 
+@pytest.mark.slow
 def test_the_executable(park):
     command = [sys.executable, str(ROOT / "scripts/evaluate_places"), "park.txt", "--queries", "autumn.txt"]
     done = subprocess.run(command, cwd=park, capture_output=True, text=True, timeout=60)

@@ -66,6 +66,7 @@ def test_what_is_refused(capsys, line, reason):
     assert [path.read_text() for path in Path().iterdir()] == ["mine"]
 
 
+@pytest.mark.slow
 def test_executable_ends_with_the_exit_code():
     command = [sys.executable, str(ROOT / "scripts/make_chessboard")]
     codes = [subprocess.run(command, stderr=subprocess.PIPE, timeout=60).returncode for _ in range(2)]

@@ -185,6 +185,7 @@ def test_a_folder_that_cannot_be_written_to(capsys):
     assert "/proc/markers.pdf: cannot be written: " in reason
 
 
+@pytest.mark.slow
 def test_executable_ends_with_the_exit_code():
     def execute(*arguments):
         command = [sys.executable, str(ROOT / "scripts/make_markers"), *arguments]

@@ -79,6 +79,7 @@ def test_what_cannot_be_is_refused_in_one_line_and_nothing_is_written(case, fold
     assert reason in refused(capsys, folder, *arguments)
 
 
+@pytest.mark.slow
 def test_the_executable_and_its_help(tmp_path):
     command = [sys.executable, str(ROOT / "scripts/make_place_map")]
     done = subprocess.run([*command, "--help"], capture_output=True, text=True, timeout=60)

@@ -76,6 +76,7 @@ def test_the_picture_has_the_classes_in_their_colours(drive):
         assert np.all(np.abs(picture.astype(int) - colour) <= 1, axis=2).sum() > 100
 
 
+@pytest.mark.slow
 def test_the_figures_are_those_of_the_timeline_bit_for_bit(tmp_path):
     bag, params = written(tmp_path), sextant.LandmarkTimelineParams()
     slam = sextant.LandmarkSlam(sextant.LandmarkSlamParams(), [0, 0, 0], 0.001**2 * np.eye(3))
@@ -109,6 +110,7 @@ def labelled(message):
     return sextant.LabelledSighting(sextant.LandmarkLabel(message.class_name), sighting)
 
 
+@pytest.mark.slow
 def test_what_comes_late_twice_or_out_of_order_changes_nothing(tmp_path, capsys):
     def disorder(sets):
         """Every third set before the one that it followed, every fifth twice."""
@@ -144,6 +146,7 @@ def test_what_comes_too_late_is_told(tmp_path, capsys):
     assert "too late" not in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_a_sensor_beside_the_base(tmp_path, capsys):
     """As its tf says, or --mounts."""
     mount = np.array([0.2, -0.1, 0.5])
@@ -183,6 +186,7 @@ def test_a_second_drive_goes_on_with_the_map(drive, tmp_path, capsys):
     assert "was recorded while" in refused(capsys, first, first, "-o", tmp_path / "n.yaml")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("factor, told", [(0.15, "too small. Raise"), (6.0, "too large. Lower")])
 def test_wrong_noise_is_told(tmp_path, capsys, factor, told):
     def with_noise(sets):

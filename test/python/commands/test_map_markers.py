@@ -70,6 +70,7 @@ def errors(path):
     return np.array([np.linalg.norm(truth[m.id][:3, 3] - m.T_map_marker[:3, 3]) for m in made])
 
 
+@pytest.mark.slow
 def test_one_known_marker_and_two_bags_make_the_rooms_map(bags, room, tmp_path, capsys):
     out = tmp_path / "map.yaml"
     assert main([*bags, "-o", str(out), "--known", room([0]), "--jobs", "2"]) == 0
@@ -87,6 +88,7 @@ def test_one_known_marker_and_two_bags_make_the_rooms_map(bags, room, tmp_path, 
     assert "first.bag" in report and "second.bag" in report
 
 
+@pytest.mark.slow
 def test_without_a_known_marker_the_first_is_the_origin(bags, tmp_path):
     out = tmp_path / "map.yaml"
     assert main([*bags, "-o", str(out), "--frame", "hall"]) == 0
@@ -98,6 +100,7 @@ def test_without_a_known_marker_the_first_is_the_origin(bags, tmp_path):
     assert np.linalg.norm(made.find("tag36h11", 5).T_map_marker[:3, 3]) == pytest.approx(expected, abs=0.1)
 
 
+@pytest.mark.slow
 def test_a_taped_map_gets_better_and_its_wrong_entry_is_named(bags, room, tmp_path, capsys):
     taped, out = room(range(8), {3: [0.0, 0.0, 0.12]}), tmp_path / "better.yaml"
     assert main([*bags, "-o", str(out), "--refine", taped]) == 0
@@ -132,6 +135,7 @@ def test_what_cannot_be_is_refused_in_one_line_and_nothing_is_written(
     assert set(tmp_path.iterdir()) == before
 
 
+@pytest.mark.slow
 def test_a_bag_that_cannot_be_read_is_skipped_when_told_so(bags, room, tmp_path, capsys):
     broken = tmp_path / "broken.bag"
     broken.write_bytes(b"#ROSBAG V2.0\n" + b"x" * 50)
@@ -152,6 +156,7 @@ def test_a_bag_without_markers_says_so(tmp_path, capsys):
     assert "no marker" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_the_executable_with_two_processes(bags, tmp_path):
     command = [sys.executable, str(ROOT / "scripts/map_markers"), *bags, "-o", str(tmp_path / "map.yaml")]
     done = subprocess.run([*command, "--jobs", "2"], capture_output=True, text=True, timeout=120)

@@ -3,6 +3,7 @@
 """Place maps of drives whose poses are known."""
 
 import numpy as np
+import pytest
 from known_drives import SIZE, write_drive
 from made_photos import picture
 from PIL import Image
@@ -32,6 +33,7 @@ def test_a_drive_is_a_map_of_its_photos(tmp_path, capsys):
     assert Image.open(tmp_path / "map.png").size == (made.overview.width, made.overview.height)
 
 
+@pytest.mark.slow
 def test_two_drives_in_two_processes_share_their_places(tmp_path, capsys):
     bags = [write_drive(tmp_path / f"{name}.bag") for name in ("day", "night")]
     arguments = ["drive", *bags, "-o", tmp_path / "map.txt", *PICK]

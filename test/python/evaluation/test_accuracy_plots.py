@@ -31,6 +31,7 @@ def pixels(path, colour):
     return [int(part.sum()) for half in np.array_split(found, 2) for part in np.array_split(half, 3, axis=1)]
 
 
+@pytest.mark.slow
 def test_errors(tmp_path):
     plot_errors(tmp_path / "errors.png", statistics())
     assert min(pixels(tmp_path / "errors.png", RED)) > 100
@@ -40,6 +41,7 @@ def test_errors(tmp_path):
     assert red[2] > 100 and red[:2] + red[3:] == [0] * 5
 
 
+@pytest.mark.slow
 def test_spread(tmp_path):
     plot_spread(tmp_path / "spread.png", statistics())
     assert min(pixels(tmp_path / "spread.png", BLUE)) > 10
@@ -49,12 +51,14 @@ def test_spread(tmp_path):
     assert max(pixels(tmp_path / "spread.png", GREEN)) == 0
 
 
+@pytest.mark.slow
 def test_order_does_not_matter(tmp_path):
     for name, order in (("a.png", 1), ("b.png", -1)):
         plot_errors(tmp_path / name, statistics()[::order])
     assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "plot, one",
     [

@@ -166,6 +166,7 @@ def test_what_makes_no_workbook(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.slow
 def test_thousands_of_poses(tmp_path):
     write(tmp_path / "a.xlsx", [bag(1.0, "a.bag", 3000, 1)])
     sheet = openpyxl.load_workbook(tmp_path / "a.xlsx")["summary"]

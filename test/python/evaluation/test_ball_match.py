@@ -42,6 +42,7 @@ def in_goal_frame(point):
     return (point - middle) @ out, abs((point - middle) @ along)
 
 
+@pytest.mark.slow
 def test_the_ball_is_through_and_the_robot_stands_before_the_line(played):
     result, _, _, balls = played
     assert result.through and result.pillars == 0 and result.walls == 0
@@ -66,6 +67,7 @@ def test_the_goal_is_mapped_as_wide_as_it_is(played):
     assert np.linalg.norm(found[0] - found[1]) == pytest.approx(width, abs=0.03)
 
 
+@pytest.mark.slow
 def test_a_film_strip_is_a_picture(played):
     film = played[1]
     film.write()

@@ -6,6 +6,8 @@ import os
 import subprocess
 import sys
 
+import pytest
+
 SHOWN = """
 import cv2, numpy as np
 from sextant.nodes.images.picture_window import PictureWindow
@@ -28,11 +30,13 @@ def run(*command):
     )
 
 
+@pytest.mark.slow
 def test_a_window_lives_until_it_is_closed():
     done = run("xvfb-run", "-a")
     assert done.stdout.split("\n")[:2] == ["open True", "open False"], done.stderr
 
 
+@pytest.mark.slow
 def test_without_a_display_the_reason_is_said():
     done = run()
     assert "OSError: there is no display for the window: set DISPLAY" in done.stderr

@@ -8,6 +8,7 @@ import signal
 import time
 
 import numpy as np
+import pytest
 
 import sextant
 
@@ -38,6 +39,7 @@ def start_saving(maps, path):
     return child, heard
 
 
+@pytest.mark.slow
 def test_a_whole_map_is_there_after_every_kill(tmp_path):
     path, maps = str(tmp_path / "map.yaml"), [some_map(number) for number in range(2)]
     rng, found = np.random.default_rng(1), set()

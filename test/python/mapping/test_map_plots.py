@@ -131,6 +131,7 @@ def test_residuals():
     assert np.all(np.abs(left_out.astype(int) - half_blue) <= 1, axis=2).sum() > 500
 
 
+@pytest.mark.slow
 def test_many_markers_take_more_rows():
     heights = [decoded(residual_boxes(row(count))).shape[0] for count in (50, 51, 101)]
     assert heights[0] < heights[1] < heights[2]

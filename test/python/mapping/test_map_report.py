@@ -56,6 +56,7 @@ def report(tmp_path):
     return written
 
 
+@pytest.mark.slow
 def test_every_finding_is_in_the_report(report):
     text = Page(report(faulty_quality())).text
     assert verdict(faulty_quality()) in text

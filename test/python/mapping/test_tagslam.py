@@ -29,11 +29,13 @@ def recording(request):
     return request.param, real_data.read_tagslam(FOLDER / request.param)
 
 
+@pytest.mark.slow
 def test_every_mode_reaches_its_bar(recording):
     table = recorded_drives.recording_table(*recording)
     assert table.holds, str(table)
 
 
+@pytest.mark.slow
 def test_every_image_with_a_reference_has_a_pose(recording):
     _, recorded = recording
     joint = locator("joint")

@@ -76,5 +76,6 @@ def test_a_bundle_is_chosen(tmp_path):
         read_map(str(path), "apriltag_ros", MapFormatParams(bundle="b"))
 
 
+@pytest.mark.slow
 def test_a_file_without_end(tmp_path):
     assert refused(tmp_path, "tags.yaml", "[" * 5000, "apriltag_ros", TAGS) == ": is nested too deeply"

@@ -80,6 +80,7 @@ def test_a_bounce_is_followed(seed):
     assert roll.speed_errors[-5:].max() < 0.2
 
 
+@pytest.mark.slow
 def test_a_ball_out_of_view_is_kept_less_and_less_surely_up_to_a_minute():
     roll = Roll().go(2.0)
     sure = roll.tracker.at(roll.ground.stamp).covariance

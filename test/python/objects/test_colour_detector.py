@@ -64,6 +64,7 @@ def hits(found, boxes, classes):
     return (overlaps(found.boxes, boxes) >= 0.5) & (found.classes[:, np.newaxis] == classes)
 
 
+@pytest.mark.slow
 def test_what_is_near_is_found_in_any_light(looked):
     there = np.concatenate([classes[seen] for _, _, classes, seen in looked])
     right = np.concatenate(

@@ -50,6 +50,7 @@ class Scene:
         return place
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("x, y", [(0.6, 0.0), (0.7, 0.2), (1.0, -0.35), (2.0, 0.8), (3.0, -1.0)])
 def test_a_pillar_is_told_where_its_axis_stands(x, y):
     Scene([(x, y)]).assert_told(0, 0.003)
@@ -144,6 +145,7 @@ def test_a_setting_out_of_range_is_named(settings):
         ObjectLocatorParams(**settings)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("x, slope", [(0.6, 0.65), (0.6, 0.66), (0.64, 0.64), (0.64, 0.65), (0.72, 0.63)])
 def test_a_ball_whose_middle_the_border_cuts_is_told_where_it_is_or_not_at_all(x, slope):
     """What is left of it is lower than it: no ball that is farther, under the floor."""

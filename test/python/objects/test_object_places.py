@@ -6,12 +6,14 @@ import sys
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "benchmark"))
 
 from ball.object_places import jittered, judged_objects, place_tables  # noqa: E402
 
 
+@pytest.mark.slow
 def test_pillars_are_told_within_three_percent():
     judged = np.array(list(judged_objects(6)), float)
     near = judged[(judged[:, 0] == 0) & (judged[:, 1] > 0.5) & (judged[:, 1] < 3.0)]
@@ -21,6 +23,7 @@ def test_pillars_are_told_within_three_percent():
     assert np.mean(told[:, 3]) / 2 < 1.3
 
 
+@pytest.mark.slow
 def test_a_quick_run_gives_a_table():
     (table,) = place_tables(True)
     assert table.holds

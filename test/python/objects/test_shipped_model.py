@@ -44,6 +44,7 @@ def test_it_is_small_and_knows_the_kinds():
     assert detector("opencv").classes == list(KINDS)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("backend", BACKENDS)
 def test_it_finds_all_that_is_there(backend):
     network, right, told, total = detector(backend), 0, 0, 0

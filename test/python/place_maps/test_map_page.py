@@ -103,6 +103,7 @@ def near(xy):
     return pytest.approx(xy, abs=4)  # a pixel of the screen is some of the overview
 
 
+@pytest.mark.slow
 def test_from_an_empty_folder_to_a_finished_map(browser, served, folder, tmp_path):
     page = Page(browser, served)
     assert page.hint() == "Add an overview picture and photos: drop them here."
@@ -139,6 +140,7 @@ def test_from_an_empty_folder_to_a_finished_map(browser, served, folder, tmp_pat
     assert [entry for entry in browser.get_log("browser") if entry["level"] == "SEVERE"] == []
 
 
+@pytest.mark.slow
 def test_what_is_no_picture_is_told_and_left_out(browser, served, folder, tmp_path):
     page = Page(browser, served)
     (tmp_path / "text.png").write_text("text")
@@ -147,6 +149,7 @@ def test_what_is_no_picture_is_told_and_left_out(browser, served, folder, tmp_pa
     assert list(folder.iterdir()) == []
 
 
+@pytest.mark.slow
 def test_what_another_program_wrote_is_kept_and_shown_when_the_page_is_reloaded(browser, served, folder):
     written_picture(folder / "whole.png", 0, (800, 600))
     for i in (1, 2):

@@ -132,6 +132,7 @@ def queries_of(folder, place_map, *seeds):
     return queries
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mode", ["single", "filter", "sequence"])
 def test_photos_that_are_seen_again_are_found(mode, tmp_path):
     place_map = written_photos(tmp_path, 5)
@@ -144,6 +145,7 @@ def test_photos_that_are_seen_again_are_found(mode, tmp_path):
     assert evaluate(library_of(place_map), PlaceLocalizationParams(mode=mode), queries[:1]).cost.is_loaded
 
 
+@pytest.mark.slow
 def test_a_place_that_the_map_does_not_have_is_nowhere(tmp_path):
     place_map = written_photos(tmp_path, 5)
     found = evaluate(
@@ -154,6 +156,7 @@ def test_a_place_that_the_map_does_not_have_is_nowhere(tmp_path):
     assert (found.nowhere(False), found.nowhere(True), found.recall(1)) == (1.0, 0.0, 1.0)
 
 
+@pytest.mark.slow
 def test_a_network_sees_the_colours_of_queries(tmp_path):
     """Photos of one scene that differ in their tint, seen again with noise."""
     grey, tints = picture(3), list(permutations((1.0, 0.6, 0.3)))
@@ -184,6 +187,7 @@ def twins(folder):
     return PlaceMap(folder, Overview("park.png", 1000, 100), tuple(photos))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "mode, settings",
     [("single", None), ("votes", IndexParams(plain_features("SIFT", "SIFT"), "BruteForce"))],

@@ -56,11 +56,13 @@ def test_a_second_start_describes_nothing(place_map):
         assert np.array_equal(one, other)
 
 
+@pytest.mark.slow
 def test_photos_are_found(place_map):
     index, _ = index_of(place_map)
     assert [image_of(index, seed) for seed in range(6)] == [f"{seed}.png" for seed in range(6)]
 
 
+@pytest.mark.slow
 def test_photos_come_and_go_without_a_rebuild(place_map):
     index_of(place_map)
     changed = written_photos(place_map.folder, 6, first=2)
@@ -112,6 +114,7 @@ def touched(place_map, *seeds):
         os.utime(place_map.folder / f"{seed}.png", (0, 0))
 
 
+@pytest.mark.slow
 def test_only_the_first_start_of_a_copied_map_reads_its_photos(place_map, read):
     first, _ = index_of(place_map)
     touched(place_map, 1, 4)
@@ -142,12 +145,14 @@ def test_a_copied_map_in_a_folder_that_cannot_be_written_to_is_used(place_map, r
         assert line.startswith("the index is not stored, every start takes this long: ")
 
 
+@pytest.mark.slow
 def test_many_more_photos_make_an_index_anew(place_map):
     index_of(place_map)
     many = written_photos(place_map.folder, 25)
     assert index_of(many)[1] == [f"{place_map.folder / 'park.txt'}: describing 25 photos"]
 
 
+@pytest.mark.slow
 def test_other_settings_are_another_index(place_map):
     index_of(place_map)
     other = IndexParams({**default_features(), "support": 1.5})
@@ -179,6 +184,7 @@ def aged(path):
     path.write_bytes(content)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "damage, reason",
     [
@@ -202,6 +208,7 @@ def test_a_cache_that_cannot_be_used_is_made_anew(place_map, damage, reason):
     assert index_of(place_map)[1] == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "content, reason",
     [(None, "park.txt: photos that are not there: 3.png"), (b"text", "3.png: is no picture")],
@@ -242,6 +249,7 @@ def test_a_folder_that_cannot_be_written_to_is_told(place_map, monkeypatch):
     assert lines[-1].startswith("the index is not stored, every start takes this long: ")
 
 
+@pytest.mark.slow
 def test_several_processes_describe_the_same(place_map):
     one, _ = index_of(place_map)
     cache_of(place_map).unlink()
@@ -249,6 +257,7 @@ def test_several_processes_describe_the_same(place_map):
     assert two.photos == one.photos and np.array_equal(two.keypoints, one.keypoints)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "detector, extractor, matcher",
     [

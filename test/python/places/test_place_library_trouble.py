@@ -68,6 +68,7 @@ def names(place_map):
 
 
 # before the first photo is described, and when the cache is half written
+@pytest.mark.slow
 @pytest.mark.parametrize("killed_at", ["place_library.extract_all", "place_cache._table"])
 @pytest.mark.parametrize("is_first", [True, False])
 def test_after_a_kill_the_next_start_works(place_map, killed_at, is_first):
@@ -87,6 +88,7 @@ def test_after_a_kill_the_next_start_works(place_map, killed_at, is_first):
     assert index_of(place_map)[1] == []
 
 
+@pytest.mark.slow
 def test_two_that_start_at_once_leave_a_good_cache(place_map):
     for build in [building(place_map) for _ in range(2)]:
         said, _ = build.communicate(timeout=60)
@@ -111,6 +113,7 @@ def test_a_cache_that_is_replaced_while_it_is_read_is_not_mixed_up(place_map, mo
     assert found(place_map, index, 3).answers[0].photo.image == "3.png"
 
 
+@pytest.mark.slow
 def test_no_bit_of_a_cache_can_be_wrong_unseen(place_map):
     index_of(place_map)
     cache = cache_path(path_of(place_map))
@@ -129,6 +132,7 @@ def test_no_bit_of_a_cache_can_be_wrong_unseen(place_map):
             read_cache(cache, SETTINGS)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("size", [1000, 100_000])  # within the keypoints, and within faiss's own part
 def test_a_full_disk_is_told_by_the_name_of_the_cache(place_map, size):
     with full_disk(size):
@@ -164,6 +168,7 @@ def test_photos_that_come_to_show_nothing_are_refused(place_map):
             index_of(place_map)
 
 
+@pytest.mark.slow
 def test_photos_of_very_different_sizes_are_found(place_map):
     for seed, size in ((1, (160, 120)), (2, (4000, 3000))):
         image = cv2.resize(picture(seed), size, interpolation=cv2.INTER_AREA)
@@ -173,6 +178,7 @@ def test_photos_of_very_different_sizes_are_found(place_map):
         assert found(place_map, index, seed).answers[0].photo.image == f"{seed}.png"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mode", ["filter", "sequence", "single", "votes"])
 def test_small_maps_work(tmp_path, mode):
     one = written_photos(tmp_path, 1)

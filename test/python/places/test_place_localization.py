@@ -47,6 +47,7 @@ def localizer(place_map, index, mode, **changed):
     return PlaceLocalizer(place_map, index, PlaceLocalizationParams(mode=mode, **changed))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mode", ["filter", "sequence", "single"])
 def test_a_walk_is_followed(place_map, index, mode):
     robot = localizer(place_map, index, mode)
@@ -90,6 +91,7 @@ def test_a_moment_of_doubt_is_not_a_carried_robot(place_map, index):
     assert [found.found_again for found in walk].count(True) == 1
 
 
+@pytest.mark.slow
 def test_a_robot_that_left_the_map_is_nowhere_and_comes_back(place_map, index):
     robot = localizer(place_map, index, "filter")
     for place in range(2, 8):
@@ -120,6 +122,7 @@ def right_of(robot, begin=8):
     return np.mean(is_right[begin:])
 
 
+@pytest.mark.slow
 def test_what_one_picture_cannot_tell_a_sequence_tells(place_map, index):
     single, sequence = localizer(place_map, index, "single"), localizer(place_map, index, "sequence")
     assert right_of(single) <= 0.5 and right_of(sequence) >= 0.9
@@ -135,6 +138,7 @@ def test_after_a_reset_nothing_is_known(place_map, index):
     assert [each.probability for each in again.answers] == [each.probability for each in first.answers]
 
 
+@pytest.mark.slow
 def test_votes_are_shares_of_the_matches(place_map, plain_index):
     robot = localizer(place_map, plain_index, "votes", min_matches=10, max_places=2)
     found = robot.localize(np.where(np.arange(320) < 190, seen(7), picture(12)))
@@ -151,6 +155,7 @@ def test_the_only_one_with_votes_is_certain(tmp_path):
     assert [(answer.photo.id, answer.probability) for answer in found.answers] == [(0, 1.0)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mode", ["filter", "single"])
 @pytest.mark.parametrize("count", [1, 2, 3])
 def test_a_map_of_few_places_is_recognized_and_nothing_else_is(tmp_path, count, mode):

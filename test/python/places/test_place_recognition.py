@@ -30,6 +30,7 @@ def recognizer(place_map):
     return PlaceRecognizer(place_map, index_of(place_map))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("place", range(0, COUNT, 3))
 def test_a_picture_is_recognized(recognizer, place):
     found = recognizer.recognize(shifted(picture(place), 12, 4, 6.0))
@@ -58,6 +59,7 @@ def test_a_picture_without_anything_says_nothing(recognizer, image):
     assert not found.scores.any() and not found.log_ratios.any()
 
 
+@pytest.mark.slow
 def test_photos_of_one_place_speak_for_it_together(tmp_path):
     place_map = written_photos(tmp_path, 8)
     photos = tuple(photo._replace(x=photo.x - photo.x % 20) for photo in place_map.photos)  # two and two
@@ -67,6 +69,7 @@ def test_photos_of_one_place_speak_for_it_together(tmp_path):
     assert found.best_photos[2].id == 5
 
 
+@pytest.mark.slow
 def test_a_turned_picture_of_plain_features_is_recognized(place_map, tmp_path):
     recognizer = PlaceRecognizer(
         place_map, index_of(place_map, IndexParams(plain_features("SIFT", "SIFT")))
@@ -74,12 +77,14 @@ def test_a_turned_picture_of_plain_features_is_recognized(place_map, tmp_path):
     assert recognizer.recognize(cv2.rotate(picture(7), cv2.ROTATE_180)).scores.argmax() == 7
 
 
+@pytest.mark.slow
 def test_a_photo_that_is_not_indexed_is_refused(place_map):
     more = place_map._replace(photos=(*place_map.photos, Photo(99, "99.png", 1, 1)))
     with pytest.raises(ValueError, match="99.png: is not in the index"):
         PlaceRecognizer(more, index_of(place_map))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "changed, reason", [({"neighbours": 1}, r"neighbours: must be within \[2, 128\], is 1")]
 )
@@ -88,6 +93,7 @@ def test_parameters_out_of_range_are_refused(place_map, changed, reason):
         PlaceRecognizer(place_map, index_of(place_map), RecognitionParams(**changed))
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not CORRIDOR.is_dir(), reason="external test data")
 def test_a_corridor_is_recognized():
     names = sorted(path.name for path in (CORRIDOR / "ref").glob("*.jpg"))

@@ -53,6 +53,7 @@ def recall(recognizer, sigma):
     return np.mean([likeliest(recognizer.recognize(blurred(place, sigma))) == place for place in places])
 
 
+@pytest.mark.slow
 def test_places_are_recognized_out_of_focus(recognizer_of):
     votes, fused, more = (recall(recognizer_of[weight], 25) for weight in (0, 1, 2))
     assert votes < 0.6 and fused > 0.7 and more > 0.9
@@ -114,6 +115,7 @@ def test_a_picture_of_nothing_is_unusable_for_a_network_too(place_map, index, im
     assert (before.status, after.status) == (Status.LOCALIZED, Status.UNUSABLE)
 
 
+@pytest.mark.slow
 def test_a_picture_that_the_network_makes_no_number_of_leaves_no_trace(place_map):
     model = logarithm_network(place_map.folder / "log.onnx")
     shown = GlobalDescriptorParams(model, mean=(0.25, 0.25, 0.25))
@@ -141,6 +143,7 @@ def test_contrast_is_that_of_the_parts():
     assert contrast(noise) == pytest.approx(20 / np.sqrt(30 * 40), rel=0.25)  # of 64 means of 1200 pixels
 
 
+@pytest.mark.slow
 def test_with_weight_0_it_is_as_if_there_were_none(place_map, index, recognizer_of):
     plain = PlaceRecognizer(place_map, index_of(place_map, replace(index.params, global_descriptor=None)))
     for image in (blurred(3, 1), blurred(4, 25), picture(100)):

@@ -64,6 +64,7 @@ def test_they_come_and_go_with_the_photos(place_map, settings):
     assert lines == []
 
 
+@pytest.mark.slow
 def test_several_processes_make_the_same(place_map, settings):
     one, _ = index_of(place_map, settings)
     cache_path(place_map.folder / "park.txt").unlink()

@@ -65,6 +65,7 @@ def write(folder, family="tag36h11", ids=(0,), size=0.1, **params):
 # ---- what the detector sees -----------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_every_printed_id_is_read_and_no_other(printed):
     (family, ids, _, _, _, sheets), _, pages = printed
     found = [(marker.family, marker.id) for _, markers in pages for marker in markers]
@@ -245,6 +246,7 @@ def test_id_ranges_keep_the_order():
 # ---- what is refused ------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("margin", [0.008, 0.03])
 @pytest.mark.parametrize("family", ["tag36h11", "tagCircle49h12", "DICT_4X4_50"])
 def test_largest_size_that_is_told_fits_and_no_larger_one(tmp_path, family, margin):

@@ -41,6 +41,7 @@ def test_options_are_those_of_the_command(capsys):
     assert set(re.findall(r"`(--\w+)`", table)) == options
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("family", ["tag36h11", "tagStandard41h12", "DICT_4X4_50", "DICT_6X6_250"])
 @pytest.mark.parametrize("angle", [0.1, 0.25 * np.pi])
 def test_pixels_that_a_marker_needs(family, angle):

@@ -152,6 +152,7 @@ def test_there_are_launch_files():
     assert {*BRANCHES, "webcam.launch"} == {path.name for path in LAUNCH_FILES}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("run", RUNS, ids=tag_of)
 def test_loads_and_every_node_exists(run):
     config = load(*run)
@@ -162,6 +163,7 @@ def test_loads_and_every_node_exists(run):
     assert set(loaded_classes(config).values()) <= {each.get("name") for each in plugins.iter("class")}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("run", RUNS, ids=tag_of)
 def test_nodes_know_their_parameters(run):
     config = load(*run)
@@ -185,6 +187,7 @@ def test_what_is_not_empty_by_default_is_not_switched_off_by_emptiness(path):
     assert [name for name, (default, doc) in args.items() if default and "empty:" in doc] == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", LAUNCH_FILES, ids=lambda path: path.name)
 def test_the_word_none_switches_off(path):
     args = own_declared(path)
@@ -273,6 +276,7 @@ def test_filter_of_robot_localization_is_whole():
     assert (config["world_frame"], config["map_frame"]) == ("map", "map")
 
 
+@pytest.mark.slow
 def test_the_demo_of_places_has_a_folder_for_every_map():
     def folder(*args):
         config = load(ROOT / "launch/places_demo.launch", args)

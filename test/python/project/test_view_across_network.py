@@ -109,6 +109,7 @@ def master_answers(namespace, seconds):
     return False
 
 
+@pytest.mark.slow
 def test_a_late_viewer_gets_everything(namespaces, start):
     robot, viewer = namespaces
     view = [

@@ -170,6 +170,7 @@ def test_a_ball_between_robot_and_wall_stays_in_the_room():
         assert np.all(abs(ground.ball) <= 9.95 + 1e-9)
 
 
+@pytest.mark.slow
 def test_wheels_lose_as_much_as_they_slip_and_no_more():
     shares = []
     for seed in range(40):
@@ -182,6 +183,7 @@ def test_wheels_lose_as_much_as_they_slip_and_no_more():
     assert ground.robot.speed == pytest.approx(0.5 * (1.0 - shares[-1]))
 
 
+@pytest.mark.slow
 def test_what_wheels_tell_errs_with_the_root_of_way_and_turn():
     """100 drives, the mean of their squares in its 99.8 % band (chi-squared)."""
     noise = OdometryNoise(0.02, 0.03, 0.04)

@@ -37,6 +37,7 @@ def share_of_hue(picture, seen, name):
     return np.mean((hues >= least) & (hues <= most) if least < most else (hues >= least) | (hues <= most))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("task", [2, 3])
 def test_boxes_hold_what_has_the_colour_of_their_class(task):
     names = set()
@@ -79,6 +80,7 @@ def test_a_kick_is_seen_and_touched():
     assert simulation.ground.ball[0] > 1.2
 
 
+@pytest.mark.slow
 def test_light_changes_with_time_and_only_so_much():
     levels = []
     for flicker in (0.0, 0.3):

@@ -65,6 +65,7 @@ def middle_of_goal(world):
     return places(world)[:2].mean(axis=0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("task", TASKS)
 def test_the_ball_lies_where_the_task_says_and_anywhere_there(task):
     least, most, aside, _ = LIMITS[task]

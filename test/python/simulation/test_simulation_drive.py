@@ -47,6 +47,7 @@ def expected_corners(drive, frame):
     return corners
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("lens", LENSES)
 @pytest.mark.parametrize("family", ["tag36h11", "DICT_4X4_50"])
 def test_detectors_find_the_markers_where_the_truth_has_them(lens, family):

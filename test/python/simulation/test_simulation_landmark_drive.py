@@ -108,6 +108,7 @@ def test_who_is_carried_away_does_not_feel_it():
     np.testing.assert_array_equal(after.step, np.zeros(3))
 
 
+@pytest.mark.slow
 def test_odometry_in_its_frame_is_as_uncertain_as_it_says():
     """Of many drives along one bent way, each with noise of its own."""
     noise = dict(way_by_way=0.05, aside_by_way=0.03, turn_by_way=0.03, way_by_turn=0.02, turn_by_turn=0.05)

@@ -34,6 +34,7 @@ def test_without_noise_the_wheels_tell_the_truth():
         assert not reading.covariance.any()
 
 
+@pytest.mark.slow
 def test_errors_are_as_large_as_the_wheels_say():
     """NEES of the last pose over 100 drives, in its 99.9 % band."""
     drives, frames = 100, 600

@@ -40,6 +40,7 @@ def changed_box(street, before, pose):
     return columns.min(), columns.max(), rows.min(), rows.max()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("yaw", [0.0, 2.0])
 def test_a_board_is_seen_where_a_pinhole_shows_it(empty, yaw):
     pose = np.array([40.0, 30.0, yaw])
@@ -83,6 +84,7 @@ def test_the_walk_goes_around_the_block():
     )
 
 
+@pytest.mark.slow
 def test_a_seed_makes_the_same_street():
     streets = [still_street(), *(Street(seed, STILL) for seed in (1, 2))]
     pictures = [street_view(street, street.pose(20.0), SIZE) for street in streets]
@@ -90,6 +92,7 @@ def test_a_seed_makes_the_same_street():
     assert not np.array_equal(pictures[0], pictures[2])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [name for name in CONDITIONS if name != "summer"])
 def test_conditions_change_the_picture_but_not_where_houses_stand(name):
     usual, other = still_street(), still_street(name)
@@ -107,12 +110,14 @@ def test_conditions_change_the_picture_but_not_where_houses_stand(name):
     assert houses[0] == houses[1] and len(houses[0]) > 20
 
 
+@pytest.mark.slow
 def test_a_view_is_as_rich_as_a_photo():
     street = still_street()
     views = [street_view(street, street.pose(arc)) for arc in np.arange(0, street.length, 40)]
     assert np.median([len(cv2.SIFT_create().detect(view)) for view in views]) >= 1000
 
 
+@pytest.mark.slow
 def test_both_sizes_show_the_same():
     street, small = still_street(), (320, 240)
     for arc in np.arange(5, street.length, 60):

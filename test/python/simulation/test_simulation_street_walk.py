@@ -37,6 +37,7 @@ def straight():
     return frames(walk(sway=0.0, speed=2.0, rate=4.0, seed=1), 20)
 
 
+@pytest.mark.slow
 def test_the_walker_goes_at_its_speed(straight):
     times = [frame.time for frame in straight]
     assert np.diff(times) == pytest.approx(0.25)
@@ -54,12 +55,14 @@ def test_the_wheels_say_what_was_gone(straight):
     assert straight[0].odometry.motion.pose == pytest.approx(np.eye(4))
 
 
+@pytest.mark.slow
 def test_the_picture_is_that_of_the_truth(street, straight):
     motion = straight[7].truth
     expected = street_view(street, [motion.x, motion.y, motion.yaw], SIZE, seed=99)
     assert np.mean(np.abs(expected.astype(int) - straight[7].image)) < 3 * street.conditions.noise
 
 
+@pytest.mark.slow
 def test_a_swaying_walker_looks_where_it_goes():
     swaying = frames(walk(sway=1.0, speed=0.5, rate=10.0), 60)
     xy = np.array([(frame.truth.x, frame.truth.y) for frame in swaying])
@@ -69,6 +72,7 @@ def test_a_swaying_walker_looks_where_it_goes():
     assert np.abs(off).max() < 0.03
 
 
+@pytest.mark.slow
 def test_every_round_has_its_season(street):
     seasons = ["summer", "evening"]
     fast = walk(seasons=seasons, speed=10.0, rate=0.2)  # 50 m a frame
@@ -77,6 +81,7 @@ def test_every_round_has_its_season(street):
     assert told == [seasons[int(50 * i / length) % 2] for i in range(12)]
 
 
+@pytest.mark.slow
 def test_a_carried_walker_is_elsewhere_but_not_for_its_wheels(street):
     walker = walk(speed=2.0, rate=2.0)
     before = frames(walker, 3)[-1]
@@ -110,6 +115,7 @@ def street_map(tmp_path_factory):
     return wanted, write_street_map(tmp_path_factory.mktemp("maps") / "street", wanted)
 
 
+@pytest.mark.slow
 def test_a_map_has_a_photo_of_every_place_in_every_season(street_map):
     _, path = street_map
     exact, parts = read_place_map(path), read_place_map(path.parent / CLUSTERS)
@@ -143,6 +149,7 @@ def test_a_map_of_another_street_is_not_taken_for_it(street_map):
         has_street_map(folder, wanted)
 
 
+@pytest.mark.slow
 def test_a_map_of_nothing_is_not_written(tmp_path):
     with pytest.raises(ValueError, match="9 places cannot be 10 parts"):
         write_street_map(tmp_path, StreetMap(1, ["summer"], 40.0, SIZE, 10))

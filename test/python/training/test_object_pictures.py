@@ -3,6 +3,7 @@
 """Drawn pictures and their truth."""
 
 import numpy as np
+import pytest
 
 from sextant.training.object_pictures import CLASSES, LEAST_SIDE, drawn_picture, picture_set
 
@@ -16,6 +17,7 @@ def test_a_seed_is_a_picture():
     assert np.any(first.image != other.image)
 
 
+@pytest.mark.slow
 def test_boxes_hold_what_looks_like_their_class():
     """The strongest channel in the middle of a box, by the medians over many pictures."""
     strongest = {name: [] for name in CLASSES}
@@ -33,6 +35,7 @@ def test_boxes_hold_what_looks_like_their_class():
     assert np.argmax(medians["red_pillar"]) == 0 and np.argmin(medians["ball"]) == 2
 
 
+@pytest.mark.slow
 def test_a_set_is_letter_boxed_and_filled_up():
     pictures = picture_set(SEEDS, SIZE, 1)
     assert pictures.images.shape == (len(SEEDS), SIZE, SIZE, 3) and pictures.images.dtype == np.uint8

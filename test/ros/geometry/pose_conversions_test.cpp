@@ -25,29 +25,6 @@ sensor_msgs::CameraInfo someCameraInfo() {
   return info;
 }
 
-// A region moves the origin; merging 2 x 4 pixels makes one whose centre is theirs.
-TEST(Conversions, RegionAndBinningKeepEveryRay) {
-  sensor_msgs::CameraInfo info = someCameraInfo();
-  const CameraModel whole(fromMsg(info), CameraModel::Image::raw);
-  info.roi.x_offset = 40;
-  info.roi.y_offset = 80;
-  info.roi.width = 400;
-  info.roi.height = 320;
-  info.binning_x = 2;
-  info.binning_y = 4;
-  const CameraCalibration part = fromMsg(info);
-  EXPECT_EQ(part.width, 200);
-  EXPECT_EQ(part.height, 80);
-  for (const auto kind : {CameraModel::Image::raw, CameraModel::Image::rectified}) {
-    info = someCameraInfo();
-    const CameraModel full(fromMsg(info), kind), binned(part, kind);
-    const Eigen::Vector3d point(0.2, -0.1, 1.0);
-    const Eigen::Vector2d pixel = *full.project(point);
-    const Eigen::Vector2d expected((pixel.x() - 40 - 0.5) / 2, (pixel.y() - 80 - 1.5) / 4);
-    EXPECT_LT((*binned.project(point) - expected).norm(), 1e-9);
-  }
-}
-
 TEST(PoseConversions, PosesComeBack) {
   std::mt19937 random(1);
   for (int i = 0; i < 200; ++i) {

@@ -72,6 +72,7 @@ class BadCalibrationTest(ChainTest):
             late.append(self.refuse(name, fields))
         self.assert_still_right()
         self.assertFalse([stamp for stamp in late if self.markers.has(stamp)])
+        self.assertTrue(until(self.markers.all))
         used = {(msg.camera_info.width, msg.camera_info.K) for msg in self.markers.all()}
         self.assertEqual(used, {(WIDTH, tuple(K.ravel()))})
         self.assertTrue(until(lambda: self.diagnostics.summary(DETECTION) == "working"))
