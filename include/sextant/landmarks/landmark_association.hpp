@@ -10,7 +10,7 @@
 
 namespace sextant {
 
-/// How sightings are told to be of known landmarks.
+/// Parameters of the data association of sightings with landmarks.
 struct AssociationParams {
   double gate = 0.999;
   double doubt = 0.999999;

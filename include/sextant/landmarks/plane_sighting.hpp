@@ -51,7 +51,7 @@ struct LabelledSighting {
   }
 };
 
-/// A sighting without what it says of a heading.
+/// A sighting without its heading.
 struct LandmarkPointSighting {
   Eigen::Vector2d position;
   Eigen::Matrix2d covariance;  ///< of the sensor, in the axes of the position's frame

@@ -54,6 +54,49 @@ def test_totals_count_what_rostest_repeats_only_when_it_says_something(tmp_path)
     assert totals_of(tmp_path, **{"r.xml": timed_out}) == (1, "1 passed, 1 failed, 1 skipped")
 
 
+CTEST_LOG = """1/2 Testing: _ctest_sextant_gtest_test_base
+1/2 Test: _ctest_sextant_gtest_test_base
+Command: "x"
+"_ctest_sextant_gtest_test_base" start time: Nov 23 15:00 UTC
+Output:
+----------------------------------------------------------
+all is well
+<end of output>
+Test time =   0.50 sec
+----------------------------------------------------------
+Test Passed.
+"_ctest_sextant_gtest_test_base" end time: Nov 23 15:00 UTC
+
+2/2 Testing: _ctest_sextant_rostest_test_ros_ball_ball_task.test
+Output:
+----------------------------------------------------------
+no ball
+<end of output>
+Test time =  12.40 sec
+----------------------------------------------------------
+Test Failed.
+"""
+
+
+def test_every_test_has_a_log_and_a_failed_ones_path_is_printed(tmp_path):
+    (tmp_path / "LastTest.log").write_text(CTEST_LOG)
+    arguments = [tmp_path / "LastTest.log", tmp_path / "logs"]
+    command = [sys.executable, str(TOOLS / "test_logs.py"), *map(str, arguments)]
+    done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True)
+    failed = tmp_path / "logs/ball_ball_task.test.log"
+    assert done.stdout == f"FAILED after 12 s: rostest_test_ros_ball_ball_task.test, see {failed}\n"
+    assert failed.read_text() == "no ball\n"
+    assert (tmp_path / "logs/gtest_test_base.log").read_text() == "all is well\n"
+
+
+def test_a_build_shows_errors_and_keeps_everything_in_its_log(tmp_path):
+    printed = "[ 50%] Building CXX object a.cpp.o\na.cpp:1:1: error: no\nmake[1]: Leaving directory 'x'\n"
+    command = [sys.executable, str(TOOLS / "build_progress.py"), str(tmp_path / "build.log")]
+    done = subprocess.run(command, input=printed, stderr=subprocess.PIPE, text=True, check=True)
+    assert done.stderr == "a.cpp:1:1: error: no\n"
+    assert (tmp_path / "build.log").read_text() == printed
+
+
 def in_environment(root, command, **variables):
     """Runs a bash command after tools/environment.sh of a checkout."""
     script = f'set -euo pipefail; . "{root}/tools/environment.sh"; {command}'
