@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Measures the ball task: how fast its world is drawn, the network that finds objects, where they are, how
-often the robot brings the ball through the goal. The long run, with 200 worlds each, is score_ball_task.
+"""Measures the ball task: rendering speed, accuracy of the detector and the locator, and success rate of the
+task. score_ball_task is the long run with 200 worlds each.
 
 Exit status: 0 when every bar holds, 1 when one fails, 2 when something could not be measured.
 """
@@ -14,7 +14,7 @@ from ball.arena_speed import arena_tables
 from ball.ball_matches import match_tables
 from ball.object_detector import detector_tables
 from ball.object_places import place_tables
-from command import Results, run
+from command import run
 from tables import Table
 
 from sextant.objects.shipped_model import shipped_model
@@ -22,7 +22,7 @@ from sextant.objects.yolo_detector import YoloDetector, YoloParams
 
 
 def places(quick: bool) -> List[Table]:
-    """By the network's boxes, then by true ones that are a little off."""
+    """Tables of located objects: with the network's boxes, then with jittered true boxes."""
     network = YoloDetector(YoloParams(model=str(shipped_model())))
     return [*place_tables(quick, network), *place_tables(quick)]
 
@@ -35,12 +35,5 @@ TOPICS = {
 }
 
 
-def plot(folder: str, results: Results) -> None:
-    """What the network takes for what."""
-    from ball.ball_plots import plot_ball_task  # only now: matplotlib takes a second to load
-
-    plot_ball_task(folder, results)
-
-
 if __name__ == "__main__":
-    sys.exit(run(TOPICS, __doc__, plot, sys.argv[1:]))
+    sys.exit(run(TOPICS, __doc__, "ball.ball_plots"))

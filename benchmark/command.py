@@ -1,8 +1,9 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""The command line that all benchmarks share: topics in; tables, JSON, pictures and an exit status out."""
+"""Command line of all benchmarks: measures topics and writes tables, JSON and pictures."""
 
 import argparse
+import importlib
 import json
 import sys
 from pathlib import Path
@@ -13,18 +14,19 @@ from tables import Table
 
 Topics = Dict[str, Callable[[argparse.Namespace], List[Table]]]
 Results = Dict[str, List[Table]]
-Drawing = Callable[[str, Results], None]
 
 
-def run(topics: Topics, what: Optional[str], draw: Drawing, arguments: List[str]) -> int:
-    """Exit status: 0 when every bar holds, 1 when one fails, 2 when something could not be measured.
+def run(topics: Topics, what: Optional[str], pictures: str) -> int:
+    """Measures the chosen topics. Returns the exit status: 0 when every bar holds, 1, or 2.
 
-    :param topics: what measures each, from the options quick and data; OSError where its data is not there
-    :param what: the script's doc string
-    :param draw: writes pictures of the results into a folder
+    A bar is a limit that a figure must keep. 1: a bar fails; 2: a topic could not be measured.
+
+    :param topics: name: function of the options that returns tables, or raises OSError if its data is missing
+    :param what: the script's docstring
+    :param pictures: module whose plot() writes pictures of the results into a folder
     """
-    options = _parse(topics, what, arguments)
-    say = sys.stderr if options.json == "-" else sys.stdout
+    options = _parse(topics, what)
+    stream = sys.stderr if options.json == "-" else sys.stdout
     results: Results = {}
     for name in options.only:
         try:
@@ -32,17 +34,15 @@ def run(topics: Topics, what: Optional[str], draw: Drawing, arguments: List[str]
         except OSError as error:
             print(f"{name} could not be measured: {error}", file=sys.stderr)
             return 2
-        print("\n\n".join(map(str, results[name])), end="\n\n", file=say, flush=True)
+        print("\n\n".join(map(str, results[name])), end="\n\n", file=stream, flush=True)
     holds = all(table.holds for tables in results.values() for table in tables)
-    print("every bar holds" if holds else "a bar FAILS", file=say)
-    if options.json:
-        _write(options, results, holds)
-    if options.plots:
-        draw(options.plots, results)
+    print("every bar holds" if holds else "a bar FAILS", file=stream)
+    _write(options, what or "", pictures, results, holds)
     return 0 if holds else 1
 
 
-def _parse(topics: Topics, what: Optional[str], arguments: List[str]) -> argparse.Namespace:
+def _parse(topics: Topics, what: Optional[str]) -> argparse.Namespace:
+    """Parses the command line; exits with an error message if an option is invalid."""
     parser = argparse.ArgumentParser(description=what, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--quick", action="store_true", help="smoke run: few frames, without bars")
     parser.add_argument("--only", default=",".join(topics), help="topics, with commas (default: %(default)s)")
@@ -50,8 +50,11 @@ def _parse(topics: Topics, what: Optional[str], arguments: List[str]) -> argpars
         "--data", type=Path, default=EXTERNAL, help="external test data (default: %(default)s)"
     )
     parser.add_argument("--json", metavar="FILE", help="figures for machines; -: on standard output")
-    parser.add_argument("--plots", metavar="DIR", help="pictures of the topics, one a file")
-    options = parser.parse_args(arguments)
+    parser.add_argument(
+        "--markdown", type=Path, metavar="PAGE", help="page whose section of this script to replace"
+    )
+    parser.add_argument("--plots", type=Path, metavar="DIR", help="pictures of the topics, one a file")
+    options = parser.parse_args()
     options.only = options.only.split(",")
     unknown = sorted(set(options.only) - set(topics))
     if unknown:
@@ -61,20 +64,45 @@ def _parse(topics: Topics, what: Optional[str], arguments: List[str]) -> argpars
 
 
 def _check_writable(parser: argparse.ArgumentParser, options: argparse.Namespace) -> None:
-    """Before anything is measured: it may take an hour."""
+    """Checks the output paths before measuring, which may take an hour."""
     if options.json and not Path(options.json).parent.is_dir():
         parser.error(f"--json: there is no folder {Path(options.json).parent}")
+    if options.markdown and not options.markdown.is_file():
+        parser.error(f"--markdown: there is no page {options.markdown}")
     if options.plots:
         try:
-            Path(options.plots).mkdir(parents=True, exist_ok=True)
+            options.plots.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             parser.error(f"--plots: {options.plots}: {error.strerror}")
 
 
-def _write(options: argparse.Namespace, results: Results, holds: bool) -> None:
+def _write(options: argparse.Namespace, what: str, pictures: str, results: Results, holds: bool) -> None:
+    """Writes the output files that the options request."""
+    if options.json:
+        _write_json(options, results, holds)
+    if options.markdown:
+        write_section(options.markdown, Path(sys.argv[0]).stem, what, results)
+    if options.plots:
+        importlib.import_module(pictures).plot(options.plots, results)  # matplotlib takes a second to load
+
+
+def _write_json(options: argparse.Namespace, results: Results, holds: bool) -> None:
     topics = {name: [table.as_json() for table in tables] for name, tables in results.items()}
     text = json.dumps({"holds": holds, "quick": options.quick, "topics": topics}, indent=1) + "\n"
     if options.json == "-":
         sys.stdout.write(text)
     else:
         Path(options.json).write_text(text)
+
+
+def write_section(page: Path, script: str, what: str, results: Results) -> None:
+    """Replaces the section of a script in a page, or appends it."""
+    begin, end = f"<!-- begin {script} -->\n", f"<!-- end {script} -->\n"
+    tables = "\n\n".join(table.as_markdown() for tables in results.values() for table in tables)
+    section = f"{begin}## {script}\n\n{what.strip().splitlines()[0]}\n\n{tables}\n{end}"
+    text = page.read_text()
+    if begin in text:
+        section = text.partition(begin)[0] + section + text.partition(end)[2]
+    else:
+        section = f"{text.rstrip()}\n\n{section}"
+    page.write_text(section)

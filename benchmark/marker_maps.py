@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Measures how good maps are that are made of recorded drives, and what accuracy_statistics says of series.
+"""Measures the quality of maps from recorded drives, and the results of accuracy_statistics for series.
 
 Exit status: 0 when every bar holds, 1 when one fails, 2 when something could not be measured.
 """
 
 import sys
 
-from command import Results, run
+from command import run
 
 from mapping.many_bags import bag_tables
 from mapping.recorded_maps import recorded_map_tables
@@ -24,12 +24,5 @@ TOPICS = {
 }
 
 
-def plot(folder: str, results: Results) -> None:
-    """How often an error of the simulated maps is exceeded."""
-    from mapping.map_error_plot import plot_map_errors  # only now: matplotlib takes a second to load
-
-    plot_map_errors(folder, results)
-
-
 if __name__ == "__main__":
-    sys.exit(run(TOPICS, __doc__, plot, sys.argv[1:]))
+    sys.exit(run(TOPICS, __doc__, "mapping.map_error_plot"))

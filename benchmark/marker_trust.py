@@ -9,7 +9,7 @@ Exit status: 0 when every bar holds, 1 when one fails, 2 when something could no
 
 import sys
 
-from command import Results, run
+from command import run
 
 from markers.chain import chain_tables
 from markers.consistency import consistency_tables
@@ -28,11 +28,5 @@ TOPICS = {
 }
 
 
-def plot(folder: str, results: Results) -> None:
-    from markers.trust_plots import plot_topics  # only now: matplotlib takes a second to load
-
-    plot_topics(folder, results)
-
-
 if __name__ == "__main__":
-    sys.exit(run(TOPICS, __doc__, plot, sys.argv[1:]))
+    sys.exit(run(TOPICS, __doc__, "markers.trust_plots"))

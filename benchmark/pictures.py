@@ -1,9 +1,11 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Pictures of several diagrams, without a window system."""
+"""Writes picture files with several diagrams; needs no display."""
 
-from typing import Callable, List, NamedTuple
+from pathlib import Path
+from typing import Callable, List, NamedTuple, Tuple
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
@@ -11,7 +13,7 @@ from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
 
 
 class Panel(NamedTuple):
-    """One diagram: title, and what draws it."""
+    """One diagram: its title and the function that draws it."""
 
     title: str
     draw: Callable[[Axes], None]
@@ -25,15 +27,21 @@ def readable_decades(axes: Axes) -> None:
     axes.xaxis.set_minor_formatter(NullFormatter())
 
 
-def save_picture(path: str, panels: List[Panel], columns: int) -> None:
-    """Side by side in so many columns; a panel without a legend of its own gets one.
+def shares(values: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    """Empirical distribution: the sorted values (N,), and the percentage of values up to each."""
+    return np.sort(values), 100.0 * np.arange(1, len(values) + 1) / len(values)
 
-    :param path: picture file; the ending chooses the format
+
+def save_picture(path: Path, panels: List[Panel], columns: int) -> None:
+    """Writes panels in a grid; adds a legend to panels that have none.
+
+    :param path: picture file; its extension determines the format
+    :param columns: maximum number of columns
     """
     columns = min(columns, len(panels))
     rows = -(-len(panels) // columns)
     figure = Figure(figsize=(5.5 * columns, 4.2 * rows))
-    FigureCanvasAgg(figure)  # not pyplot: it has a state of its own
+    FigureCanvasAgg(figure)  # not pyplot, which has global state
     grid = figure.subplots(rows, columns, squeeze=False).ravel()
     for axes, panel in zip(grid, panels):
         panel.draw(axes)

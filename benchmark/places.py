@@ -1,15 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Measures the recognition of places: how many pictures, how true the probabilities are, time and memory.
+"""Measures place recognition: recall, calibration, time and memory.
 
 Exit status: 0 when every bar holds, 1 when one fails, 2 when something could not be measured.
 """
 
 import sys
-from pathlib import Path
 
-from command import Results, run
+from command import run
 
 from places.place_calibration import calibration_tables
 from places.place_recall import recall_tables
@@ -26,12 +25,5 @@ TOPICS = {
 }
 
 
-def plot(folder: str, results: Results) -> None:
-    """Precision over recall in the corridor, and whether probabilities are true."""
-    from places.place_recall_plot import plot_recall  # only now: matplotlib takes a second to load
-
-    plot_recall(Path(folder), results)
-
-
 if __name__ == "__main__":
-    sys.exit(run(TOPICS, __doc__, plot, sys.argv[1:]))
+    sys.exit(run(TOPICS, __doc__, "places.place_recall_plot"))

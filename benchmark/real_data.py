@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Photos and sightings recorded by others: the external test data, which is no part of this package."""
+"""Reads the external test data, which is not part of this package: photos and recordings by others."""
 
 import csv
 import gzip
@@ -14,20 +14,21 @@ import cv2
 import numpy as np
 import rosbag
 import yaml
+from under_test import map_of
 
 import sextant
 
 EXTERNAL = Path(__file__).resolve().parents[2] / "shared/data"
 DISTORTION_MODELS = {"radtan": "plumb_bob", "equidistant": "equidistant"}  # Kalibr's names
 
-# tagslam counts the corners from the bottom left, counterclockwise.
+# Indices of tagslam's corners, which start at the bottom left, counterclockwise, in the order of Detection.
 TAGSLAM_CORNERS = [3, 2, 1, 0]
 
 Pixels = np.ndarray  # (4, 2), corners in the order of sextant.Detection
 
 
 def calibration(size: Sequence[int], K: Sequence[float], D: Sequence[float], model: str):
-    """sextant.CameraCalibration of a raw image; size in pixels (width, height), K row by row."""
+    """Returns a sextant.CameraCalibration of raw images; size in pixels (width, height), K row by row."""
     result = sextant.CameraCalibration()
     result.width, result.height = size
     result.distortion_model, result.D = model, list(D)
@@ -37,18 +38,18 @@ def calibration(size: Sequence[int], K: Sequence[float], D: Sequence[float], mod
 
 @dataclass(frozen=True)
 class Photos:
-    """The folder of photos, and what is known of them (from other detectors, not a truth)."""
+    """The folder of photos, and the results of other detectors on them (not ground truth)."""
 
     folder: Path
 
     @property
     def expected(self) -> dict:
-        """expected.yaml: pixels, metres, radians."""
+        """Content of expected.yaml: pixels, metres, radians."""
         return yaml.safe_load((self.folder / "expected.yaml").read_text())
 
     @property
     def calibration(self):
-        """Of every photo of expected.yaml."""
+        """Calibration of all photos in expected.yaml."""
         camera = self.expected["camera"]
         return calibration((1280, 960), camera["K"], camera["D"], camera["distortion_model"])
 
@@ -65,21 +66,21 @@ class Photos:
         return sextant.pose_from_xyz_rpy(marker["xyz"], marker["roll_pitch_yaw"])
 
     def image(self, name: str) -> np.ndarray:
-        """(height, width, 3) BGR."""
+        """Reads a photo, uint8 (height, width, 3) BGR."""
         image = cv2.imread(str(self.folder / name))
         if image is None:
             raise FileNotFoundError(f"{self.folder / name} is no image")
         return image
 
     def corners(self) -> Dict[str, Dict[int, Pixels]]:
-        """Corners by photo and id."""
+        """Known corners (4, 2) in pixels, by photo and id."""
         photos = {name: known for name, known in self.expected.items() if name.startswith("tag_")}
         return {
             name: {id: np.array(corners) for id, corners in known.items()} for name, known in photos.items()
         }
 
     def outdoors(self) -> Dict[str, List[Tuple[int, Pixels]]]:
-        """AprilTags (36h11) by photo; libapriltag's order of corners, good for their middle only."""
+        """AprilTags (36h11) by photo; corners in libapriltag's order, so only their mean is used."""
         lists = sorted(self.folder.glob("*_c.txt"))
         return {path.with_suffix(".jpg").name: _read_tags(path) for path in lists}
 
@@ -91,41 +92,45 @@ class Photos:
 
 
 def _read_tags(path: Path) -> List[Tuple[int, Pixels]]:
+    """Reads a list of tags: an id and four corners per line."""
     lines = [re.findall(r"-?\d+(?:\.\d+)?", line) for line in path.read_text().splitlines()]
     return [(int(id), np.array(pixels, dtype=float).reshape(4, 2)) for id, *pixels in filter(None, lines)]
 
 
 @dataclass(frozen=True)
-class Sighting:
-    """One image of a tagslam folder."""
+class Observation:
+    """The detections in one image of a tagslam recording."""
 
-    stamp: float  # seconds, as written
+    stamp: float  # seconds, as in the file
     camera: str
     detections: list  # sextant.Detection, raw pixels
 
 
 @dataclass(frozen=True)
 class TagslamRecording:
-    """A recording, and the map and poses that tagslam made of it (a reference, not a truth)."""
+    """A recording, and tagslam's map and poses (a reference, not ground truth)."""
 
     cameras: dict  # sextant.CameraModel by name
     mounts: Dict[str, np.ndarray]  # T_rig_camera (4 x 4) by name
     map: "sextant.MarkerMap"
     trajectory: Dict[float, np.ndarray]  # T_map_rig (4 x 4) by stamp
-    sightings: List[Sighting]
+    observations: List[Observation]
 
-    def view(self, sighting: Sighting):
-        """sextant.MarkerView of a sighting."""
-        camera = sighting.camera
-        return sextant.MarkerView(self.cameras[camera], self.mounts[camera], sighting.detections)
+    def view(self, observation: Observation):
+        """sextant.MarkerView of an observation."""
+        camera = observation.camera
+        return sextant.MarkerView(self.cameras[camera], self.mounts[camera], observation.detections)
 
-    def referenced(self) -> List[Sighting]:
-        """Those that saw a marker and whose stamp has a reference pose."""
-        return [each for each in self.sightings if each.detections and each.stamp in self.trajectory]
+    def referenced(self) -> List[Observation]:
+        """Observations that contain a marker and whose stamp has a reference pose."""
+        return [each for each in self.observations if each.detections and each.stamp in self.trajectory]
 
 
 def read_tagslam(folder: Path) -> TagslamRecording:
-    """:raises OSError: a file is not there"""
+    """Reads a tagslam recording.
+
+    :raises OSError: a file is missing
+    """
     cameras, mounts = {}, {}
     for name, entry in yaml.safe_load((folder / "cameras.yaml").read_text()).items():
         fx, fy, cx, cy = entry["intrinsics_fx_fy_cx_cy"]
@@ -136,22 +141,23 @@ def read_tagslam(folder: Path) -> TagslamRecording:
     (trajectory,) = folder.glob("trajectory_*.csv")
     poses = {float(row["stamp"]): _row_pose(row) for row in _rows(trajectory)}
     return TagslamRecording(
-        cameras, mounts, _read_map(folder / "markers.csv"), poses, _read_sightings(folder)
+        cameras, mounts, _read_map(folder / "markers.csv"), poses, _read_observations(folder)
     )
 
 
 def _read_map(path: Path):
-    marker_map = sextant.MarkerMap("map")
-    for row in _rows(path):
-        marker_map.add(sextant.MappedMarker("tag36h11", int(row["id"]), float(row["size"]), _row_pose(row)))
-    return marker_map
+    return map_of(
+        sextant.MappedMarker("tag36h11", int(row["id"]), float(row["size"]), _row_pose(row))
+        for row in _rows(path)
+    )
 
 
-def _read_sightings(folder: Path) -> List[Sighting]:
+def _read_observations(folder: Path) -> List[Observation]:
     with gzip.open(str(folder / "sightings.jsonl.gz"), "rt") as file:
         images = [json.loads(line) for line in file]
     return [
-        Sighting(image["stamp"], image["camera"], list(map(_detection, image["markers"]))) for image in images
+        Observation(image["stamp"], image["camera"], list(map(_detection, image["markers"])))
+        for image in images
     ]
 
 
@@ -169,7 +175,7 @@ def _row_pose(row: dict) -> np.ndarray:
 
 
 def _pose(xyz_qxyzw: Sequence[float]) -> np.ndarray:
-    """4 x 4 from metres and a quaternion, normalized here because the files have eight digits."""
+    """Pose (4, 4) from metres and a quaternion, which is normalized because the files have eight digits."""
     q = np.array(xyz_qxyzw[3:]) / np.linalg.norm(xyz_qxyzw[3:])
     axis_norm = np.linalg.norm(q[:3])
     angle = 2.0 * np.arctan2(axis_norm, q[3])

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""A master of one's own and what is launched on it; all of it ends with the session."""
+"""Runs a ROS master and launch files for a benchmark; all of them end with their context."""
 
 import os
 import signal
@@ -14,12 +14,12 @@ from xmlrpc.client import ServerProxy
 
 import rosgraph
 
-END = 20.0  # seconds that a launch has to end its nodes
+END = 20.0  # time for a launch file to end its nodes, seconds
 
 
 @contextmanager
 def ros_master(logs: Path) -> Iterator[None]:
-    """Runs a roscore on a free port, and sets this process's environment to it."""
+    """Runs a roscore on a free port, and sets ROS_MASTER_URI and related variables of this process."""
     with socket.socket() as probe:
         probe.bind(("localhost", 0))
         port = probe.getsockname()[1]
@@ -35,7 +35,7 @@ def ros_master(logs: Path) -> Iterator[None]:
 
 @contextmanager
 def launched(path: Path, arguments: Dict[str, str]) -> Iterator[None]:
-    """Runs a launch file."""
+    """Runs a launch file with arguments."""
     with _running(["roslaunch", str(path), *(f"{name}:={value}" for name, value in arguments.items())]):
         yield
 
@@ -46,7 +46,7 @@ def _running(command: list) -> Iterator[None]:
         try:
             yield
         finally:
-            process.send_signal(signal.SIGINT)  # roslaunch then ends what it started
+            process.send_signal(signal.SIGINT)  # roslaunch then ends its nodes
             try:
                 process.wait(END)
             except subprocess.TimeoutExpired:
@@ -54,7 +54,11 @@ def _running(command: list) -> Iterator[None]:
 
 
 def wait_for(what: str, condition: Callable[[], bool], timeout: float) -> None:
-    """:raises TimeoutError: not so within timeout seconds"""
+    """Waits until a condition is true.
+
+    :param what: what is awaited, for the error
+    :raises TimeoutError: the condition is not true within timeout seconds
+    """
     end = time.monotonic() + timeout
     while not condition():
         if time.monotonic() > end:
@@ -63,11 +67,11 @@ def wait_for(what: str, condition: Callable[[], bool], timeout: float) -> None:
 
 
 def process_id(node: str) -> int:
-    """Of the process that runs a node."""
+    """Process id of the process that runs a node."""
     return ServerProxy(rosgraph.Master("/benchmark").lookupNode(node)).getPid("/benchmark")[2]
 
 
 def cpu_seconds(pid: int) -> float:
-    """User and system time that a process has used (proc(5): fields 14 and 15)."""
+    """User and system CPU time of a process, seconds (proc(5): fields 14 and 15)."""
     fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Figures with the bars that they are held to, as text for people and as JSON."""
+"""Figures with their bars (limits that they must keep), as text, Markdown and JSON."""
 
 import math
 from dataclasses import dataclass, field
@@ -14,13 +14,13 @@ class Value:
     """A figure and its bar, if it has one."""
 
     value: float
-    digits: int = 2
+    digits: int = 2  # decimals in texts
     at_most: Optional[float] = None
     at_least: Optional[float] = None
 
     @property
     def holds(self) -> bool:
-        """Whether the bar holds. NaN (nothing was measured) holds no bar."""
+        """Whether the value keeps its bars. NaN (nothing was measured) keeps none."""
         above = self.at_least is None or self.value >= self.at_least
         below = self.at_most is None or self.value <= self.at_most
         return bool(above and below)
@@ -34,7 +34,7 @@ class Value:
         return text if self.holds else text + " FAILS"
 
     def as_json(self) -> dict:
-        """Value, bars and whether they hold; null for what is not finite or not there."""
+        """Value, bars and whether they hold; None if the value is not finite or there is no bar."""
         value = float(self.value) if math.isfinite(self.value) else None
         bars = {"at_most": self.at_most, "at_least": self.at_least, "holds": self.holds}
         return {"value": value, **bars}
@@ -45,15 +45,16 @@ Row = Tuple[str, Sequence[Union[Value, str]]]
 
 @dataclass(frozen=True)
 class Table:
-    """Rows of figures under one title; the samples by row are what a plot is drawn from."""
+    """Rows of figures under one title, with samples for plots."""
 
     title: str
     columns: Sequence[str]
     rows: List[Row]
-    samples: Dict[str, np.ndarray] = field(default_factory=dict)  # which ones: what makes the table says
+    samples: Dict[str, np.ndarray] = field(default_factory=dict)  # by name; each table defines their shape
 
     @property
     def holds(self) -> bool:
+        """Whether all bars hold."""
         return all(cell.holds for _, cells in self.rows for cell in cells if isinstance(cell, Value))
 
     def __str__(self) -> str:
@@ -62,8 +63,14 @@ class Table:
         text = ["  ".join(cell.ljust(width) for cell, width in zip(line, widths)).rstrip() for line in lines]
         return "\n".join([self.title, *text])
 
+    def as_markdown(self) -> str:
+        """A Markdown heading and table."""
+        lines = [["", *self.columns], ["---"] * (len(self.columns) + 1)]
+        lines += [[name, *map(str, cells)] for name, cells in self.rows]
+        return "\n".join([f"### {self.title}\n", *(f"| {' | '.join(line)} |" for line in lines)])
+
     def as_json(self) -> dict:
-        """Title and rows; a row has its name and its cells by column."""
+        """Title and rows; each row has a name and its cells by column."""
         rows = [{"name": name, **self._cells_as_json(cells)} for name, cells in self.rows]
         return {"title": self.title, "holds": self.holds, "rows": rows}
 

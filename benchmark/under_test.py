@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""What is measured: detectors and locators with their default parameters."""
+"""The objects under test: detectors and locators with default parameters, and maps for them."""
+
+from typing import Iterable
 
 import sextant
 
@@ -8,7 +10,7 @@ MODES = ("nearest", "average", "joint")
 
 
 def detector(family: str, **changed) -> "sextant.MarkerDetector":
-    """Of one family; changed: fields of sextant.DetectorParams that are not their default."""
+    """Returns a detector of one family; changed: fields of sextant.DetectorParams with other values."""
     params = sextant.DetectorParams()
     for name, value in {"families": [family], **changed}.items():
         setattr(params, name, value)
@@ -16,7 +18,15 @@ def detector(family: str, **changed) -> "sextant.MarkerDetector":
 
 
 def locator(mode: str) -> "sextant.MarkerLocator":
-    """Of one mode."""
+    """Returns a locator in one mode of MODES."""
     params = sextant.LocatorParams()
     params.mode = mode
     return sextant.MarkerLocator(params)
+
+
+def map_of(markers: Iterable["sextant.MappedMarker"]) -> "sextant.MarkerMap":
+    """Returns a map of these markers in the frame `map`."""
+    result = sextant.MarkerMap()
+    for marker in markers:
+        result.add(marker)
+    return result

@@ -2,7 +2,7 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
 #
-# Installs what apt must and builds Sextant; afterwards `. build/devel/setup.bash` and roslaunch.
+# Installs missing packages and builds Sextant; afterwards `. build/devel/setup.bash` and roslaunch.
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/../tools/environment.sh"
 

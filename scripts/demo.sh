@@ -2,7 +2,7 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
 #
-# Installs what apt must, builds Sextant and runs its demo on a master of its own, whatever else runs here.
+# Installs missing packages, builds Sextant and runs its demo on a separate master.
 #
 #   scripts/demo.sh [name:=value ...]      the arguments of launch/demo.launch, for instance rviz:=true mode:=nearest
 #   scripts/demo.sh --ros-args             lists them
@@ -21,7 +21,7 @@ log=$(mktemp)
 trap 'rm -f "$log"' EXIT
 roslaunch -p "$port" sextant demo.launch "$@" 2>&1 | tee -i "$log"
 
-# roslaunch's exit status does not tell that a node died, and its farewells hide the table.
+# The exit status of roslaunch does not show that a node died, and its last messages hide the table.
 if grep -q 'process has died \[' "$log"; then die "the demo failed: a node has died, see above"; fi
 table=$(awk '/position error, cm/ {table = 1} /\033|killing on exit/ {table = 0} table' "$log")
 [[ -n $table ]] || die "the demo failed: no table of errors"

@@ -2,7 +2,7 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
 #
-# Installs what apt must, builds Sextant and runs its tests (gtest, pytest, rostest), several at a time, each rostest on a
+# Installs missing packages, builds Sextant and runs its tests (gtest, pytest, rostest), several at a time, each rostest on a
 # master of its own. Fails when one fails, with the path of its log; the last line is the total.
 #
 #   scripts/test.sh                      every test
@@ -11,9 +11,9 @@
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/../tools/environment.sh"
 
-install_packages "$root/tools/apt_packages.txt"
+install_packages "$root/tools/apt_packages.txt" "$root/tools/apt_packages_docs.txt"
 continue_as_owner "$@"
-build_package all tests
+build_package tests
 
 chosen=("$@")
 if [[ ${1-} == --quick ]]; then

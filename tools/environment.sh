@@ -2,8 +2,8 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
 #
-# Sourced by the other scripts: installs what apt must, builds this package in a workspace of its own (build/ of the
-# checkout), and is not misled by what the caller's shell has sourced.
+# Sourced by the other scripts: installs missing packages, builds this package in a workspace of its own (build/ of the
+# checkout), and ignores what the shell of the caller has sourced.
 
 script=$(realpath "$0")
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd -P)
@@ -17,37 +17,40 @@ unset PYTHONPATH PYTHONHOME LD_LIBRARY_PATH PKG_CONFIG_PATH
 unset CMAKE_PREFIX_PATH ROS_PACKAGE_PATH ROS_NAMESPACE ROS_IP ROS_IPV6
 export ROS_HOSTNAME=localhost ROS_HOME=$build/ros
 
-say() { echo "sextant: $*" >&2; }
-die() { say "$*"; exit 1; }
+log() { echo "sextant: $*" >&2; }
+die() { log "$*"; exit 1; }
 
 if [[ $root =~ [^[:alnum:]/._+@-] ]]; then
   die "catkin cannot build in '$root': move it to a path without blanks and special characters"
 fi
 
-# missing_packages LIST...: the names in the lists that dpkg does not know as installed.
+# missing_packages LIST...: the names in the lists that dpkg does not know as installed. `NAME >= VERSION` is for this and
+# later versions of Debian.
 missing_packages() {
+  local version
+  version=$(. /etc/os-release && echo "${VERSION_ID:-99}")  # testing and unstable have none
   LC_ALL=C comm -23 \
-    <(sed 's/#.*//; /^[[:space:]]*$/d' "$@" | LC_ALL=C sort -u) \
+    <(sed 's/#.*//' "$@" | awk -v version="$version" 'NF && version >= $3 + 0 {print $1}' | LC_ALL=C sort -u) \
     <(dpkg-query -W -f='${db:Status-Status} ${Package}\n' | sed -n 's/^installed //p' | LC_ALL=C sort -u)
 }
 
-# install_packages LIST...: asks apt only for what is missing; needs root or sudo only then.
+# install_packages LIST...: installs missing packages with apt; needs root or sudo only then.
 install_packages() {
   command -v dpkg-query >/dev/null || die "this is not Debian (no dpkg); install by hand what $* name"
   local missing log sudo=()
   mapfile -t missing < <(missing_packages "$@")
   ((${#missing[@]})) || return 0
   if ((EUID)); then
-    command -v sudo >/dev/null || die "let root do first: apt-get install --no-install-recommends ${missing[*]}"
+    command -v sudo >/dev/null || die "run as root first: apt-get install --no-install-recommends ${missing[*]}"
     sudo=(sudo)
   fi
-  say "installing ${#missing[@]} packages with apt; on a bare system this takes some minutes"
+  log "installing ${#missing[@]} packages with apt; on a bare system this takes some minutes"
   log=$(mktemp)
   apt_get() { "${sudo[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -qq -o DPkg::Lock::Timeout=300 "$@"; }
-  apt_get update >"$log" || say "apt-get update failed; trying with the package lists that are there"
+  apt_get update >"$log" || log "apt-get update failed; trying with the existing package lists"
   if ! apt_get install -y --no-install-recommends "${missing[@]}" >>"$log"; then
     cat "$log" >&2
-    die "apt could not install ${missing[*]} (made for Debian 12; this is $(. /etc/os-release && echo "$PRETTY_NAME"))"
+    die "apt could not install ${missing[*]} (made for Debian 11 to 13; this is $(. /etc/os-release && echo "$PRETTY_NAME"))"
   fi
   rm -f "$log"
 }
@@ -77,7 +80,7 @@ make_jobs() {
 link_sources() {
   local entry
   mkdir -p "$source"
-  find "$source" -maxdepth 1 -xtype l -delete  # what the checkout no longer has
+  find "$source" -maxdepth 1 -xtype l -delete  # links to removed files
   for entry in "$root"/*; do
     [[ $entry == "$build" ]] || ln -sfn "$entry" "$source/${entry##*/}"
   done
@@ -86,7 +89,7 @@ link_sources() {
 # prepare_build: the folder of the build and its links to the checkout.
 prepare_build() {
   if [[ -f $binary/CMakeCache.txt ]] && ! grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=$source" "$binary/CMakeCache.txt"; then
-    say "the checkout has moved: building anew"
+    log "the checkout has moved: rebuilding"
     rm -rf "$build"
   fi
   if ! { mkdir -p "$build" && touch "$build/CATKIN_IGNORE"; }; then die "cannot write $build (left by another user? remove it)"; fi
@@ -116,7 +119,7 @@ build_package() {
   set -o pipefail
   flock "$build/lock" make -C "$binary" --no-print-directory -j"$(make_jobs)" "${@:-all}" 2>&1 |
     python3 "$root/tools/build_progress.py" "$build/build.log" ||
-    die "the build failed; all that the compiler printed is in $build/build.log"
+    die "the build failed; see the compiler output in $build/build.log"
   set +u
   # shellcheck disable=SC1091
   . "$build/devel/setup.bash"

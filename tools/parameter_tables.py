@@ -1,34 +1,30 @@
-#!/usr/bin/env python3
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Writes the parameter tables of the nodelets in doc/nodes.md from the structs of the core."""
+"""The parameter tables of the nodelets in doc/reference/nodes.md from the structs of the core."""
 
 import re
-import sys
-from pathlib import Path
 from typing import Any
 
 import sextant
 
-PAGE = Path(__file__).resolve().parents[1] / "doc/nodes.md"
 STRUCTS = {
     "marker_detector": sextant.MarkerDetectorNodeParams,
     "marker_locator": sextant.MarkerLocatorNodeParams,
     "landmark_slam": sextant.LandmarkSlamNodeParams,
     "camera_driver": sextant.CameraDriverNodeParams,
 }
-HEAD = "| parameter | type | range | default | what |\n| --- | --- | --- | --- | --- |\n"
+HEAD = "| parameter | type | range | default | description |\n| --- | --- | --- | --- | --- |\n"
 
 
 def literal(value: Any) -> str:
-    """As YAML has it; a text that would be something else there, in quotes."""
+    """Formats a value as YAML; strings that would be read as another type are quoted."""
     if isinstance(value, str) and (not value or value.isdigit()):
         return f'"{value}"'
     return re.sub("'", "", str(value).lower() if isinstance(value, bool) else str(value))
 
 
 def table_of(struct: type) -> str:
-    """The table of a struct's parameters, Markdown."""
+    """Returns the table of the parameters of a struct, Markdown."""
     defaults, rows = struct(), []
     for name, kind, allowed, unit, what in struct.fields():
         kind = f"{kind}, {unit}" if unit else kind
@@ -39,17 +35,10 @@ def table_of(struct: type) -> str:
 
 
 def with_tables(page: str) -> str:
-    """The page with the table below each nodelet's heading as the struct has it."""
+    """Returns the page with the table of each nodelet generated from its struct."""
     for node, struct in STRUCTS.items():
         below = page.index(f"\n## {node}\n")
         begin = page.index(HEAD, below)
         end = page.index("\n\n", begin) + 1
         page = page[:begin] + table_of(struct) + page[end:]
     return page
-
-
-if __name__ == "__main__":
-    text = PAGE.read_text(encoding="utf-8")
-    new = with_tables(text)
-    PAGE.write_text(new, encoding="utf-8")
-    print("up to date" if new == text else "changed", file=sys.stderr)

@@ -2,7 +2,7 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
 #
-# Installs what apt must, builds Sextant with a sanitizer and runs the C++ tests. Fails at the first finding.
+# Installs missing packages, builds Sextant with a sanitizer and runs the C++ tests. Fails at the first finding.
 #
 #   tools/sanitize.sh address    AddressSanitizer with leaks, UBSan: core, bridges, all nodelets in one process
 #   tools/sanitize.sh thread     ThreadSanitizer: all nodelets in one process, several threads
@@ -16,7 +16,7 @@ case ${1-} in
     targets+=(tests)
     ;;
   thread) flags="-fsanitize=thread" ;;
-  *) die "say which: address or thread" ;;
+  *) die "argument needed: address or thread" ;;
 esac
 sanitizer=$1
 
@@ -25,7 +25,7 @@ continue_as_owner "$@"
 prepare_build
 
 # Debian's libraries are not built with the sanitizer: what is theirs alone is in these lists, each with its reason.
-# An assertion of ROS stops its process by a trap without a word: handle_sigtrap makes it tell where.
+# A failed assertion of ROS raises SIGTRAP without a message: handle_sigtrap prints the location.
 lists=$root/test/sanitizer
 export ASAN_OPTIONS=detect_stack_use_after_return=1:new_delete_type_mismatch=1:handle_sigtrap=1
 export LSAN_OPTIONS=suppressions=$lists/leaks.txt:print_suppressions=0
@@ -67,4 +67,4 @@ if [[ $sanitizer == address ]]; then
 fi
 run_on_master "$programs/nodelets_storm" _num_worker_threads:=4
 run_on_master "$programs/landmark_storm" _num_worker_threads:=4
-say "nothing found by the $sanitizer sanitizer"
+log "nothing found by the $sanitizer sanitizer"

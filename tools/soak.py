@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Lets the demo drive for long and watches the memory and the threads of its nodes. Called by soak.sh."""
+"""Runs the demo for a long time and monitors memory and threads of its nodes. Called by soak.sh."""
 
 import csv
 import os
@@ -15,12 +15,12 @@ from pathlib import Path
 from xmlrpc.client import ServerProxy
 
 PERIOD = 10.0  # s between two samples
-WARM_UP = 60.0  # s that are not judged
-SETTLED = 6  # samples whose median is the level at the begin and at the end
+WARM_UP = 60.0  # s that are ignored
+SETTLED = 6  # samples whose median is the initial and the final level
 GROWTH = 5.0  # MB that a node may grow by
 START = 120.0  # s within which the nodes must be there
 NODES = 6  # simulator, manager, detector's and locators' loaders, broadcaster, drive_recorder: at least
-RECORDER = "/drive_recorder"  # keeps every pose for its table, which is what it is for: not judged
+RECORDER = "/drive_recorder"  # stores all poses for its table: ignored
 COLUMNS = ["seconds", "node", "rss_mb", "threads", "cpu_seconds"]
 
 
@@ -106,7 +106,7 @@ def report(rows):
         judged = name != RECORDER
         bad = judged and (end - begin > GROWTH or last > first)
         flat = flat and not bad
-        remark = "" if judged else "  records the drive: not judged"
+        remark = "" if judged else "  records the drive: ignored"
         print(
             f"{name:28} {begin:12.1f} {end:12.1f} {most:8.1f} {first:5d} -> {last:3d} {cores:6.2f}"
             + ("  GROWS" if bad else remark)
@@ -118,10 +118,10 @@ def report(rows):
 def main():
     minutes, path = float(sys.argv[1]), sys.argv[2]
     if 60 * minutes < WARM_UP + 2 * PERIOD:
-        sys.exit("soak: at least 2 minutes, the first of which is not judged")
+        sys.exit("soak: at least 2 minutes, the first of which is ignored")
     port = free_port()
     os.environ["ROS_MASTER_URI"] = f"http://localhost:{port}"
-    arguments = ["headless:=true", "frames:=0", "speed:=1.0", "picture:=none"]
+    arguments = ["headless:=true", "frames:=0", "speed:=1.0", "plot:=none"]
     with open(path + ".log", "w") as log:
         demo = subprocess.Popen(
             ["roslaunch", "-p", str(port), "sextant", "demo.launch", *arguments], stdout=log, stderr=log

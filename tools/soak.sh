@@ -2,10 +2,10 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
 #
-# Installs what apt must, builds Sextant and lets its demo drive for long, on a master of its own. Fails when the memory
+# Installs missing packages, builds Sextant and runs its demo for a long time, on a separate master. Fails when the memory
 # of a node grows by more than 5 MB after the first minute, or when its threads become more.
 #
-#   tools/soak.sh [MINUTES [FILE.csv]]      60 minutes into build/soak.csv, where nothing else is asked for
+#   tools/soak.sh [MINUTES [FILE.csv]]      60 minutes into build/soak.csv, by default
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
 

@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 TEST = re.compile(
-    r'^\d+/\d+ Testing: (?:_ctest_sextant_)?(?P<name>\S+)\n.*?^Output:\n-+\n(?P<output>.*?)<end of output>\n'
+    r"^\d+/\d+ Testing: (?:_ctest_sextant_)?(?P<name>\S+)\n.*?^Output:\n-+\n(?P<output>.*?)<end of output>\n"
     r"Test time = +(?P<seconds>[\d.]+) sec\n-+\n(?P<outcome>[^\n]*)",
     re.M | re.S,
 )

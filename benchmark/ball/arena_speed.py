@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""How fast the simulated world of the ball task is drawn: colour and depth of 640×480 pixels, on one core."""
+"""Rendering speed of the ball task's simulation: colour and depth of 640×480 pixels on one core."""
 
 import time
 from typing import List
@@ -10,14 +10,14 @@ import numpy as np
 from tables import Table, Value
 
 from sextant.simulation.ball_simulation import BallSimulation, BallSimulationParams
-from sextant.simulation.ball_world import drawn_world
+from sextant.simulation.ball_world import random_world
 
-WORLDS, SHOTS, QUICK_WORLDS = 20, 10, 2
-FRAMES = 15.0  # a second, of colour and depth
+WORLDS, SHOTS, QUICK_WORLDS = 20, 10, 2  # worlds; image pairs in each; worlds of a quick run
+FRAMES = 15.0  # minimum rate of image pairs, Hz
 
 
 def arena_tables(quick: bool) -> List[Table]:
-    """One table; time is that of the processor, in every world the least of some shots."""
+    """One table of rates by CPU time: in each world the minimum of SHOTS image pairs."""
     threads = cv2.getNumThreads()
     cv2.setNumThreads(1)
     seconds = [_least(seed) for seed in range(QUICK_WORLDS if quick else WORLDS)]
@@ -34,11 +34,11 @@ def arena_tables(quick: bool) -> List[Table]:
 
 
 def _least(seed: int) -> float:
-    """Seconds of the processor for a pair of pictures."""
-    simulation = BallSimulation(drawn_world(3, seed), BallSimulationParams(seed=seed))
+    """Minimum CPU time of a pair of images, seconds."""
+    simulation = BallSimulation(random_world(3, seed), BallSimulationParams(seed=seed))
     seconds = []
     for _ in range(SHOTS):
         begin = time.process_time()
-        simulation.take_picture()
+        simulation.take_images()
         seconds.append(time.process_time() - begin)
     return min(seconds)

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""The ball task played in simulated worlds, with pictures, network and filter in the loop.
+"""Success rate of the ball task in simulated worlds, with rendering, network and filter in the loop.
 
-The long run, with 200 worlds of each task, is score_ball_task.
+score_ball_task is the long run with 200 worlds of each task.
 """
 
 import os
@@ -17,8 +17,8 @@ from sextant.evaluation.ball_score import Match, Score, play_match, score_of
 from sextant.objects.shipped_model import shipped_model
 
 WORLDS = 40
-SUCCESS = {2: 95.0, 3: 90.0}  # % of the worlds, at least
-UNTOUCHED = {2: 97.5, 3: None}  # % in which no pillar was touched, at least: of 40 one may be
+SUCCESS = {2: 95.0, 3: 90.0}  # minimum % of successful runs by task
+UNTOUCHED = {2: 97.5, 3: None}  # minimum % of the runs without contact with a pillar: all but one of 40
 COLUMNS = [
     "success, %", "ball through, %", "no pillar touched, %", "median time to goal, s", "stop error, cm (RMS)",
     "kicks", "simulated s per s",
@@ -26,7 +26,7 @@ COLUMNS = [
 
 
 def match_tables(quick: bool) -> List[Table]:
-    """One table; a quick run is of one world of each task, without bars."""
+    """One table; a quick run has one world of each task and no bars."""
     worlds = 1 if quick else WORLDS
     model = str(shipped_model())
     matches = [Match(task, seed, model) for task in SUCCESS for seed in range(worlds)]

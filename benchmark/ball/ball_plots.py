@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Pictures of the ball task: what the network takes for what, and where and when the robot is done."""
+"""Plots of the ball task: confusion matrix of the network, and time and position at the end of each run."""
 
 from functools import partial
 from pathlib import Path
@@ -12,23 +12,20 @@ from tables import Table
 
 from sextant.evaluation.ball_score import STOP, STOP_ERROR
 from sextant.objects.yolo_detector import YoloParams
+from sextant.training.average_precision import DetectorScore
 from sextant.training.detector_scores import plot_confusion
-from sextant.training.mean_precision import DetectorScore
-from sextant.training.object_pictures import CLASSES
+from sextant.training.object_images import CLASSES
 
 
-def plot_ball_task(folder: str, results: Dict[str, List[Table]]) -> None:
-    """Writes folder/detector.png and folder/task.png; makes the folder."""
-    Path(folder).mkdir(parents=True, exist_ok=True)
+def plot(folder: Path, results: Dict[str, List[Table]]) -> None:
+    """Writes folder/detector.png and folder/task.png."""
     if "detector" in results:
         samples = results["detector"][0].samples
         score = DetectorScore(samples["precision"], samples["table"], YoloParams.confidence)
-        plot_confusion(Path(folder) / "detector.png", score, CLASSES)
+        plot_confusion(folder / "detector.png", score, CLASSES)
     if "task" in results:
         (table,) = results["task"]
-        save_picture(
-            str(Path(folder) / "task.png"), [Panel(table.title, partial(_draw_ends, table))], columns=1
-        )
+        save_picture(folder / "task.png", [Panel(table.title, partial(_draw_ends, table))], columns=1)
 
 
 def _draw_ends(table: Table, axes: Axes) -> None:

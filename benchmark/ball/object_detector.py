@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""The network that Sextant brings, on simulated pictures that it has not learnt from.
+"""Accuracy and speed of Sextant's network on simulated images that it was not trained on.
 
-Half of the pictures are of the ball task's worlds, half of anything on a floor, at the network's own size.
-Objects that are too small in it do not count (see sextant.training.object_pictures). The detector by colour
-has the same pictures, at the same size.
+Half of the images show worlds of the ball task, half random clutter, at the input size of the network.
+Objects that are too small at this size do not count (see sextant.training.object_images). The colour detector
+uses the same images at the same size.
 """
 
 import importlib.util
@@ -21,31 +21,36 @@ from sextant.objects.colour_detector import ColourDetector, ColourParams
 from sextant.objects.detection import Detections
 from sextant.objects.shipped_model import shipped_model
 from sextant.objects.yolo_detector import YoloDetector, YoloParams
-from sextant.training.detector_scores import LEAST
-from sextant.training.mean_precision import DetectorScore, detector_score, recall_and_precision
-from sextant.training.object_pictures import CLASSES, PictureSet, picture_set
+from sextant.training.average_precision import DetectorScore, detector_score, recall_and_precision
+from sextant.training.detector_scores import MIN_SCORE
+from sextant.training.object_images import CLASSES, ImageSet, image_set
 
-FIRST, PICTURES, QUICK_PICTURES = 5_000_000, 500, 12  # seeds: neither learnt from nor judged by in training
-MEAN, GFLOP, MEGABYTES, EQUAL = 0.95, 0.5, 4.0, 1e-3
-REPEATS, TIMED = 5, 20  # of timing, and pictures of it
+FIRST, IMAGES, QUICK_IMAGES = (
+    5_000_000,
+    500,
+    12,
+)  # first seed (none is used for training or validation); number of images
+MEAN, GFLOP, MEGABYTES = 0.95, 0.5, 4.0  # minimum mAP50; maximum operations of an image and file size
+EQUAL = 1e-3  # maximum difference of boxes (pixels) and scores between backends
+REPEATS, TIMED = 5, 20  # repetitions per timed image; number of timed images
 
 
 class Judged(NamedTuple):
-    """A detector on all pictures."""
+    """Scores and detections of a detector on all images."""
 
     score: DetectorScore
     found: List[Detections]
 
 
 def detector_tables(quick: bool) -> List[Table]:
-    """Accuracy by class, then what the network is and takes."""
+    """Accuracy by class, then size and cost of the network."""
     model = str(shipped_model())
     size = YoloDetector(YoloParams(model=model)).size[0]
-    count = QUICK_PICTURES if quick else PICTURES
-    pictures = picture_set(range(FIRST, FIRST + count), size, os.cpu_count() or 1, "pictures")
-    network = _judged(YoloDetector(YoloParams(model=model, backend="opencv", confidence=LEAST)), pictures)
-    colour = _judged(ColourDetector(ColourParams(least_area=4)), pictures)
-    title = f"{count} simulated pictures at {size} px, network: score >= {YoloParams.confidence:g}"
+    count = QUICK_IMAGES if quick else IMAGES
+    pictures = image_set(range(FIRST, FIRST + count), size, os.cpu_count() or 1, "pictures")
+    network = _judged(YoloDetector(YoloParams(model=model, backend="opencv", confidence=MIN_SCORE)), pictures)
+    colour = _judged(ColourDetector(ColourParams(min_area=4)), pictures)
+    title = f"{count} simulated images at {size} px, network: score >= {YoloParams.confidence:g}"
     rows = [_class_row(i, network.score, colour.score) for i in range(len(CLASSES))]
     bar = None if quick else MEAN
     rows.append(
@@ -56,7 +61,7 @@ def detector_tables(quick: bool) -> List[Table]:
     return [accuracy, _facts(model, size), _runtimes(model, pictures)]
 
 
-def _judged(detector, pictures: PictureSet) -> Judged:
+def _judged(detector, pictures: ImageSet) -> Judged:
     found = [detector.detect(image) for image in pictures.images]
     return Judged(detector_score(found, pictures.known(), len(CLASSES), YoloParams.confidence), found)
 
@@ -76,7 +81,7 @@ def _facts(model: str, size: int) -> Table:
 
 
 def gflop(model: str) -> float:
-    """Of one picture: two for each multiplication of a convolution; the rest of the graph does little."""
+    """Operations for one image, 1e9: two per multiplication of a convolution; others are negligible."""
     graph = shape_inference.infer_shapes(onnx.load(model)).graph
     weights = {each.name: list(each.dims) for each in graph.initializer}
     shapes = {
@@ -88,8 +93,8 @@ def gflop(model: str) -> float:
     return 2e-9 * float(sum(made))
 
 
-def _runtimes(model: str, pictures: PictureSet) -> Table:
-    """Time on one thread, the least of several runs, and how far the others' boxes are from OpenCV's."""
+def _runtimes(model: str, pictures: ImageSet) -> Table:
+    """Table of the times on one thread, and the difference of each backend's boxes to those of OpenCV."""
     rows: List[Row] = []
     expected: List[Detections] = []
     for backend in sorted(BACKENDS, reverse=True):  # opencv first
@@ -106,8 +111,8 @@ def _runtimes(model: str, pictures: PictureSet) -> Table:
     return Table("both runtimes, one thread", columns, rows)
 
 
-def _least(detector: YoloDetector, pictures: PictureSet, stage: str) -> float:
-    """Seconds of a stage: the median over pictures of the least of some runs."""
+def _least(detector: YoloDetector, pictures: ImageSet, stage: str) -> float:
+    """Seconds of a stage: median over images of the minimum of some runs."""
     seconds = []
     for image in pictures.images[:TIMED]:
         runs = []
@@ -119,7 +124,7 @@ def _least(detector: YoloDetector, pictures: PictureSet, stage: str) -> float:
 
 
 def _difference(found: List[Detections], expected: List[Detections]) -> float:
-    """Of boxes in pixels and scores, the largest; infinite where not the same are found."""
+    """Largest difference of boxes (pixels) and scores; infinite if the classes differ."""
     worst = 0.0
     for one, other in zip(found, expected):
         if list(one.classes) != list(other.classes):

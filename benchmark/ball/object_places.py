@@ -1,10 +1,11 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""How exactly pillars and balls are located, and whether the covariance tells the truth.
+"""Accuracy of located pillars and balls, and consistency of their covariances.
 
-Pictures of many drawn worlds, from anywhere and toward anything. The boxes are a detector's, or the true ones
-with each side off by up to three pixels or 6 % of the box, as a detector's are. The camera tells 1 m as
-1/1.04 m. Errors are in % of the distance from the camera; NEES is over its two degrees of freedom.
+Images of many random worlds from random poses. The boxes are those of a detector, or the true boxes with
+errors like those of a detector: up to three pixels or 6 % of the box on each side. The depth camera measures
+1 m as 1/1.04 m. Errors are in % of the distance from the camera; NEES is divided by
+its two degrees of freedom.
 """
 
 from dataclasses import replace
@@ -14,59 +15,61 @@ import numpy as np
 from tables import Row, Table, Value
 
 import sextant
-from sextant.objects.detection import names_of
 from sextant.objects.object_kinds import BALL, KINDS
 from sextant.objects.object_locator import ObjectLocator, ObjectLocatorParams
 from sextant.simulation.ball_simulation import BallSimulation, BallSimulationParams
-from sextant.simulation.ball_world import drawn_world
-from sextant.training.mean_precision import SAME, overlaps
+from sextant.simulation.ball_world import random_world
+from sextant.training.average_precision import MIN_OVERLAP, overlaps
 
 WORLDS, SHOTS, QUICK_WORLDS = 100, 6, 4
 RANGES = ((0.5, 1.0), (1.0, 2.0), (2.0, 3.0), (0.5, 3.0))  # metres
-ERROR, NEES = 3.0, (0.3, 1.3)  # % at the 95 %; more than the deviations that are told is worse than less
-COLUMNS = ["objects", "told, %", "error at 95 %, %", "median, %", "NEES"]
+ERROR, NEES = 3.0, (0.3, 1.3)  # % at the 95th percentile; bounds of the mean NEES over its dimension
+COLUMNS = ["objects", "located, %", "error at 95 %, %", "median, %", "NEES"]
 
 
 class Judged(NamedTuple):
-    """One object in one picture."""
+    """Evaluation of one object in one image."""
 
     is_ball: bool
     distance: float  # metres
-    error: float  # share of the distance; NaN: it was not told where it is
-    nees: float
+    error: float  # fraction of the distance; NaN: not located
+    nees: float  # of the position, 2 degrees of freedom; NaN: not located
 
 
 def place_tables(quick: bool, detector: Optional[Any] = None) -> List[Table]:
-    """:param detector: with detect() and classes, as YoloDetector has them; None: true boxes"""
+    """One table.
+
+    :param detector: a Detector; None: jittered true boxes
+    """
     worlds = QUICK_WORLDS if quick else WORLDS
     judged = np.array(list(judged_objects(worlds, detector)), float)
     boxes = "true boxes, jittered" if detector is None else "a detector's boxes"
-    title = f"Places of objects: {worlds} worlds, {SHOTS} pictures each, {boxes}"
+    title = f"Places of objects: {worlds} worlds, {SHOTS} images each, {boxes}"
     rows = [_row(judged, False, each, quick) for each in RANGES] + [_row(judged, True, RANGES[-1], True)]
     return [Table(title, COLUMNS, rows)]
 
 
 def _row(judged: np.ndarray, is_ball: bool, ranges: Tuple[float, float], quick: bool) -> Row:
     is_in = (judged[:, 0] == is_ball) & (judged[:, 1] >= ranges[0]) & (judged[:, 1] < ranges[1])
-    told = is_in & ~np.isnan(judged[:, 2])
-    errors = 100.0 * judged[told, 2]
+    located = is_in & ~np.isnan(judged[:, 2])
+    errors = 100.0 * judged[located, 2]
     low, high = NEES if ranges == RANGES[-1] and not quick else (None, None)
     return f"{'ball' if is_ball else 'pillar'}, {ranges[0]:g} to {ranges[1]:g} m", [
         Value(is_in.sum(), 0),
-        Value(100.0 * told.sum() / max(1, is_in.sum()), 1),
+        Value(100.0 * located.sum() / max(1, is_in.sum()), 1),
         Value(np.percentile(errors, 95) if len(errors) else np.nan, 2, at_most=None if quick else ERROR),
         Value(np.median(errors) if len(errors) else np.nan, 2),
-        Value(judged[told, 3].mean() / 2 if len(errors) else np.nan, 2, at_least=low, at_most=high),
+        Value(judged[located, 3].mean() / 2 if len(errors) else np.nan, 2, at_least=low, at_most=high),
     ]
 
 
 def judged_objects(worlds: int, detector: Optional[Any] = None) -> Iterator[Judged]:
-    """All that is in the pictures, and what is seen of it."""
+    """Evaluates all objects in the images."""
     for seed in range(worlds):
-        simulation = BallSimulation(drawn_world(3, seed), BallSimulationParams(seed=seed))
+        simulation = BallSimulation(random_world(3, seed), BallSimulationParams(seed=seed))
         random = np.random.default_rng([seed, 3])
         camera = simulation.camera
-        params = ObjectLocatorParams(scale=1.04)
+        params = ObjectLocatorParams(depth_scale=1.04)
         T_colour_depth = np.linalg.inv(camera.T_base_colour) @ camera.T_base_depth
         models = map(sextant.CameraModel, (camera.colour, camera.depth))
         locator = ObjectLocator(params, *models, T_colour_depth)
@@ -76,7 +79,7 @@ def judged_objects(worlds: int, detector: Optional[Any] = None) -> Iterator[Judg
 
 
 def _go_anywhere(simulation: BallSimulation, random: np.random.Generator) -> None:
-    """Toward a pillar or the ball, which is somewhere in the picture."""
+    """Moves the robot to a random pose from which a pillar or the ball is in the image."""
     ground = simulation.ground
     things = np.array([*([pillar.x, pillar.y] for pillar in ground.pillars), ground.ball])
     thing = things[-1] if random.random() < 0.3 else things[random.integers(len(things))]
@@ -90,7 +93,7 @@ def _go_anywhere(simulation: BallSimulation, random: np.random.Generator) -> Non
 def _judged_picture(
     simulation: BallSimulation, locator: ObjectLocator, detector: Optional[Any], random: np.random.Generator
 ) -> Iterator[Judged]:
-    picture, camera = simulation.take_picture(), simulation.camera
+    picture, camera = simulation.take_images(), simulation.camera
     names = [simulation.class_names[each.object] for each in picture.seen]
     true = np.array([[*each.low, *each.high] for each in picture.seen], float).reshape(-1, 4)
     boxes = jittered(true, random) if detector is None else _detected(detector, picture.colour, true, names)
@@ -103,23 +106,23 @@ def _judged_picture(
         if place is None:
             yield Judged(name == BALL, distance, np.nan, np.nan)
         else:
-            off = place.position - truth
-            nees = off @ np.linalg.solve(place.covariance, off)
-            yield Judged(name == BALL, distance, float(np.linalg.norm(off)) / distance, float(nees))
+            error = place.position - truth
+            nees = error @ np.linalg.solve(place.covariance, error)
+            yield Judged(name == BALL, distance, float(np.linalg.norm(error)) / distance, float(nees))
 
 
 def jittered(boxes: np.ndarray, random: np.random.Generator) -> np.ndarray:
-    """(n, 4), each side off by as much as a detector's may be; not beyond the picture's border."""
+    """Boxes (n, 4) with errors like a detector's on each side, clipped at the image's border."""
     size = np.tile(boxes[:, 2:] - boxes[:, :2], 2)
-    most = np.maximum(np.minimum(3.0, 0.25 * size), 0.06 * size)
-    return np.clip(boxes + random.uniform(-1.0, 1.0, boxes.shape) * most, 0.0, [640, 480, 640, 480])
+    largest = np.maximum(np.minimum(3.0, 0.25 * size), 0.06 * size)
+    return np.clip(boxes + random.uniform(-1.0, 1.0, boxes.shape) * largest, 0.0, [640, 480, 640, 480])
 
 
 def _detected(detector: Any, image: np.ndarray, true: np.ndarray, names: List[str]) -> np.ndarray:
-    """(n, 4) of the true ones; NaN where one was not found."""
+    """Detected boxes (n, 4) of the true boxes; NaN if an object was not detected."""
     found, boxes = detector.detect(image), np.full_like(true, np.nan)
-    for box, name in zip(found.boxes, names_of(found.classes, detector.classes)):
+    for box, name in zip(found.boxes, (detector.classes[each] for each in found.classes)):
         shares = overlaps(box[np.newaxis], true)[0] * [name == other for other in names]
-        if shares.max(initial=0.0) >= SAME:
+        if shares.max(initial=0.0) >= MIN_OVERLAP:
             boxes[int(np.argmax(shares))] = box
     return boxes

@@ -1,15 +1,16 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Whether the filter's covariance tells the truth, where it is told which landmark each sighting is of.
+"""Consistency of the filter's covariance with known data association.
 
-Many seeded drives; the filter knows the start and the noise that the world draws. NEES (Bar-Shalom, Li and
-Kirubarajan 2001, section 5.4) over its degrees of freedom is 1 of a consistent filter: of the pose 3, of the
-map two for every landmark that is known by then, with all that they share. In its band is a moment at which
-the sum over all drives is what a chi-squared variable would be 95 % of the time.
+Seeded drives; the filter is given the initial pose and the noise of the world. NEES (Bar-Shalom, Li and
+Kirubarajan 2001, section 5.4) over its degrees of freedom is 1 for a consistent filter: 3 of the pose, and
+two for every landmark in the map so far, with all cross covariances. A moment is in its band if the sum over
+all drives is within the 95 % interval of its chi-squared distribution.
 
-A covariance is one of errors as the form has them: differences, or where all turn about the origin with the
-heading's. `plain` is with differences and the covariance that is told, in the map's axes: no covariance there
-can bend as the map does where the heading is off. `each` is so, too, of every landmark alone.
+The covariance is of errors in the form of the filter: additive, or right-invariant, where the heading error
+rotates everything about the origin. `plain` uses additive errors and the published covariance in the map
+frame, which cannot represent how the map bends with the heading error. `each` does so for every landmark
+alone.
 """
 
 from typing import Dict, Iterator, List, NamedTuple, Tuple
@@ -18,7 +19,7 @@ import numpy as np
 from scipy.stats import chi2
 from tables import Row, Table, Value
 
-from landmarks.landmark_drives import EXACT, begun_filter, nees, plane_sighting, pose_error, rms
+from landmarks.landmark_drives import EXACT, make_filter, nees, observation_2d, pose_error, rms
 from sextant.geometry.plane_poses import rotation
 from sextant.simulation.landmark_world import LandmarkWorld, LandmarkWorldParams, WorldMoment
 
@@ -29,7 +30,7 @@ COLUMNS += ["pose, cm", "map, cm", "heading, deg"]
 
 
 class Errors(NamedTuple):
-    """Of the pose and the landmarks: x, y, heading, then x, y of each; and their covariance."""
+    """Errors x, y, heading of the pose, then x, y of each landmark, and their covariance."""
 
     errors: np.ndarray
     covariance: np.ndarray
@@ -44,7 +45,7 @@ class Errors(NamedTuple):
 
 
 class Judged(NamedTuple):
-    """The filter after a look, against the truth."""
+    """Errors of the filter after one scan."""
 
     pose_nees: float
     map_nees: float
@@ -57,12 +58,12 @@ class Judged(NamedTuple):
     heading: float  # radians
 
 
-def _as_they_are(plain: Errors, estimate: np.ndarray, truth: np.ndarray) -> Errors:
+def _additive(plain: Errors, estimate: np.ndarray, truth: np.ndarray) -> Errors:
     return plain
 
 
-def _turned(plain: Errors, estimate: np.ndarray, truth: np.ndarray) -> Errors:
-    """xi of truth = exp(xi) estimate in SE_{1+n}(2), as the invariant form has it: with heading error a,
+def _right_invariant(plain: Errors, estimate: np.ndarray, truth: np.ndarray) -> Errors:
+    """xi of truth = exp(xi) estimate in SE_{1+n}(2), the right-invariant error: with heading error a,
     p = R(a) p^ + J(a) xi_p of robot and landmarks, whose positions are rows."""
     angle = plain.errors[2]
     sine, cosine = np.sinc(angle / np.pi), 0.5 * angle * np.sinc(0.5 * angle / np.pi) ** 2
@@ -74,11 +75,11 @@ def _turned(plain: Errors, estimate: np.ndarray, truth: np.ndarray) -> Errors:
     return Errors(np.array([*xi[0], angle, *xi[1:].ravel()]), shear @ plain.covariance @ shear.T)
 
 
-FORMS = {"invariant": _turned, "additive": _as_they_are}  # and their errors
+FORMS = {"invariant": _right_invariant, "additive": _additive}  # errors by form
 
 
 def accuracy_tables(quick: bool) -> List[Table]:
-    """One table; a quick run is of few short drives, without bars."""
+    """One table; a quick run has few short drives, without bars."""
     runs, duration = (3, 20.0) if quick else (RUNS, DURATION)
     judged: Dict[str, list] = {form: [] for form in FORMS}
     for seed in range(runs):
@@ -94,18 +95,18 @@ def accuracy_tables(quick: bool) -> List[Table]:
 
 
 def judged_drive(world: LandmarkWorld, moments: List[WorldMoment], form: str) -> Iterator[Judged]:
-    """After every look."""
-    landmark_filter = begun_filter(form, world.start, EXACT)
+    """After every scan."""
+    landmark_filter = make_filter(form, world.start, EXACT)
     index_of: Dict[int, int] = {}  # of the filter's landmarks, in their order
     for moment in moments:
         landmark_filter.predict(moment.step, moment.noise)
-        if moment.look:
-            known = [seen for seen in moment.look.sightings if seen.truth in index_of]
+        if moment.scan:
+            known = [seen for seen in moment.scan.observations if seen.truth in index_of]
             indices = [index_of[seen.truth] for seen in known]
-            landmark_filter.update(indices, [plane_sighting(seen) for seen in known])
-            for seen in moment.look.sightings:
+            landmark_filter.update(indices, [observation_2d(seen) for seen in known])
+            for seen in moment.scan.observations:
                 if seen.truth not in index_of:
-                    index_of[seen.truth] = landmark_filter.add(plane_sighting(seen))
+                    index_of[seen.truth] = landmark_filter.add(observation_2d(seen))
             yield _judged(form, landmark_filter, moment.pose, world.positions[list(index_of)])
 
 

@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Whether the map has what stands in the world, where nobody says which landmark a sighting is of.
+"""Correctness of the map with unknown data association.
 
-A drive's map is exact when each landmark that was in view often enough is in it once, with its class, and it
-holds nothing else. Often enough is the default of candidates: more than 3 sightings, none more than 10 s
-after the one before it. A landmark stands for the true one of its class that is the likeliest by its
-covariance, and for none where that is less likely than one in ten thousand.
+A map is exact if it contains every landmark that was in view often enough exactly once, with its class, and
+nothing else. Often enough is the default of candidates: more than 3 observations, at most 10 s apart. A
+landmark is assigned to the most likely true one of its class by its covariance, or to none beyond the 99.99 %
+quantile.
 """
 
 from typing import Dict, List, NamedTuple, Optional, Set, Tuple
@@ -16,45 +16,45 @@ from tables import Row, Table, Value
 
 import sextant
 from landmarks.landmark_drives import EXACT, labelled, nees, pose_error, rms, slam_params
-from sextant.simulation.landmark_world import LandmarkWorld, LandmarkWorldParams, SeenLandmark
+from sextant.simulation.landmark_world import LandmarkWorld, LandmarkWorldParams, SimulatedObservation
 
 RUNS, DURATION = 50, 300.0  # seconds
-OFTEN = sextant.LandmarkSlamParams().candidates  # sightings that a candidate needs more of; memory, seconds
+OFTEN = sextant.LandmarkSlamParams().candidates  # observations; max_age, seconds
 PLACE = chi2.ppf(0.9999, 2)  # squared Mahalanobis distance
 COLUMNS = [
     "maps exact, %",
-    "lacking",
+    "missing",
     "too many",
     "wrong associations",
-    "doubtful, %",
+    "ambiguous, %",
     "pose NEES",
     "pose, cm",
 ]
 
 
 class Trouble(NamedTuple):
-    """What is wrong with what the sensor says, and how many maps have to be exact all the same."""
+    """Errors of the sensor, and the minimum share of exact maps."""
 
-    missed: float
-    phantoms: float
-    exact: float  # %, at least
+    detection_probability: float
+    false_alarm_probability: float
+    exact: float  # %, minimum share of exact maps
 
 
 TROUBLES = {
-    "a faultless sensor": Trouble(0.0, 0.0, 98.0),
-    "20 % missed, 5 % phantoms": Trouble(0.2, 0.05, 95.0),
+    "a faultless sensor": Trouble(1.0, 0.0, 98.0),
+    "20 % missed, 5 % false alarms": Trouble(0.8, 0.05, 95.0),
 }
 
 
 class Drive(NamedTuple):
-    """What became of one drive."""
+    """Result of one drive."""
 
     lacking: int  # landmarks
     too_many: int
-    wrong: int  # sightings that were taken for another landmark's
-    doubtful: int
-    sightings: int
-    nees: np.ndarray  # of the pose, after every look
+    wrong: int  # observations associated with the wrong landmark
+    ambiguous: int
+    observations: int
+    nees: np.ndarray  # of the pose, after every scan
     squares: np.ndarray  # of its position error, square metres
 
 
@@ -66,17 +66,21 @@ def association_tables(quick: bool) -> List[Table]:
 
 
 def _row(name: str, trouble: Trouble, runs: int, duration: float, quick: bool) -> Row:
-    of_all = {"duration": duration, "missed": trouble.missed, "phantoms": trouble.phantoms}
+    of_all = {
+        "duration": duration,
+        "detection_probability": trouble.detection_probability,
+        "false_alarm_probability": trouble.false_alarm_probability,
+    }
     worlds = [LandmarkWorld(LandmarkWorldParams(seed=seed, **of_all)) for seed in range(runs)]
     drives = list(map(driven, worlds))
     exact = np.mean([not drive.lacking and not drive.too_many for drive in drives])
-    lacking, too_many, wrong, doubtful, sightings = np.sum([drive[:5] for drive in drives], axis=0)
+    lacking, too_many, wrong, ambiguous, observations = np.sum([drive[:5] for drive in drives], axis=0)
     return name, [
         Value(100 * exact, 0, at_least=None if quick else trouble.exact),
         Value(lacking, 0),
         Value(too_many, 0),
         Value(wrong, 0),
-        Value(100 * doubtful / sightings, 1),
+        Value(100 * ambiguous / observations, 1),
         Value(np.mean([drive.nees for drive in drives]) / 3, 3),
         Value(100 * rms(np.array([drive.squares for drive in drives])), 2),
     ]
@@ -88,33 +92,33 @@ def driven(world: LandmarkWorld) -> Drive:
     nees_of_pose, squares = [], []
     for moment in world.moments():
         slam.predict(moment.step, moment.noise, 1 / world.params.odometry_rate)
-        if moment.look:
-            report = slam.see(moment.look.stamp, labelled(moment.look.sightings))
-            journal.note(moment.look.stamp, moment.look.sightings, report)
+        if moment.scan:
+            report = slam.observe(moment.scan.stamp, labelled(moment.scan.observations))
+            journal.note(moment.scan.stamp, moment.scan.observations, report)
             error = pose_error(moment.pose, slam.filter.pose)
             nees_of_pose.append(nees(error, slam.filter.pose_covariance))
             squares.append(error[:2] @ error[:2])
     strays, found = _found(world, slam)
     lacking = sum(landmark not in found for landmark in journal.often)
     too_many = strays + len(found) - len(journal.often & set(found))
-    counts = journal.wrong, journal.doubtful, journal.sightings
+    counts = journal.wrong, journal.ambiguous, journal.observations
     return Drive(lacking, too_many, *counts, np.array(nees_of_pose), np.array(squares))
 
 
 class Journal:
-    """What was seen, and what it was taken for."""
+    """Observations and their associations."""
 
     def __init__(self) -> None:
         self.often: Set[int] = set()  # true landmarks that were in view often enough
-        self.wrong = self.doubtful = self.sightings = 0
-        self._lately: Dict[int, List[float]] = {}  # stamps, none OFTEN.memory after the one before
+        self.wrong = self.ambiguous = self.observations = 0
+        self._lately: Dict[int, List[float]] = {}  # stamps, at most OFTEN.max_age apart
         self._truth_of: Dict[int, Optional[int]] = {}  # by key of the map's landmarks
 
-    def note(self, stamp: float, sightings: List[SeenLandmark], report) -> None:
-        """A look and its LandmarkReport."""
-        self.doubtful += report.doubtful
-        self.sightings += len(sightings)
-        for seen, key in zip(sightings, report.keys):
+    def note(self, stamp: float, observations: List[SimulatedObservation], report) -> None:
+        """A scan and its LandmarkReport."""
+        self.ambiguous += report.ambiguous
+        self.observations += len(observations)
+        for seen, key in zip(observations, report.keys):
             if seen.truth is not None:
                 self._note_truth(stamp, seen.truth)
             if key is not None:
@@ -122,15 +126,15 @@ class Journal:
 
     def _note_truth(self, stamp: float, truth: int) -> None:
         lately = self._lately.setdefault(truth, [])
-        if lately and stamp - lately[-1] > OFTEN.memory:
+        if lately and stamp - lately[-1] > OFTEN.max_age:
             lately.clear()
         lately.append(stamp)
-        if len(lately) > OFTEN.sightings:
+        if len(lately) > OFTEN.observations:
             self.often.add(truth)
 
 
 def _found(world: LandmarkWorld, slam) -> Tuple[int, List[int]]:
-    """Number of landmarks that stand for nothing, and the true one of each of the others."""
+    """Number of landmarks without a true one, and the true one of each of the others."""
     P, classes = slam.filter.covariance, np.array(world.classes)
     strays, found = 0, []
     for at, (landmark, label) in enumerate(zip(slam.filter.landmarks, slam.labels)):

@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a step of the filter costs as the map grows, and that the short way gives what the textbook's does.
+"""Time of a filter step by the size of the map, and equality with the full textbook update.
 
-A step is a prediction and an update with three sightings. The filter adds to its covariance every few steps
-only, so that blocks of steps are timed, in the time of the one thread that does it: the least of the medians
-of many short rounds, each of which goes through all sizes, since what else runs takes memory and cache, too.
-Calls from Python are in it: the row of no landmarks, whose update is of nothing, shows how much.
+A step is a prediction and an update with three observations. The covariance applies buffered updates every
+few steps, so that blocks of steps are timed, in thread time: the minimum of the medians of many short rounds
+over all sizes, because other processes take memory bandwidth and cache. The calls from Python are included:
+the row without landmarks shows their share.
 """
 
 import time
@@ -15,25 +15,25 @@ import numpy as np
 from tables import Row, Table, Value
 
 import sextant
-from landmarks.landmark_drives import EXACT, begun_filter
+from landmarks.landmark_drives import EXACT, make_filter
 from landmarks.textbook_filter import InvariantTextbookFilter
 from sextant.geometry.plane_poses import composed, in_frame
 
 SIZES = (0, 15, 50, 150, 500, 1000)  # landmarks
 TEXTBOOK = 150  # landmarks
-PART = 1 / 20  # of the textbook's time, at most
+PART = 1 / 20  # maximum share of the textbook filter's time
 SAME, COMPARED = 1e-6, (20, 40)  # metres, radians, their squares; landmarks, steps
 BLOCK, BLOCKS, ROUNDS = 12, 3, 15  # steps; blocks of a round
 SEEN = 3
 STEP, NOISE = np.array([0.05, 0.0, 0.02]), np.diag([1e-6, 1e-6, 1e-6])
-SIGHTING_NOISE = 0.01 * np.eye(2)
+OBSERVATION_NOISE = 0.01 * np.eye(2)
 
 
 class Script(NamedTuple):
-    """What a filter is told: first all landmarks, then step after step."""
+    """Input of a filter: first all landmarks, then step by step."""
 
-    first: list  # sextant.PlaneSighting
-    looks: List[Tuple[List[int], list]]  # landmarks and their sextant.PlaneSighting
+    first: list  # sextant.Observation2D
+    scans: List[Tuple[List[int], list]]  # landmarks and their sextant.Observation2D
 
 
 def cost_tables(quick: bool) -> List[Table]:
@@ -43,33 +43,33 @@ def cost_tables(quick: bool) -> List[Table]:
 
 
 def script(landmarks: int, steps: int) -> Script:
-    """A drive in a circle among landmarks, some of which are seen at a step, all in turn."""
+    """A circular drive; each step observes some landmarks, all of them in turn."""
     rng = np.random.default_rng(landmarks)
     positions = 2 * np.sqrt(landmarks) * rng.uniform(-1, 1, (landmarks, 2))
-    pose, looks = np.zeros(3), []
+    pose, scans = np.zeros(3), []
     for number in range(steps):
         pose = composed(pose, STEP)
         seen = [(SEEN * number + k) % landmarks for k in range(SEEN)] if landmarks else []
-        looks.append((seen, _sightings(rng, in_frame(pose, positions[seen]))))
-    return Script(_sightings(rng, positions), looks)
+        scans.append((seen, _observations(rng, in_frame(pose, positions[seen]))))
+    return Script(_observations(rng, positions), scans)
 
 
-def _sightings(rng: np.random.Generator, points: np.ndarray) -> list:
-    noisy = points + rng.normal(0, np.sqrt(SIGHTING_NOISE[0, 0]), points.shape)
-    return [sextant.PlaneSighting(point, SIGHTING_NOISE) for point in noisy]
+def _observations(rng: np.random.Generator, points: np.ndarray) -> list:
+    noisy = points + rng.normal(0, np.sqrt(OBSERVATION_NOISE[0, 0]), points.shape)
+    return [sextant.Observation2D(point, OBSERVATION_NOISE) for point in noisy]
 
 
-def knowing_all(landmark_filter, told: Script):
-    """The filter, that knows all landmarks now."""
-    for sighting in told.first:
-        landmark_filter.add(sighting)
+def with_landmarks(landmark_filter, inputs: Script):
+    """Adds all landmarks to a filter and returns it."""
+    for observation in inputs.first:
+        landmark_filter.add(observation)
     return landmark_filter
 
 
-def step(landmark_filter, look: Tuple[List[int], list]) -> None:
+def step(landmark_filter, scan: Tuple[List[int], list]) -> None:
     """One step of the drive."""
     landmark_filter.predict(STEP, NOISE)
-    landmark_filter.update(*look)
+    landmark_filter.update(*scan)
 
 
 def _cost_table(sizes: Tuple[int, ...], textbook: int, quick: bool) -> Table:
@@ -86,7 +86,7 @@ def _cost_table(sizes: Tuple[int, ...], textbook: int, quick: bool) -> Table:
         if timed.size == textbook:
             figures[2] = Value(timed.seconds / theirs.seconds, 4, at_most=None if quick else PART)
         rows.append((f"{timed.size} landmarks", figures))
-    title = f"A step with {SEEN} sightings; the textbook's is additive with sigma points of all, in numpy"
+    title = f"A step with {SEEN} observations; the textbook's is additive with sigma points of all, in numpy"
     return Table(title, ["ms", "of the row before", "of the textbook's"], rows)
 
 
@@ -97,7 +97,7 @@ class Timed:
         self.size = size
         self._blocks = 1 if form == "additive" else BLOCKS
         self._script = script(size, BLOCK * self._blocks)
-        self._filter = knowing_all(begun_filter(form, np.zeros(3), EXACT), self._script)
+        self._filter = with_landmarks(make_filter(form, np.zeros(3), EXACT), self._script)
         self._medians: List[float] = []
 
     @property
@@ -110,27 +110,25 @@ class Timed:
         times = []
         for first in range(0, BLOCK * self._blocks, BLOCK):
             begin = time.thread_time()
-            for look in self._script.looks[first : first + BLOCK]:
-                step(self._filter, look)
+            for scan in self._script.scans[first : first + BLOCK]:
+                step(self._filter, scan)
             times.append((time.thread_time() - begin) / BLOCK)
         self._medians.append(float(np.median(times)))
 
 
 def _same_table(quick: bool) -> Table:
     landmarks, steps = COMPARED
-    told = script(landmarks, steps)
-    short = knowing_all(begun_filter("invariant", np.zeros(3), EXACT), told)
-    full = knowing_all(InvariantTextbookFilter(np.zeros(3), EXACT), told)
-    for look in told.looks:
-        step(short, look)
-        step(full, look)
+    inputs = script(landmarks, steps)
+    short = with_landmarks(make_filter("invariant", np.zeros(3), EXACT), inputs)
+    full = with_landmarks(InvariantTextbookFilter(np.zeros(3), EXACT), inputs)
+    for scan in inputs.scans:
+        step(short, scan)
+        step(full, scan)
     differences = [short.pose - full.pose, short.covariance - full.covariance]
     differences.append(_positions(short) - _positions(full))
     largest = [float(np.max(np.abs(each))) for each in differences]
     figures = [Value(1e9 * each, 4, at_most=None if quick else 1e9 * SAME) for each in largest]
-    title = (
-        f"Sigma points of what is seen against all, {landmarks} landmarks, {steps} steps: largest difference"
-    )
+    title = f"Sigma points of observed landmarks against all, {landmarks} landmarks, {steps} steps: error"
     return Table(title, ["pose, 1e-9", "covariance, 1e-9", "landmarks, 1e-9"], [("invariant", figures)])
 
 

@@ -1,12 +1,13 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Sightings that arrive late, and those whose clock is off, through LandmarkTimeline.
+"""Late observations, and those with a clock offset, through LandmarkTimeline.
 
-The pose is judged at every odometry reading, which runs ahead of the sightings. The same drives and sightings
-are told without delay; late and at their own stamp; and late as if they were of the moment of their arrival.
+The pose is compared at every odometry reading, ahead of the observations. The same drives are processed
+without delay, with late observations at their own stamps, and with late observations at the stamps of their
+arrival.
 
-A clock's offset is found by how fast what is seen moves, which odometry tells. Where its noise is as large as
-that of wheels alone, the speed is off together with the pose, and so is the offset, by a few milliseconds.
+The clock offset is observable through the velocities that odometry measures. With the noise of wheel odometry
+the velocities, the pose and so the offset have correlated errors of a few milliseconds.
 """
 
 from typing import Any, List, NamedTuple, Optional, Tuple
@@ -23,12 +24,12 @@ RUNS, DURATION = 20, 120.0  # seconds
 ODOMETRY, SPEED, TURN = 30.0, 0.5, 1.0  # Hz, m/s, rad/s
 DELAY, OFFSET, CLOCK_SIGMA = 0.1, 0.05, 0.1  # seconds
 MORE = 1.05  # times the RMSE without delay
-NEAR, DEVIATIONS = 5.0, 3.0  # milliseconds, or so many of the filter's own deviations
-GYROSCOPE = {"turn_by_turn": 0.01, "turn_by_way": 0.005}  # as of OdometryNoiseParams
+NEAR, DEVIATIONS = 5.0, 3.0  # milliseconds, or standard deviations of the filter
+GYROSCOPE = {"rotation_from_rotation": 0.01, "rotation_from_translation": 0.005}  # as of OdometryNoiseParams
 
 
 class Drive(NamedTuple):
-    """Errors of the pose at odometry's stamps, and what the filter says of the clock."""
+    """Errors of the pose at the stamps of odometry, and the estimated clock offset."""
 
     squares: np.ndarray  # of the position, square metres
     headings: np.ndarray  # radians
@@ -44,10 +45,10 @@ def delay_tables(quick: bool) -> List[Table]:
     late = {**how, "delay": DELAY}
     rows = [
         _row("no delay", in_time, in_time, None),
-        _row("late, at their stamp", _drives(runs, late), in_time, None if quick else MORE),
-        _row("late, as if of their arrival", _drives(runs, late, at_arrival=True), in_time, None),
+        _row("late, at their stamps", _drives(runs, late), in_time, None if quick else MORE),
+        _row("late, at their arrival", _drives(runs, late, at_arrival=True), in_time, None),
     ]
-    title = f"{runs} drives of {duration:g} s at {SPEED:g} m/s and up to {TURN:g} rad/s, sightings"
+    title = f"{runs} drives of {duration:g} s at {SPEED:g} m/s and up to {TURN:g} rad/s, observations"
     columns = ["position, cm", "of no delay", "heading, deg"]
     return [
         Table(f"{title} {1e3 * DELAY:g} ms late", columns, rows),
@@ -61,7 +62,7 @@ def _drives(runs: int, how: dict, **taken: Any) -> List[Drive]:
 
 
 def driven(params: LandmarkWorldParams, at_arrival: bool = False, clock_sigma: float = 0.0) -> Drive:
-    """:param clock_sigma: of the clock's offset at the start, seconds; 0: it is not estimated"""
+    """Runs one drive. :param clock_sigma: initial deviation of the clock offset, s; 0: not estimated"""
     world, slam = LandmarkWorld(params), slam_params(params)
     slam.filter.clock_sigma = clock_sigma
     timeline_params = sextant.LandmarkTimelineParams()
@@ -72,9 +73,9 @@ def driven(params: LandmarkWorldParams, at_arrival: bool = False, clock_sigma: f
     for moment in world.moments():
         T_odom_base = composed(T_odom_base, moment.step)
         timeline.odometry(moment.stamp, T_odom_base)
-        if moment.look:
-            stamp = moment.stamp if at_arrival else moment.look.stamp
-            timeline.see(stamp, labelled(moment.look.sightings))
+        if moment.scan:
+            stamp = moment.stamp if at_arrival else moment.scan.stamp
+            timeline.observe(stamp, labelled(moment.scan.observations))
         errors.append(pose_error(moment.pose, timeline.now.pose))
     found = np.array(errors)
     known = timeline.slam.filter

@@ -1,13 +1,13 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Odometry and printed markers in one filter: a minute in a corridor without markers, on wheels that slip."""
+"""Fusion of odometry and printed markers: a minute in a corridor without markers, with wheel slip."""
 
 from typing import Iterator, List, NamedTuple, Optional, Tuple
 
 import numpy as np
 from scipy.linalg import block_diag
 from scipy.stats import chi2
-from simulated_sightings import T_BASE_CAMERA, SimulatedCamera
+from simulated_observations import T_BASE_CAMERA, SimulatedCamera
 from tables import Table, Value
 
 import sextant
@@ -16,7 +16,7 @@ from sextant.geometry.plane_poses import composed, relative
 from sextant.simulation.motion import FigureEight
 from sextant.simulation.room import default_map
 
-RATE, EVERY = 20.0, 2  # Hz of odometry; a picture at every second reading
+RATE, EVERY = 20.0, 2  # Hz of odometry; an image at every second reading
 ROOM, CORRIDOR, AGAIN = 40.0, 60.0, 15.0  # seconds
 CORRIDOR_LEGS = (
     (0.5, 0.0, 26.0),
@@ -24,13 +24,17 @@ CORRIDOR_LEGS = (
     (0.5, 0.0, 26.0),
 )  # m/s, rad/s, s: out, round and back
 CIRCLE = (0.3, 0.4)  # m/s and rad/s: in the room again
-SLIP_WAY, SLIP, SLIP_TURN = 5.0, 0.15, 0.05  # metres between two slips; deviations of one, metres and radians
-WORN = 1.02  # what worn wheels measure of a metre
-START = np.array([0.05, 0.05, 0.03])  # deviations of the start that is told, metres and radians
+SLIP_DISTANCE, SLIP, SLIP_TURN = (
+    5.0,
+    0.15,
+    0.05,
+)  # metres between slips; standard deviations of one, metres and radians
+WORN = 1.02  # scale of odometry with worn wheels
+START = np.array([0.05, 0.05, 0.03])  # standard deviations of the initial pose, metres and radians
 THREE_SIGMA = chi2.ppf(0.9973, 3)
 PLANE = sextant.MarkerLandmarkParams()
 PLANE.tilt_sigma = 0.0  # the floor is level
-JUMP = 0.1  # metres: less is no correction that anybody sees
+JUMP = 0.1  # metres; smaller corrections are not counted
 RUNS = 40
 WITHIN, ONCE = 95.0, 95.0  # bars, % of the runs
 
@@ -43,42 +47,48 @@ class Drive(NamedTuple):
 
 
 class Outcome(NamedTuple):
-    """What the first marker after the corridor did."""
+    """Correction by the first marker after the corridor."""
 
-    drift: float  # metres that the pose was off before
-    error: float  # metres that it is off after
+    drift: float  # metres, pose error before
+    error: float  # metres, pose error after
     squared: float  # Mahalanobis distance of the error in x, y, heading
     jumps: int  # corrections of map -> odom that move the robot by more than JUMP
-    scale: float  # of odometry, as the filter has it
+    scale: float  # estimated scale of odometry
 
 
 def noise_params():
-    """Four alphas and slips together: variances add."""
+    """Noise with slip: the variances add."""
     params = sextant.OdometryNoiseParams()
-    params.way_by_way = np.hypot(0.02, SLIP / np.sqrt(SLIP_WAY))
-    params.turn_by_way = np.hypot(0.02, SLIP_TURN / np.sqrt(SLIP_WAY))
-    params.turn_by_turn, params.way_by_turn, params.aside_by_way = 0.05, 0.01, 0.01
+    params.translation_from_translation = np.hypot(0.02, SLIP / np.sqrt(SLIP_DISTANCE))
+    params.rotation_from_translation = np.hypot(0.02, SLIP_TURN / np.sqrt(SLIP_DISTANCE))
+    params.rotation_from_rotation, params.translation_from_rotation, params.lateral_from_translation = (
+        0.05,
+        0.01,
+        0.01,
+    )
     return params
 
 
 def drive(seed: int) -> Drive:
-    """Where the robot is, and what its wheels say."""
+    """Draws a trajectory and its odometry."""
     rng, params = np.random.default_rng([seed, 7]), noise_params()
-    truth = list(_way())
+    truth = list(_path())
     odometry = [np.zeros(3)]
     for number, (last, pose) in enumerate(zip(truth, truth[1:])):
         step = relative(last, pose)
-        way, turn = np.hypot(*step[:2]), abs(step[2])
-        sigmas = [0.02 * np.sqrt(way), params.aside_by_way * np.sqrt(way), 0.0]
-        sigmas[2] = np.hypot(0.02 * np.sqrt(way), params.turn_by_turn * np.sqrt(turn))
+        distance, turn = np.hypot(*step[:2]), abs(step[2])
+        sigmas = [0.02 * np.sqrt(distance), params.lateral_from_translation * np.sqrt(distance), 0.0]
+        sigmas[2] = np.hypot(0.02 * np.sqrt(distance), params.rotation_from_rotation * np.sqrt(turn))
         measured = step * (WORN, 1.0, 1.0) + sigmas * rng.standard_normal(3)
-        if rng.random() < way / SLIP_WAY and number < (ROOM + CORRIDOR) * RATE:  # each one needs a correction
+        if (
+            rng.random() < distance / SLIP_DISTANCE and number < (ROOM + CORRIDOR) * RATE
+        ):  # none while markers correct the pose
             measured += rng.standard_normal(3) * (SLIP, 0.0, SLIP_TURN)
         odometry.append(composed(odometry[-1], measured))
     return Drive(np.array(truth), np.array(odometry))
 
 
-def _way() -> Iterator[np.ndarray]:
+def _path() -> Iterator[np.ndarray]:
     """Poses (3,): eights in the room, the corridor, the room again."""
     eight = FigureEight()
     for k in range(round(ROOM * RATE)):
@@ -91,8 +101,8 @@ def _way() -> Iterator[np.ndarray]:
             yield pose
 
 
-def sightings(camera: SimulatedCamera, pose: np.ndarray, marker_map) -> list:
-    """sextant.LabelledSighting of all markers in view."""
+def observations(camera: SimulatedCamera, pose: np.ndarray, marker_map) -> list:
+    """sextant.LabelledObservation of all markers in view."""
     T_map_base = sextant.pose_from_xyz_rpy([*pose[:2], 0.0], [0.0, 0.0, pose[2]])
     view = camera.view(T_map_base, camera.visible(T_map_base, marker_map))
     sizes, found = {marker.id: marker.size for marker in marker_map.markers}, []
@@ -104,12 +114,12 @@ def sightings(camera: SimulatedCamera, pose: np.ndarray, marker_map) -> list:
         other = 0.0
         if poses.alternative is not None:
             errors = poses.best.reprojection_error, poses.alternative.reprojection_error
-            other = sextant.probability_of_other(*errors, camera.sigma)
+            other = sextant.alternative_pose_probability(*errors, camera.sigma)
         covariance = sextant.marker_pose_covariance(
             camera.model, poses.best.T_camera_marker, size, camera.sigma
         )
         found.append(
-            sextant.marker_sighting(
+            sextant.marker_observation(
                 detection.family,
                 detection.id,
                 T_BASE_CAMERA,
@@ -123,7 +133,7 @@ def sightings(camera: SimulatedCamera, pose: np.ndarray, marker_map) -> list:
 
 
 def timeline(start: np.ndarray, marker_map, known: bool):
-    """A filter at a start that is off by START; with the map of the markers, or none."""
+    """A filter with an initial error of START, with the marker map or without."""
     params, times = sextant.LandmarkSlamParams(), sextant.LandmarkTimelineParams()
     params.filter.scale_sigma = 0.05
     params.sensor.max_range, params.sensor.field_of_view = 8.0, 1.4
@@ -146,8 +156,8 @@ def outcome(seed: int, known: bool) -> Outcome:
         line.odometry(k / RATE, odometry)
         if k % EVERY or ROOM <= k / RATE < ROOM + CORRIDOR:
             continue
-        seen, before = sightings(camera, truth, marker_map), line.now
-        line.see(k / RATE, seen)
+        seen, before = observations(camera, truth, marker_map), line.now
+        line.observe(k / RATE, seen)
         moved = np.hypot(*(line.now.pose - before.pose)[:2])
         if k / RATE < ROOM or not seen:
             continue
@@ -164,14 +174,14 @@ def error_of(now, truth: np.ndarray) -> Tuple[float, float]:
 
 
 def fusion_tables(quick: bool) -> List[Table]:
-    """With the map of the markers, and with a map that the robot makes of them on its way."""
+    """With a marker map, and with markers that are mapped during the drive."""
     seeds, rows = range(2 if quick else RUNS), []
-    for known, name in ((True, "markers of a map"), (False, "markers that are mapped on the way")):
+    for known, name in ((True, "known markers"), (False, "markers mapped during the drive")):
         found = [outcome(seed, known) for seed in seeds]
         rows.append((name, _cells(found, None if quick else WITHIN, ONCE if known and not quick else None)))
-    columns = ["off before, m", "off after the first marker, m", "NEES / 3", "within 3 sigma, %"]
+    columns = ["error before, m", "error after the first marker, m", "NEES / 3", "within 3 sigma, %"]
     columns += ["corrected once, %", f"scale (1 / {WORN:g} = {1 / WORN:.3f})"]
-    title = f"{CORRIDOR:g} s in a corridor without markers, wheels that slip, {len(seeds)} runs"
+    title = f"{CORRIDOR:g} s in a corridor without markers, wheel slip, {len(seeds)} runs"
     return [Table(title, columns, rows)]
 
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Pictures of landmark SLAM: NEES in the course of the drives, and the real drive with its trees."""
+"""Plots of landmark SLAM: NEES over the drives, and the real drive with its trees."""
 
 from functools import partial
 from pathlib import Path
@@ -11,20 +11,19 @@ from pictures import Panel, save_picture
 from tables import Table
 
 
-def plot_landmarks(folder: str, results: Dict[str, List[Table]]) -> None:
-    """Writes folder/TOPIC.png of those that have a picture; makes the folder."""
-    Path(folder).mkdir(parents=True, exist_ok=True)
+def plot(folder: Path, results: Dict[str, List[Table]]) -> None:
+    """Writes folder/TOPIC.png of those that have a plot."""
     for topic in set(results) & set(DRAWINGS):
         (table,) = (table for table in results[topic] if table.samples)
         panel = Panel(table.title.replace(", ", "\n", 1), partial(DRAWINGS[topic], table))
-        save_picture(str(Path(folder) / f"{topic}.png"), [panel], columns=1)
+        save_picture(folder / f"{topic}.png", [panel], columns=1)
 
 
 def _draw_nees(table: Table, axes: Axes) -> None:
     for form, values in table.samples.items():
         axes.plot(values, label=form, linewidth=0.8)
     axes.axhline(1.0, color="black", linewidth=0.8)
-    axes.set(xlabel="look", ylabel="pose NEES / 3, mean of the drives", ylim=(0, None))
+    axes.set(xlabel="scan", ylabel="pose NEES / 3, mean of the drives", ylim=(0, None))
 
 
 def _draw_drive(table: Table, axes: Axes) -> None:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""The most probable drive and map by all steps and sightings at once (Dellaert and Kaess 2006, "Square root
+"""The most probable drive and map of all steps and observations (Dellaert and Kaess 2006, "Square root
 SAM"): nonlinear least squares over poses x, y, heading and landmarks x, y, by Levenberg and Marquardt."""
 
 from typing import NamedTuple, Tuple
@@ -17,8 +17,8 @@ class DriveGraph(NamedTuple):
 
     steps: np.ndarray  # (n, 3) in the frame where each begins: X' = X exp(w) step
     noises: np.ndarray  # (n, 3, 3) covariance of w
-    seen: np.ndarray  # (k, 2) pose and landmark of each sighting
-    sightings: np.ndarray  # (k, 2) in the robot frame
+    seen: np.ndarray  # (k, 2) pose and landmark of each observation
+    observations: np.ndarray  # (k, 2) in the robot frame
     covariances: np.ndarray  # (k, 2, 2)
 
 
@@ -57,8 +57,10 @@ def _linearized(graph: DriveGraph, whiten: list, x: np.ndarray) -> Tuple[np.ndar
     off, J = _step_errors(before, poses[1:], graph.steps)
     steps = _rows(whiten[0], off, J, np.hstack([by_pose[:-1], by_pose[1:]]))
     seen, J = _relative(poses[number], landmarks[which])
-    sightings = _rows(whiten[1], seen - graph.sightings, J, np.hstack([by_pose[number], by_landmark[which]]))
-    residuals, values, columns = (np.concatenate(parts) for parts in zip(steps, sightings))
+    observations = _rows(
+        whiten[1], seen - graph.observations, J, np.hstack([by_pose[number], by_landmark[which]])
+    )
+    residuals, values, columns = (np.concatenate(parts) for parts in zip(steps, observations))
     rows = np.repeat(np.arange(len(residuals)), np.repeat([6, 5], [steps[0].size, seen.size]))
     return residuals, coo_matrix((values, (rows, columns)), (len(residuals), len(x))).tocsr()[:, 3:]
 

@@ -3,8 +3,8 @@
 """Unscented Kalman filters with sigma points of the whole state, in O(n^3), as references for the core's.
 
 Sigma points as in Wan and van der Merwe 2000, with the core's alpha and beta; a strongly nonlinear update is
-done in parts, as in the core. Landmarks have no heading. Columns are states x, y, heading, then x, y of each
-landmark.
+applied in parts, as in the core. Landmarks have no heading. Columns are states x, y, heading, then x, y of
+each landmark.
 """
 
 from typing import Callable, List, Tuple
@@ -34,8 +34,8 @@ class TextbookFilter:
 
     @property
     def landmarks(self) -> list:
-        """sextant.PlaneLandmark."""
-        return [sextant.PlaneLandmark(position) for position in self._x[3:].reshape(-1, 2)]
+        """sextant.Landmark2D."""
+        return [sextant.Landmark2D(position) for position in self._x[3:].reshape(-1, 2)]
 
     @property
     def covariance(self) -> np.ndarray:
@@ -48,12 +48,12 @@ class TextbookFilter:
         self._propagate(step)
         self._P = self._P + G @ noise @ G.T
 
-    def update(self, indices: List[int], sightings: list) -> None:
+    def update(self, indices: List[int], observations: list) -> None:
         """As sextant.LandmarkFilter.update()."""
         if not indices:
             return
-        z = np.concatenate([sighting.position for sighting in sightings])
-        R = block_diag(*[sighting.covariance[:2, :2] for sighting in sightings])
+        z = np.concatenate([observation.position for observation in observations])
+        R = block_diag(*[observation.covariance[:2, :2] for observation in observations])
         left = 1.0  # of the information
         while left > 0:
             L = np.linalg.cholesky(self._P)
@@ -66,12 +66,12 @@ class TextbookFilter:
             self._x = self._moved((K @ (z - mean))[:, None])[:, 0]
             left -= part
 
-    def add(self, sighting) -> int:
+    def add(self, observation) -> int:
         """As sextant.LandmarkFilter.add()."""
-        R, place = rotation(self._x[2]), self._x[:2] + rotation(self._x[2]) @ sighting.position
+        R, place = rotation(self._x[2]), self._x[:2] + rotation(self._x[2]) @ observation.position
         G = np.hstack([np.eye(2), self._arm(place)])
         cross = G @ self._P[:3]
-        added = cross[:, :3] @ G.T + R @ sighting.covariance[:2, :2] @ R.T
+        added = cross[:, :3] @ G.T + R @ observation.covariance[:2, :2] @ R.T
         self._P = np.block([[self._P, cross.T], [cross, added]])
         self._x = np.concatenate([self._x, place])
         return len(self._x) // 2 - 2
@@ -106,14 +106,14 @@ class InvariantTextbookFilter(TextbookFilter):
     def covariance(self) -> np.ndarray:
         """(n, n) of x, y, heading and all landmarks, map's axes."""
         T = np.eye(len(self._x))
-        T[:, 2] += self._levers()
+        T[:, 2] += self._heading_jacobian()
         return T @ self._P @ T.T
 
-    def _levers(self) -> np.ndarray:
-        levers = np.zeros(len(self._x))
-        for at in [0, *range(3, len(levers), 2)]:
-            levers[at : at + 2] = -self._x[at + 1], self._x[at]
-        return levers
+    def _heading_jacobian(self) -> np.ndarray:
+        jacobian = np.zeros(len(self._x))
+        for at in [0, *range(3, len(jacobian), 2)]:
+            jacobian[at : at + 2] = -self._x[at + 1], self._x[at]
+        return jacobian
 
     def _moved(self, xi: np.ndarray) -> np.ndarray:
         X, half = self._x[:, None] + xi, 0.5 * xi[2]
@@ -128,7 +128,7 @@ class InvariantTextbookFilter(TextbookFilter):
 
     def _noise_input(self) -> np.ndarray:
         G = super()._noise_input()
-        G[:, 2] -= self._levers()
+        G[:, 2] -= self._heading_jacobian()
         return G
 
     def _propagate(self, step: np.ndarray) -> None:

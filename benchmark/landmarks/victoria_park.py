@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""The drive through Victoria Park, Sydney (Guivant and Nebot 2001), as a graph of steps and sightings."""
+"""The drive through Victoria Park, Sydney (Guivant and Nebot 2001), as a graph of steps and observations."""
 
 from pathlib import Path
 from typing import Dict, List, NamedTuple, Tuple
@@ -11,35 +11,35 @@ import sextant
 from sextant.geometry.plane_poses import rotation
 
 FILE = "victoria_park.txt"
-Sighted = Tuple[int, object]  # id of a tree, from the data's makers; sextant.PlaneSighting
+TreeObservation = Tuple[int, object]  # id of a tree in the data; sextant.Observation2D
 
 
 class RecordedDrive(NamedTuple):
-    """Poses are one more than the steps between them; looks are of the poses."""
+    """A recorded drive: one pose and one scan more than steps."""
 
     steps: np.ndarray  # (n, 3) in the frame where each begins
     noises: np.ndarray  # (n, 3, 3)
-    looks: List[List[Sighted]]  # n + 1
+    scans: List[List[TreeObservation]]  # n + 1
 
 
 def read_drive(folder: Path) -> RecordedDrive:
     """Lines `ODOMETRY i j x y heading` and `LANDMARK i id x y` with the upper triangle of the covariance.
 
-    :raises OSError: the file is not there
+    :raises OSError: the file does not exist
     """
-    steps, noises, looks, number_of = [], [], [[]], {"0": 0}
+    steps, noises, scans, number_of = [], [], [[]], {"0": 0}
     for line in (folder / FILE).read_text().splitlines():
         kind, first, second, *figures = line.split()
         numbers = np.array(figures, dtype=float)
         if kind == "ODOMETRY":
             steps.append(numbers[:3])
             noises.append(_symmetric(numbers[3:], 3))
-            number_of[second] = len(looks)
-            looks.append([])
+            number_of[second] = len(scans)
+            scans.append([])
         else:
-            sighting = sextant.PlaneSighting(numbers[:2], _symmetric(numbers[2:], 2))
-            looks[number_of[first]].append((int(second), sighting))
-    return RecordedDrive(np.array(steps), np.array(noises), looks)
+            observation = sextant.Observation2D(numbers[:2], _symmetric(numbers[2:], 2))
+            scans[number_of[first]].append((int(second), observation))
+    return RecordedDrive(np.array(steps), np.array(noises), scans)
 
 
 def _symmetric(upper: np.ndarray, size: int) -> np.ndarray:
@@ -48,43 +48,43 @@ def _symmetric(upper: np.ndarray, size: int) -> np.ndarray:
     return matrix + np.triu(matrix, 1).T
 
 
-# Where a step's noise is felt; the core takes it where the step begins, so its covariance is turned to there.
+# Conventions for the frame of the odometry noise; the core uses the frame at the beginning of a step.
 
 
-def _felt_at_end(step: np.ndarray) -> np.ndarray:
+def _noise_at_end(step: np.ndarray) -> np.ndarray:
     """X' = X U exp(w) = X exp(Ad w) U."""
-    return _lever(step, rotation(step[2]))
+    return _adjoint(step, rotation(step[2]))
 
 
-def _felt_in_components(step: np.ndarray) -> np.ndarray:
-    """U + w: the way is as it was measured, along the axes where the step begins, the turn comes after it."""
-    return _lever(step, np.eye(2))
+def _noise_in_components(step: np.ndarray) -> np.ndarray:
+    """U + w: translation noise in the frame at the beginning of the step, then the rotation noise."""
+    return _adjoint(step, np.eye(2))
 
 
-def _lever(step: np.ndarray, axes: np.ndarray) -> np.ndarray:
+def _adjoint(step: np.ndarray, axes: np.ndarray) -> np.ndarray:
     turned = np.eye(3)
     turned[:2, :2], turned[:2, 2] = axes, (step[1], -step[0])
     return turned
 
 
-FELT = {
-    "at the step's end": _felt_at_end,
-    "in its components": _felt_in_components,
-    "where it begins": lambda step: np.eye(3),
+NOISE_FRAMES = {
+    "at the step's end": _noise_at_end,
+    "in its components": _noise_in_components,
+    "at its beginning": lambda step: np.eye(3),
 }
 
 
-def with_noise_felt(drive: RecordedDrive, where: str) -> RecordedDrive:
-    """The drive with its noises as the core takes them.
+def with_noise_frame(drive: RecordedDrive, where: str) -> RecordedDrive:
+    """The drive with the noise transformed to the frame that the core uses.
 
-    :param where: one of FELT, as the data is understood
+    :param where: one of NOISE_FRAMES, the convention of the data
     """
-    turned = [FELT[where](step) for step in drive.steps]
+    turned = [NOISE_FRAMES[where](step) for step in drive.steps]
     noises = [T @ noise @ T.T for T, noise in zip(turned, drive.noises)]
     return drive._replace(noises=np.array(noises))
 
 
 def tree_counts(drive: RecordedDrive) -> Dict[int, int]:
-    """Number of sightings by id."""
-    ids, counts = np.unique([tree for look in drive.looks for tree, _ in look], return_counts=True)
+    """Number of observations by id."""
+    ids, counts = np.unique([tree for scan in drive.scans for tree, _ in scan], return_counts=True)
     return dict(zip(map(int, ids), map(int, counts)))

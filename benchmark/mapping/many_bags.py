@@ -37,7 +37,7 @@ class Run(NamedTuple):
     """One call of the command."""
 
     seconds: float
-    said: str
+    output: str
     cells: list  # of all sheets
 
 
@@ -49,9 +49,7 @@ def bag_tables(quick: bool) -> List[Table]:
         runs = {"--jobs 1": _run(folder), "--jobs 2": _run(folder, "--jobs", "2")}
         with _cluster(folder) as address:
             runs["two Dask workers"] = _run(folder, "--scheduler", address)
-    return [
-        Table(f"{bags} bags of {images} images", ["s", "of --jobs 1", "differs"], _rows(runs, quick))
-    ]
+    return [Table(f"{bags} bags of {images} images", ["s", "of --jobs 1", "differs"], _rows(runs, quick))]
 
 
 def _rows(runs: Dict[str, Run], quick: bool) -> List[Row]:
@@ -61,10 +59,8 @@ def _rows(runs: Dict[str, Run], quick: bool) -> List[Row]:
             name,
             [
                 Value(run.seconds, 1),
-                Value(
-                    run.seconds / one.seconds, at_most=0.6 if name == "--jobs 2" and not quick else None
-                ),
-                Value(float((run.said, run.cells) != (one.said, one.cells)), 0, at_most=0),
+                Value(run.seconds / one.seconds, at_most=0.6 if name == "--jobs 2" and not quick else None),
+                Value(float((run.output, run.cells) != (one.output, one.cells)), 0, at_most=0),
             ],
         )
         for name, run in runs.items()

@@ -10,13 +10,14 @@ from typing import Dict, List, NamedTuple, Tuple
 import numpy as np
 from real_data import TagslamRecording, read_tagslam
 from tables import Table, Value
+from under_test import map_of
 
 import sextant
 from markers.recorded_drives import by_stamp
 from sextant.evaluation.trajectory_metrics import aligned, alignment
 
 WELL_KNOWN = 0.01  # m, stated deviation of a surveyed position
-SAID = (0.0, 0.0)  # m and rad: at least; the survey says 0.1 mm, and that project's own map is 9 cm off it
+MIN_SIGMAS = (0.0, 0.0)  # m and rad; the survey states 0.1 mm, and that project's own map is 9 cm off it
 BELIEVED = (0.03, 0.03)
 HELD = 306  # the marker that holds tagslam_2's frame, in that project as well
 
@@ -56,7 +57,7 @@ def _building(recorded: TagslamRecording, surveyed: Dict[int, Surveyed], quick: 
     held, others = well_known[::3], [id for i, id in enumerate(well_known) if i % 3]
     reference = _places(recorded.map)
     T = alignment({id: surveyed[id].T_map_marker for id in held}, reference)
-    as_surveyed = _map_of(recorded, _known(surveyed, held, *SAID), quick)
+    as_surveyed = _map_of(recorded, _known(surveyed, held, *MIN_SIGMAS), quick)
     believed = _map_of(recorded, _known(surveyed, held, *BELIEVED), quick)
     rows = [
         _row("that project's own map, aligned", aligned(T, reference), surveyed, others, bars=False),
@@ -81,7 +82,7 @@ def _row(
 
 
 def _known(surveyed: Dict[int, Surveyed], ids: List[int], position: float, rotation: float):
-    """sextant.MarkerMap that says no less than these deviations (metres, radians)."""
+    """sextant.MarkerMap with at least these standard deviations (metres, radians)."""
     result = sextant.MarkerMap()
     for id in ids:
         T, sigma_position, sigma_rotation, size = surveyed[id]
@@ -91,11 +92,11 @@ def _known(surveyed: Dict[int, Surveyed], ids: List[int], position: float, rotat
 
 
 def _map_of(recorded: TagslamRecording, known, quick: bool):
-    sightings = recorded.sightings[:: 3 if quick else 1]
+    observations = recorded.observations[:: 3 if quick else 1]
     cameras, sizes = sorted(recorded.cameras), sextant.MarkerSizes()
     sizes.sizes = {str(marker.id): marker.size for marker in recorded.map.markers}
     instants = []
-    for images in by_stamp(sorted(sightings, key=lambda each: each.stamp)):
+    for images in by_stamp(sorted(observations, key=lambda each: each.stamp)):
         views = [recorded.view(each) for each in images]
         for view, image in zip(views, images):
             view.camera_index = cameras.index(image.camera)
@@ -104,8 +105,7 @@ def _map_of(recorded: TagslamRecording, known, quick: bool):
 
 
 def _rig(recorded: TagslamRecording, quick: bool) -> Table:
-    known = sextant.MarkerMap()
-    known.add(recorded.map.find("tag36h11", HELD))
+    known = map_of([recorded.map.find("tag36h11", HELD)])
     found, places = _places(_map_of(recorded, known, quick).map), _places(recorded.map)
     found = aligned(alignment(places, found), found)
     errors = [1000.0 * _distance(T, places[id]) for id, T in found.items()]

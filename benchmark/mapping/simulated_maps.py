@@ -6,12 +6,13 @@ import time
 from typing import List, NamedTuple, Optional, Tuple
 
 import numpy as np
-from simulated_sightings import FAMILY, SIZE, SimulatedCamera
+from simulated_observations import FAMILY, SIZE, SimulatedCamera
 from tables import Table, Value
-from under_test import detector
+from under_test import detector, map_of
 
 import sextant
 from sextant.simulation.drive import DriveParams, SimulatedDrive
+from sextant.simulation.motion import FigureEight
 
 MARKERS, KNOWN = 20, 0
 IMAGES = 1500  # of a simulated drive
@@ -65,31 +66,24 @@ def recording(seed: int, truth, count: int, sigma: float) -> list:
     return instants
 
 
-def make_map(instants: list, known, size: float = SIZE):
-    """sextant.MadeMap with the tool's own defaults, on one thread."""
+def make_map(instants: list, known):
+    """sextant.MappingResult with the tool's own defaults, on one thread."""
     sizes = sextant.MarkerSizes()
-    sizes.size = size
+    sizes.size = SIZE
     return sextant.make_marker_map(instants, sizes, known, sextant.MappingParams())
-
-
-def only(marker_map, id: int):
-    """sextant.MarkerMap of one of its markers."""
-    result = sextant.MarkerMap()
-    result.add(marker_map.find(FAMILY, id))
-    return result
 
 
 def errors_of(truth, instants: list) -> MapErrors:
     """What a map made with one known marker is off by."""
     begin = time.perf_counter()
-    made = make_map(instants, only(truth, KNOWN))
+    made = make_map(instants, map_of([truth.find(FAMILY, KNOWN)]))
     seconds = time.perf_counter() - begin
     found = [marker for marker in made.map.markers if marker.id != KNOWN]
     errors = [sextant.pose_error(truth.find(FAMILY, m.id).T_map_marker, m.T_map_marker) for m in found]
     rows = [6 * i + k for i, m in enumerate(made.map.markers) if m.id != KNOWN for k in range(6)]
     P, e = np.asarray(made.covariance)[np.ix_(rows, rows)], np.array(errors)
     nees = float(e.ravel() @ np.linalg.solve(P, e.ravel())) / e.size
-    missing = len(made.unconnected) + len(made.ambiguous) + len(made.twice)
+    missing = len(made.unconnected) + len(made.ambiguous) + len(made.inconsistent)
     return MapErrors(
         np.linalg.norm(e[:, :3], axis=1), np.linalg.norm(e[:, 3:], axis=1), missing, nees, seconds
     )
@@ -141,7 +135,7 @@ def rendered(seed: int, quick: bool) -> MapErrors:
     """Of images of the simulated room, through the detector."""
     truth, frames = room_map(seed), 60 if quick else 600
     params = DriveParams(
-        seed=seed, noise_sigma=4.0, rate=frames / PERIOD, eight_period=PERIOD, obstacles=False
+        seed=seed, noise_sigma=4.0, rate=frames / PERIOD, eight=FigureEight(period=PERIOD), obstacles=False
     )
     drive, find = SimulatedDrive(params, truth), detector(FAMILY)
     camera = sextant.CameraModel(drive.calibration)
@@ -190,9 +184,7 @@ def _taped(seed: int, tape: float, count: int) -> Tuple[List[int], List[int], fl
     """(ids named, ids that are wrong, RMSE before and after in metres)."""
     truth, random = room_map(seed), np.random.default_rng([seed, 11])
     wrong = sorted(random.choice(MARKERS, 2, replace=False).tolist())
-    taped = sextant.MarkerMap()
-    for marker in truth.markers:
-        taped.add(_remeasured(marker, tape, random, 0.1 if marker.id in wrong else 0.0))
+    taped = map_of(_remeasured(m, tape, random, 0.1 if m.id in wrong else 0.0) for m in truth.markers)
     made = make_map(recording(seed, truth, count, 0.3), taped)
     named = [check.id for check in made.known if check.wrong]
     return named, wrong, _rmse(truth, taped), _rmse(truth, made.map)

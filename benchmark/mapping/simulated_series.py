@@ -1,19 +1,20 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Series of a camera in front of one marker at 16 distances: covariances that are told, and the poses'."""
+"""Series of one marker at 16 distances: published covariances against the scatter of the poses."""
 
 from typing import Callable, Dict, List, NamedTuple, Optional, Tuple
 
 import cv2
 import numpy as np
-from simulated_sightings import SIZE
+from simulated_observations import SIZE
 from tables import Table, Value
-from under_test import detector
+from under_test import detector, map_of
 
 import sextant
-from sextant.evaluation.corner_scatter import LEAST, corner_noise
-from sextant.evaluation.pose_series import Truths, pose_series, series_statistics
-from sextant.localization.drive_sightings import DriveCamera, DriveSightings, SeenImage
+from sextant.commands.located_bags import localization_params
+from sextant.evaluation.corner_scatter import MIN_SIGMA, corner_noise
+from sextant.evaluation.pose_series import GroundTruth, pose_series, series_statistics
+from sextant.localization.drive_observations import DriveCamera, DriveObservations, ImageDetections
 from sextant.localization.located_drive import locate_drive
 from sextant.simulation.camera import camera_calibration
 from sextant.simulation.room import room_for
@@ -30,15 +31,16 @@ COLUMNS = [
     "corner sigma, px",
     *(f"{axis}: {end}" for axis in "xyz" for end in ("least", "largest")),
 ]
-NO_TRUTH = Truths(others=dict.fromkeys(("x", "y", "roll", "pitch", "yaw")))
+NO_TRUTH = GroundTruth(others=dict.fromkeys(("x", "y", "roll", "pitch", "yaw")))
 STEP = 50_000_000  # ns between two images
+MAP = map_of([sextant.MappedMarker(FAMILY, ID, SIZE, np.eye(4))])
 
 
 class Ratios(NamedTuple):
-    """Of deviations that were told to those of the poses."""
+    """Ratios of published deviations to those of the poses."""
 
     corner_sigma: float  # that the series themselves show, pixels
-    told: Dict[float, np.ndarray]  # (3) x y z by distance, of those with enough poses
+    published: Dict[float, np.ndarray]  # (3) x y z by distance, of those with enough poses
 
 
 def series_tables(quick: bool) -> List[Table]:
@@ -53,18 +55,18 @@ def series_tables(quick: bool) -> List[Table]:
     for size in SIZES[:1] if quick else SIZES:
         found = rendered_ratios(size, ENOUGH if quick else 150, distances)
         rows.append((f"rendered images; {size[0]}, 62 degrees", _cells(found, bars=False)))
-    title = f"One marker of {SIZE} m head-on at {len(distances)} distances: deviations told over the poses'"
+    title = f"One marker of {SIZE} m at {len(distances)} distances: published over actual deviation"
     return [Table(title, COLUMNS, rows)]
 
 
 def _cells(found: Ratios, bars: bool) -> List[Value]:
     least, most = (round(1.0 / WITHIN, 3), WITHIN) if bars else (None, None)
-    told = np.array(list(found.told.values())).reshape(-1, 3)
-    if not len(told):
-        told = np.full((1, 3), np.nan)
-    pairs = zip(told.min(axis=0), told.max(axis=0))
+    published = np.array(list(found.published.values())).reshape(-1, 3)
+    if not len(published):
+        published = np.full((1, 3), np.nan)
+    pairs = zip(published.min(axis=0), published.max(axis=0))
     ends = [cell for low, high in pairs for cell in (Value(low, at_least=least), Value(high, at_most=most))]
-    count = Value(len(found.told), 0, at_least=len(DISTANCES) if bars else None)
+    count = Value(len(found.published), 0, at_least=len(DISTANCES) if bars else None)
     return [count, Value(found.corner_sigma, 3), *ends]
 
 
@@ -82,8 +84,8 @@ def still_ratios(
         exact = _exact_corners(known, _placed(distance, random))
         drives[distance] = _drive(known, exact + sigma * random.normal(size=(count, 4, 2)))
     found = corner_noise(list(drives.values()), {(FAMILY, ID)}).sigma
-    told = {distance: _still_ratio(drive, found) for distance, drive in drives.items()}
-    return Ratios(found, {distance: each for distance, each in told.items() if each is not None})
+    published = {distance: _still_ratio(drive, found) for distance, drive in drives.items()}
+    return Ratios(found, {distance: each for distance, each in published.items() if each is not None})
 
 
 def _placed(distance: float, random: np.random.Generator) -> np.ndarray:
@@ -101,29 +103,17 @@ def _exact_corners(known, T_marker_camera: np.ndarray) -> np.ndarray:
     return pixels.reshape(4, 2)
 
 
-def _drive(known, corners: np.ndarray) -> DriveSightings:
+def _drive(known, corners: np.ndarray) -> DriveObservations:
     """What a bag of these corners (N, 4, 2) holds."""
     images = [
-        SeenImage(k * STEP, "camera", [sextant.Detection(FAMILY, ID, each)])
+        ImageDetections(k * STEP, "camera", [sextant.Detection(FAMILY, ID, each)])
         for k, each in enumerate(corners)
     ]
-    return DriveSightings("series", {"camera": DriveCamera(known)}, images)
+    return DriveObservations("series", {"camera": DriveCamera(known)}, images)
 
 
-def _marker_map():
-    result = sextant.MarkerMap()
-    result.add(sextant.MappedMarker(FAMILY, ID, SIZE, np.eye(4)))
-    return result
-
-
-def _params(corner_sigma: float):
-    params = sextant.LocalizationParams()
-    params.locator.corner_sigma = corner_sigma
-    return params
-
-
-def _still_ratio(drive: DriveSightings, corner_sigma: float) -> Optional[np.ndarray]:
-    located = locate_drive(drive, _marker_map(), _params(corner_sigma))
+def _still_ratio(drive: DriveObservations, corner_sigma: float) -> Optional[np.ndarray]:
+    located = locate_drive(drive, MAP, localization_params(corner_sigma))
     if len(located.stamps) < ENOUGH:
         return None
     series = pose_series(1.0, "series", located.stamps, located.poses, located.covariances)
@@ -134,8 +124,7 @@ def _still_ratio(drive: DriveSightings, corner_sigma: float) -> Optional[np.ndar
 def rendered_marker(known, family: str) -> Callable[[np.ndarray, int], np.ndarray]:
     """What renders the marker, in a room, by T_marker_camera and number of the image."""
     T_map_marker = sextant.pose_from_xyz_rpy([0.0, 4.5, 1.0], [0.5 * np.pi, 0.0, 0.0])
-    room = sextant.MarkerMap()
-    room.add(sextant.MappedMarker(family, ID, SIZE, T_map_marker))
+    room = map_of([sextant.MappedMarker(family, ID, SIZE, T_map_marker)])
     scene = sextant.RoomScene(room_for(room, obstacles=False), room)
     renderer = sextant.RoomRenderer(sextant.RoomRendererParams(), scene, sextant.CameraModel(known))
     return lambda T_marker_camera, number: renderer.render([T_map_marker @ T_marker_camera], number)
@@ -143,22 +132,22 @@ def rendered_marker(known, family: str) -> Callable[[np.ndarray, int], np.ndarra
 
 def rendered_ratios(size: Tuple[int, int], count: int, distances: Tuple[float, ...]) -> Ratios:
     """Deviations of the errors, since the camera is put anew for every image: what stays the same in those of
-    a camera that stands still (the marker's place on the pixels) is an error as well, and is told.
+    a static camera (the marker's pixel position) is an error as well, and is in the published covariance.
 
-    Without a bar: what corners tell of themselves has a floor of 0.02 px for print and lens, which a rendered
-    marker does not need. So more is told of z up to 4 m than these poses err."""
+    Without a bar: the reported corner noise has a floor of 0.02 px for print and lens, which a rendered
+    marker does not need. So the published deviation of z up to 4 m is larger than the errors."""
     known, random = camera_calibration(*size), np.random.default_rng(3)
     camera, find, rendered = sextant.CameraModel(known), detector(FAMILY), rendered_marker(known, FAMILY)
-    sigma, told = LEAST, {}
+    params, published = localization_params(MIN_SIGMA), {}
     for distance in distances:
         errors, variances = [], []
         for k in range(count):
             truth = _placed(distance, random)
             view = sextant.MarkerView(camera, np.eye(4), find.detect(rendered(truth, k), camera))
-            pose = sextant.MarkerLocalization(_params(sigma)).locate(_marker_map(), [view]).pose
+            pose = sextant.MarkerLocalization(params).locate(MAP, [view]).pose
             if pose is not None:
                 errors.append((pose.T_map_base - truth)[:3, 3])
                 variances.append(np.diag(pose.covariance)[:3])
         if len(errors) >= ENOUGH:
-            told[distance] = np.sqrt(np.mean(variances, axis=0)) / np.std(errors, axis=0, ddof=1)
-    return Ratios(sigma, told)
+            published[distance] = np.sqrt(np.mean(variances, axis=0)) / np.std(errors, axis=0, ddof=1)
+    return Ratios(MIN_SIGMA, published)

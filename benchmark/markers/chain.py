@@ -26,7 +26,7 @@ from sextant.nodes.base.conversions import pose_from_message, transform_to_messa
 
 RATE = 30.0  # Hz
 ROUNDS, QUICK_FRAMES = 3, 90
-SHARE = 0.99  # of the frames with a pose to tell
+SHARE = 0.99  # of the images in which a pose can be computed
 START = 120.0  # seconds to start all nodes and to decode the frames
 EARLY = 0.1  # of a period, that a stamp may be early by rounding
 DIAGNOSTICS_PERIOD = 1.0  # seconds
@@ -69,7 +69,7 @@ class Stage:
 
 @dataclass
 class Run:
-    """What one run of the chain told."""
+    """Result of one run of the chain."""
 
     poses: Dict[int, np.ndarray] = field(default_factory=dict)  # T_map_base by the image's stamp in ns
     latencies: List[float] = field(default_factory=list)  # seconds from an image's stamp to its pose
@@ -165,11 +165,11 @@ def _cells(run: Run, played: PlayedDrive, rounds: int, bars: Bars) -> List[Value
     poses, latency = numbered(run, played, rounds), 1e3 * np.array(run.latencies)
     truth = dict(enumerate(played.truth * rounds))
     position = 100.0 * trajectory_errors(truth, {k: pose for k, pose in poses.items() if k in truth}).position
-    told = sum(number % len(played.truth) in played.locatable for number in poses)
+    located = sum(number % len(played.truth) in played.locatable for number in poses)
     cpu, plain_cpu = 1e3 * run.cpu / len(truth), 1e3 * float(np.mean(played.plain_cpu))
     median, plain = float(np.median(latency)), 1e3 * float(np.median(played.plain_wall))
     return [
-        Value(100.0 * told / (rounds * len(played.locatable)), 1, at_least=bars.share),
+        Value(100.0 * located / (rounds * len(played.locatable)), 1, at_least=bars.share),
         Value(run.fact("camera", "late"), 0, at_most=bars.late),
         Value(cpu),
         Value(cpu / plain_cpu, 3, at_most=bars.cpu),
@@ -184,8 +184,8 @@ def _cells(run: Run, played: PlayedDrive, rounds: int, bars: Bars) -> List[Value
 
 
 def numbered(run: Run, played: PlayedDrive, rounds: int) -> Dict[int, np.ndarray]:
-    """Poses by the number of their frame, which the stamp tells: the driver is never early, and late by less
-    than half a period on a machine of its own. Counted from the last pose: while nodelets connect with one
+    """Poses by the number of their image, computed from the stamp: the driver is never early, and less
+    than half a period late on an idle machine. Counted from the last pose: while nodelets connect with one
     another, a first image may be lost."""
     stamps = sorted(run.poses)
     ticks = (np.array(stamps) - stamps[0]) * 1e-9 * RATE

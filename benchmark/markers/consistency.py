@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Whether the published covariance tells the truth: simulated corners against the exact pose."""
+"""Consistency of the published covariance: simulated corners against the exact pose."""
 
 from typing import Callable, Dict, List, NamedTuple, Optional
 
 import numpy as np
-from simulated_sightings import LENSES, SimulatedCamera, corners_in_map, in_camera, wall_map
+from simulated_observations import LENSES, SimulatedCamera, corners_in_map, in_camera, wall_map
 from tables import Row, Table, Value
 
 import sextant
@@ -25,7 +25,7 @@ class Scene(NamedTuple):
     place: Callable  # random -> T_map_base
     frames: int
     floor: bool
-    bars: str  # decided (of the poses told as certain), region (the 95 % region of all)
+    bars: str  # decided (of the poses published as unambiguous), region (the 95 % region of all)
     walls: int = 1
 
 
@@ -96,7 +96,7 @@ def judge(scene: Scene, camera: SimulatedCamera, frames: int) -> List[Judged]:
         pose = locator.locate(scene.markers, [camera.view(truth, markers)]).pose
         if pose:
             bound = np.linalg.inv(information(camera, truth, markers, FLOOR_SIGMA if scene.floor else None))
-            judged.append(_judged(truth, pose, bound, params.decided))
+            judged.append(_judged(truth, pose, bound, params.min_probability))
     return judged
 
 
@@ -136,11 +136,11 @@ def _moved(T: np.ndarray, axis: int, step: float) -> np.ndarray:
     return result
 
 
-def _judged(truth: np.ndarray, pose, bound: np.ndarray, decided: float) -> Judged:
+def _judged(truth: np.ndarray, pose, bound: np.ndarray, min_probability: float) -> Judged:
     error, P = sextant.pose_error(truth, pose.T_map_base), pose.covariance
     squared = error[:3] @ error[:3]
     return Judged(
-        pose.probability >= decided,
+        pose.probability >= min_probability,
         error @ np.linalg.solve(P, error),
         error[:3] @ np.linalg.solve(P[:3, :3], error[:3]),
         squared / np.trace(P[:3, :3]),
@@ -153,10 +153,7 @@ SHARE_BARS = {"decided": 0.95, "region": 0.9}
 
 def _row(name: str, judged: List[Judged], frames: int, bars: Optional[str]) -> Row:
     decided = [each for each in judged if each.decided]
-    shares = [
-        Value(len(judged) / frames, 3, at_least=SHARE_BARS.get(bars)),
-        Value(len(decided) / frames, 3),
-    ]
+    shares = [Value(len(judged) / frames, 3, at_least=SHARE_BARS.get(bars)), Value(len(decided) / frames, 3)]
     return name, [*shares, *_errors(decided, bars), *_regions(judged, bars)]
 
 

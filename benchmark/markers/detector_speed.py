@@ -6,8 +6,8 @@ import time
 from dataclasses import dataclass, field
 from typing import Callable, Dict, List, Optional, Tuple
 
-import cv2
 import numpy as np
+from opencv_aruco import opencv_detector
 from tables import Table, Value
 from under_test import detector
 
@@ -23,7 +23,7 @@ SIZES = {  # frames a seed, seeds, bars
     (1920, 1080): (150, (1,), False),
 }
 APRILTAG_FRAMES = 200  # a full search takes long
-CERTAIN = 0.25  # pixels; a corner that is told with a larger deviation is hidden or cut off
+CERTAIN = 0.25  # pixels; a corner with a larger reported deviation is hidden or cut off
 COLUMNS = ["CPU, ms", "of plain", "of full", "markers", "wrong", "no map's", "as full, %"]
 COLUMNS += ["corners, px", "uncertain, %"]
 CORNER_BARS = {1280: 0.1, 640: 0.15, 1920: None}  # pixels RMS
@@ -82,17 +82,9 @@ def plain_search(family: str) -> Callable[[np.ndarray], Found]:
     """The library as one calls it who has just installed it; corners have no deviations."""
     if family == APRILTAG:
         find_tags = search(family, None, "full", decimate=2.0, refine_corners=False)
-        return lambda image: {
-            id: (corners, np.zeros(4)) for id, (corners, _) in find_tags(image).items()
-        }
-    dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, family))
-
-    def find(image: np.ndarray) -> Found:
-        corners, ids, _ = cv2.aruco.detectMarkers(image, dictionary)
-        known = [] if ids is None else ids.ravel().tolist()
-        return {id: (each.reshape(4, 2), np.zeros(4)) for id, each in zip(known, corners)}
-
-    return find
+        return lambda image: {id: (corners, np.zeros(4)) for id, (corners, _) in find_tags(image).items()}
+    find = opencv_detector(family)
+    return lambda image: {id: (corners, np.zeros(4)) for id, corners in find(image).items()}
 
 
 def search(family: str, camera, name: str, **changed) -> Callable[[np.ndarray], Found]:

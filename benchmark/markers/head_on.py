@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""A marker seen head-on, where a square has two poses: jumps, and the branch that is told."""
+"""A marker seen head-on, where a square has two poses: jumps, and the branch that is published."""
 
 from typing import List, NamedTuple, Optional, Tuple
 
 import numpy as np
-from simulated_sightings import SIZE, T_BASE_CAMERA, SimulatedCamera, corners_in_map, in_camera, wall_map
+from simulated_observations import SIZE, T_BASE_CAMERA, SimulatedCamera, corners_in_map, in_camera, wall_map
 from tables import Row, Table, Value
 
 import sextant
@@ -16,13 +16,13 @@ T_MAP_ODOM = sextant.pose_from_xyz_rpy([0.4, -0.2, 0.0], [0.0, 0.0, 0.3])
 WOBBLE = 0.05  # rad
 APART = 25.0  # squared Mahalanobis distance between the two solutions from which the branch counts
 JUMP = 5.0  # deviations
-DECIDED = sextant.LocatorParams().decided
+DECIDED = sextant.LocatorParams().min_probability
 ODOMETRY_NOISE = (0.03, 0.01, 0.02)  # of the way along and across it, rad per root of a metre
 COLUMNS = ["published", "decided", "largest jump, both deviations", "larger deviation only", "beyond 5"]
 COLUMNS += ["two branches apart", "wrong branch"]
 
 
-class Told(NamedTuple):
+class Estimate(NamedTuple):
     """A published pose, and the truth."""
 
     truth: np.ndarray
@@ -36,23 +36,23 @@ def head_on_tables(quick: bool) -> List[Table]:
     rows, samples = [], {}
     for size in SIZES:
         for odometry in (False, True):
-            told = drive(size, odometry, frames)
-            rows.append(_row(told, size, odometry, quick))
-            samples[rows[-1][0]] = _samples(told)
+            estimates = drive(size, odometry, frames)
+            rows.append(_row(estimates, size, odometry, quick))
+            samples[rows[-1][0]] = _samples(estimates)
     return [Table("One marker head-on from 1 to 7 m and back; jumps in deviations", COLUMNS, rows, samples)]
 
 
-def drive(size, odometry: bool, frames: int) -> List[Optional[Told]]:
+def drive(size, odometry: bool, frames: int) -> List[Optional[Estimate]]:
     """The poses of a drive along the marker's normal; None where none was published."""
     camera, marker_map = SimulatedCamera("plumb_bob 0", size, SIGMA), wall_map([MARKER])
     params = sextant.LocalizationParams()
     params.locator.corner_sigma, params.estimate_noise = SIGMA, False
-    localization, told = sextant.MarkerLocalization(params), []
+    localization, estimates = sextant.MarkerLocalization(params), []
     for truth, T_odom_base in zip(*_odometry(frames)):
         view = camera.view(truth, marker_map.markers)
         pose = localization.locate(marker_map, [view], T_odom_base if odometry else None).pose
-        told.append(Told(truth, pose, _wrong(camera, truth, pose)) if pose else None)
-    return told
+        estimates.append(Estimate(truth, pose, _wrong(camera, truth, pose)) if pose else None)
+    return estimates
 
 
 def _odometry(frames: int) -> Tuple[List[np.ndarray], List[np.ndarray]]:
@@ -94,10 +94,10 @@ def exact_corners(camera: SimulatedCamera, truth: np.ndarray) -> np.ndarray:
     return camera.project(in_camera(truth, corners_in_map(wall_map([MARKER]).markers[0])))
 
 
-def jumps(told: List[Optional[Told]]) -> np.ndarray:
+def jumps(estimates: List[Optional[Estimate]]) -> np.ndarray:
     """(N, 2) change of the position error between poses, in deviations of both and of the larger."""
     found = []
-    for last, now in zip(told, told[1:]):
+    for last, now in zip(estimates, estimates[1:]):
         if last and now:
             change = [each.pose.T_map_base[:3, 3] - each.truth[:3, 3] for each in (now, last)]
             P = [each.pose.covariance[:3, :3] for each in (now, last)]
@@ -110,10 +110,10 @@ def _squared(error: np.ndarray, covariance: np.ndarray) -> float:
     return float(error @ np.linalg.solve(covariance, error))
 
 
-def _samples(told: List[Optional[Told]]) -> np.ndarray:
+def _samples(estimates: List[Optional[Estimate]]) -> np.ndarray:
     """(N, 4) distance to the marker in m, error across the line of sight and its deviation in cm, jump."""
     found = []
-    for last, now in zip([None, *told], told):
+    for last, now in zip([None, *estimates], estimates):
         if now:
             distance = MARKER[0] - (now.truth @ T_BASE_CAMERA)[0, 3]
             across = now.pose.T_map_base[1, 3] - now.truth[1, 3]
@@ -122,12 +122,12 @@ def _samples(told: List[Optional[Told]]) -> np.ndarray:
     return np.array(found).reshape(-1, 4)
 
 
-def _row(told: List[Optional[Told]], size, odometry: bool, quick: bool) -> Row:
-    both, larger = jumps(told).T
-    published = [each for each in told if each]
+def _row(estimates: List[Optional[Estimate]], size, odometry: bool, quick: bool) -> Row:
+    both, larger = jumps(estimates).T
+    published = [each for each in estimates if each]
     judged = [each.wrong for each in published if each.wrong is not None]
     return f"fx {size[0] // 2}, {'odometry' if odometry else 'no odometry'}", [
-        Value(len(published) / len(told), 3),
+        Value(len(published) / len(estimates), 3),
         Value(np.mean([each.pose.probability >= DECIDED for each in published]), 3),
         Value(both.max(), at_most=None if quick else JUMP),
         Value(larger.max()),

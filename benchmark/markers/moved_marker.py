@@ -5,8 +5,9 @@
 from typing import Dict, List, NamedTuple, Optional
 
 import numpy as np
-from simulated_sightings import SimulatedCamera, wall_map
+from simulated_observations import SimulatedCamera, wall_map
 from tables import Table, Value
+from under_test import map_of
 
 import sextant
 
@@ -20,7 +21,7 @@ LAYOUTS = {  # markers, how many at least are in sight, RMSE over the right map'
     "two walls": (CORNER, 4, 2.0),
     "four walls": (ROOM, 3, None),  # without one of three, the pose is far worse whatever one does
 }
-OFFSETS = "offsets told, cm"  # samples: along the moved axis, by row
+OFFSETS = "estimated offsets, cm"  # samples: along the moved axis, by row
 COLUMNS = ["RMSE, cm", "over the right map's", "over one without it", "left out, %", "others left out, %"]
 COLUMNS += ["named", "others named"]
 WITHOUT = 1.25  # times the RMSE of a map that does not have the marker
@@ -30,8 +31,8 @@ class Drive(NamedTuple):
     """What came of one map."""
 
     rmse: float  # cm
-    left_out: float  # share of the sightings of the moved marker
-    false: float  # share of the sightings of the others
+    left_out: float  # share of the observations of the moved marker
+    false: float  # share of the observations of the others
     named: List[int]
     errors: np.ndarray  # cm
     offsets: Dict[int, np.ndarray]  # cm in the map's axes, where the named ones are seen
@@ -48,7 +49,7 @@ def _table(layout: str, quick: bool) -> Table:
     right = drive(room, room, -1, frames, least)
     rows, samples, offsets = [("right map", [Value(right.rmse), *[""] * 6])], {"right map": right.errors}, []
     for id in range(1 if quick else len(places)):
-        lacking = drive(_without(room, id), room, id, frames, least)
+        lacking = drive(map_of(_others(room, id)), room, id, frames, least)
         for name, direction in DIRECTIONS.items():
             wrong = drive(_moved(room, id, direction), room, id, frames, least)
             ratios = _ratios(wrong.rmse, right.rmse, lacking.rmse, bar, quick)
@@ -73,7 +74,7 @@ def drive(marker_map, room, moved: int, frames: int, least: int) -> Drive:
         pose = localization.locate(marker_map, [camera.view(truth, markers)]).pose
         errors.append(np.linalg.norm(pose.T_map_base[:3, 3] - truth[:3, 3]) if pose else np.nan)
         seen += [each.id for each in markers if pose]
-        left += [id for _, id in pose.left_out] if pose else []
+        left += [id for _, id in pose.outliers] if pose else []
     of_moved, others = seen.count(moved), len(seen) - seen.count(moved)
     share = left.count(moved) / of_moved if of_moved else float("nan")
     false = (len(left) - left.count(moved)) / others
@@ -86,22 +87,11 @@ def _moved(room, id: int, direction):
     entry = room.markers[id]
     pose = entry.T_map_marker.copy()
     pose[:3, 3] += OFFSET * np.array(direction)
-    return _map([*_others(room, id), sextant.MappedMarker(entry.family, id, entry.size, pose)])
-
-
-def _without(room, id: int):
-    return _map(_others(room, id))
+    return map_of([*_others(room, id), sextant.MappedMarker(entry.family, id, entry.size, pose)])
 
 
 def _others(room, id: int) -> list:
     return [each for each in room.markers if each.id != id]
-
-
-def _map(entries: list):
-    result = sextant.MarkerMap()
-    for each in entries:
-        result.add(each)
-    return result
 
 
 def _ratios(rmse: float, right: float, lacking: float, bar: Optional[float], quick: bool) -> List[Value]:

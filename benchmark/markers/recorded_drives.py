@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Dict, List, Optional, Tuple
 
 import numpy as np
-from real_data import Sighting, TagslamRecording, read_tagslam
+from real_data import Observation, TagslamRecording, read_tagslam
 from tables import Row, Table, Value
 from under_test import MODES, locator
 
@@ -45,11 +45,11 @@ def recording_table(name: str, recording: TagslamRecording) -> Table:
     return Table(TITLES[name], COLUMNS, rows, {mode: series[mode][0] for mode in MODES})
 
 
-def by_stamp(sightings: List[Sighting]) -> List[List[Sighting]]:
-    """Sightings of one instant together."""
-    stamps: Dict[float, List[Sighting]] = {}
-    for sighting in sightings:
-        stamps.setdefault(sighting.stamp, []).append(sighting)
+def by_stamp(observations: List[Observation]) -> List[List[Observation]]:
+    """Observations of one instant together."""
+    stamps: Dict[float, List[Observation]] = {}
+    for observation in observations:
+        stamps.setdefault(observation.stamp, []).append(observation)
     return list(stamps.values())
 
 
@@ -68,19 +68,19 @@ def hold_out(recording: TagslamRecording) -> Tuple[np.ndarray, int]:
     return np.array(distances), len(images)
 
 
-def _halves(sighting: Sighting) -> List[Optional[Sighting]]:
-    """The sighting with its even ids and with its odd ids alone; None where there are none of them."""
-    halves = [[each for each in sighting.detections if each.id % 2 == odd] for odd in (0, 1)]
-    return [replace(sighting, detections=half) if half else None for half in halves]
+def _halves(observation: Observation) -> List[Optional[Observation]]:
+    """The observation with its even ids and with its odd ids alone; None where there are none of them."""
+    halves = [[each for each in observation.detections if each.id % 2 == odd] for odd in (0, 1)]
+    return [replace(observation, detections=half) if half else None for half in halves]
 
 
-def position_errors(recording: TagslamRecording, instants: List[List[Sighting]], mode: str) -> np.ndarray:
+def position_errors(recording: TagslamRecording, instants: List[List[Observation]], mode: str) -> np.ndarray:
     """(N,) distances to the reference in cm, of the instants that have a pose."""
     under_test, errors = locator(mode), []
-    for sightings in instants:
-        located = under_test.locate(recording.map, [recording.view(each) for each in sightings]).pose
+    for observations in instants:
+        located = under_test.locate(recording.map, [recording.view(each) for each in observations]).pose
         if located:
-            reference = recording.trajectory[sightings[0].stamp]
+            reference = recording.trajectory[observations[0].stamp]
             errors.append(np.linalg.norm(located.T_map_base[:3, 3] - reference[:3, 3]) * 100.0)
     return np.array(errors)
 

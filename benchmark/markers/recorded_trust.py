@@ -7,13 +7,14 @@ from pathlib import Path
 from typing import List, NamedTuple, Tuple
 
 import numpy as np
-from real_data import Sighting, TagslamRecording, read_tagslam
+from real_data import Observation, TagslamRecording, read_tagslam
 from tables import Table, Value
+from under_test import map_of
 
 import sextant
 
 OUTSIDE = 14.2  # squared Mahalanobis distance in position that one of 400 exceeds
-NOISE_IMAGES = 200  # one rule for both: the first so many images tell the corners' noise
+NOISE_IMAGES = 200  # one rule for both: the corner noise is estimated from the first images
 MAP_SIGMAS = (0.001, 0.002, 0.003, 0.005, 0.007, 0.01, 0.015, 0.02)  # m
 ARM = 0.5  # m; a map entry off by sigma is turned by sigma / ARM
 HALF_BARS = {"tagslam_16": 1.0, "tagslam_2": 0.5}  # cm, median
@@ -60,7 +61,7 @@ def trust_table(name: str, recording: TagslamRecording, quick: bool) -> Table:
     return Table(f"{name}: recorded corners", ["figure"], rows, {"single markers": distances})
 
 
-def taught_localization(recording: TagslamRecording, images: List[Sighting], marker_map):
+def taught_localization(recording: TagslamRecording, images: List[Observation], marker_map):
     """One that has learnt the noise of the cameras: one rule for both, from the first images."""
     localization = sextant.MarkerLocalization()
     for image in images[:NOISE_IMAGES]:
@@ -68,7 +69,7 @@ def taught_localization(recording: TagslamRecording, images: List[Sighting], mar
     return localization
 
 
-def single_marker_distances(recording: TagslamRecording, images: List[Sighting], taught) -> np.ndarray:
+def single_marker_distances(recording: TagslamRecording, images: List[Observation], taught) -> np.ndarray:
     """(N,) squared Mahalanobis distances in position to the reference, of every marker alone."""
     distances = []
     for image in images:
@@ -80,7 +81,7 @@ def single_marker_distances(recording: TagslamRecording, images: List[Sighting],
     return np.array(distances)
 
 
-def hold_out(recording: TagslamRecording, images: List[Sighting], taught, marker_map) -> Halves:
+def hold_out(recording: TagslamRecording, images: List[Observation], taught, marker_map) -> Halves:
     """Of the images with at least two even and two odd ids."""
     found = []
     for image in images:
@@ -94,7 +95,7 @@ def hold_out(recording: TagslamRecording, images: List[Sighting], taught, marker
     return Halves(*np.array(found).reshape(-1, 3).T)
 
 
-def _locate(localization, recording: TagslamRecording, image: Sighting, marker_map):
+def _locate(localization, recording: TagslamRecording, image: Observation, marker_map):
     view = recording.view(image)
     view.camera_index = list(recording.cameras).index(image.camera)
     return localization.locate(marker_map, [view]).pose
@@ -107,7 +108,7 @@ def _difference(even, odd) -> Tuple[float, float, float]:
     return 100.0 * np.linalg.norm(error[:3]), error @ np.linalg.solve(P, error), position
 
 
-def _needed_sigma(recording: TagslamRecording, images: List[Sighting]) -> Value:
+def _needed_sigma(recording: TagslamRecording, images: List[Observation]) -> Value:
     for sigma in MAP_SIGMAS:
         marker_map = uncertain(recording.map, sigma)
         taught = taught_localization(recording, images, marker_map)
@@ -118,14 +119,11 @@ def _needed_sigma(recording: TagslamRecording, images: List[Sighting]) -> Value:
 
 def uncertain(marker_map, sigma: float):
     """The map, every entry known to sigma metres and sigma / ARM radians."""
-    result = sextant.MarkerMap(marker_map.frame)
     covariance = np.diag([sigma**2] * 3 + [(sigma / ARM) ** 2] * 3)
-    for each in marker_map.markers:
-        entry = sextant.MappedMarker(
-            each.family, each.id, each.size, each.T_map_marker, each.name, covariance=covariance
-        )
-        result.add(entry)
-    return result
+    return map_of(
+        sextant.MappedMarker(each.family, each.id, each.size, each.T_map_marker, each.name, covariance)
+        for each in marker_map.markers
+    )
 
 
 def _median(values: np.ndarray) -> float:

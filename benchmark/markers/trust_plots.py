@@ -8,7 +8,7 @@ from typing import Callable, Dict, List
 
 import numpy as np
 from matplotlib.axes import Axes
-from pictures import Panel, readable_decades, save_picture
+from pictures import Panel, readable_decades, save_picture, shares
 from scipy.stats import chi2
 from tables import Table
 
@@ -21,12 +21,11 @@ RIGHT_MAP = {"color": "k", "lw": 2, "label": "right map", "zorder": 3}
 WRONG_MAP = {"color": "tab:red", "lw": 0.6}
 
 
-def plot_topics(folder: str, results: Dict[str, List[Table]]) -> None:
-    """Writes folder/TOPIC.png of every topic; the folder is made where it is not there."""
-    Path(folder).mkdir(parents=True, exist_ok=True)
+def plot(folder: Path, results: Dict[str, List[Table]]) -> None:
+    """Writes folder/TOPIC.png of every topic."""
     for topic, tables in results.items():
         panels = [panel for table in tables for panel in PANELS[topic](table)]
-        save_picture(str(Path(folder) / f"{topic}.png"), panels, COLUMNS.get(len(panels), 3))
+        save_picture(folder / f"{topic}.png", panels, COLUMNS.get(len(panels), 3))
 
 
 def _coverage(table: Table) -> List[Panel]:
@@ -38,8 +37,7 @@ def _draw_coverage(table: Table, axes: Axes) -> None:
     lenses = {title.split(",")[0] for title in table.samples}
     for lens in sorted(lenses):
         nees = [each for title, each in table.samples.items() if title.split(",")[0] == lens]
-        level = np.sort(100.0 * chi2.cdf(np.concatenate(nees), 6))
-        axes.plot(level, 100.0 * np.arange(1, len(level) + 1) / len(level), lw=1.2, label=lens)
+        axes.plot(*shares(100.0 * chi2.cdf(np.concatenate(nees), 6)), lw=1.2, label=lens)
     axes.plot([0, 100], [0, 100], "k:", lw=1, label="exact")
     axes.plot([95, 95], [93, 97], "k", lw=4, alpha=0.5)
     axes.set(xlabel="region of the published covariance (6 d.o.f.), %", ylabel="poses in it, %")
@@ -64,16 +62,14 @@ def _draw_head_on(samples: np.ndarray, axes: Axes) -> None:
 def _moved_marker(table: Table) -> List[Panel]:
     return [
         Panel(table.title, partial(_draw_errors, table)),
-        Panel("Where the moved marker is said to be", partial(_draw_offsets, table)),
+        Panel("Estimated offset of the moved marker", partial(_draw_offsets, table)),
     ]
 
 
 def _draw_errors(table: Table, axes: Axes) -> None:
     for name, errors in table.samples.items():
-        if name == OFFSETS:
-            continue
-        style = RIGHT_MAP if name == "right map" else WRONG_MAP
-        axes.plot(np.sort(errors), 100.0 * np.arange(1, len(errors) + 1) / len(errors), **style)
+        if name != OFFSETS:
+            axes.plot(*shares(errors), **(RIGHT_MAP if name == "right map" else WRONG_MAP))
     axes.plot([], [], label="one entry wrong, a line each", **WRONG_MAP)
     axes.axvline(100.0 * OFFSET, color="grey", ls=":", label="the entry's own error")
     readable_decades(axes)
@@ -83,7 +79,7 @@ def _draw_errors(table: Table, axes: Axes) -> None:
 def _draw_offsets(table: Table, axes: Axes) -> None:
     offsets = table.samples[OFFSETS]
     names = [name for name, _ in table.rows[1:]]
-    axes.barh(np.arange(len(offsets)), offsets, color="tab:blue", alpha=0.7, label="told")
+    axes.barh(np.arange(len(offsets)), offsets, color="tab:blue", alpha=0.7, label="estimated")
     axes.axvline(-100.0 * OFFSET, color="k", ls="--", label="truth")
     axes.set_yticks(np.arange(len(names)), names, fontsize=6)
     for row in np.flatnonzero(np.isnan(offsets)):
@@ -134,8 +130,7 @@ def _chain(table: Table) -> List[Panel]:
 
 def _draw_latencies(table: Table, axes: Axes) -> None:
     for (name, latencies), colour in zip(table.samples.items(), ("tab:blue", "tab:orange")):
-        share = 100.0 * np.arange(1, len(latencies) + 1) / len(latencies)
-        axes.step(np.sort(latencies), share, where="post", color=colour, label=name)
+        axes.step(*shares(latencies), where="post", color=colour, label=name)
     for (name, cells), colour in zip(table.rows, ("tab:blue", "tab:orange")):
         figure = dict(zip(table.columns, cells))
         if figure["of plain's time"].at_most is not None:

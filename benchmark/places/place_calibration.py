@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Whether the probabilities of places are true, in the corridor and on simulated walks together.
+"""Calibration of the probabilities of places, in the corridor and on simulated walks.
 
-Evidence is fitted to pictures one by one, of every two of three domains (the corridor and two streets), and
-tried on the third. The fit to all three is what EvidenceParams has.
+The evidence is fitted to single images of two of three domains (the corridor and two streets), and
+tested on the third. EvidenceParams has the fit to all three.
 """
 
 import tempfile
@@ -23,37 +23,40 @@ from sextant.place_maps.photo_file import read_grey
 from sextant.place_maps.place_map import PlaceMap
 from sextant.places.place_evidence import EvidenceParams, score_features
 from sextant.places.place_index import IndexParams
-from sextant.places.place_library import Library
+from sextant.places.place_index_update import PlaceIndexer
 from sextant.places.place_metrics import calibration_error, perfect_calibration_error
 from sextant.places.place_queries import Query, default_tolerance, queries_of_map, queries_of_table
 from sextant.places.place_recognition import PlaceRecognizer
 
 STREETS, SEASONS = (1, 2), ("evening", "autumn", "winter")
-BEYOND = 0.05  # of a perfect forecaster's error
-LIKELY = 500  # queries, at least
-REGULAR = 1e-3  # weight of the weights' squares
+BEYOND = 0.05  # maximum excess over the calibration error of perfectly calibrated probabilities
+LIKELY = 500  # minimum number of queries
+REGULAR = 1e-3  # factor of the L2 regularization of the weights
 WEIGHTS = ("deviation", "score", "size", "offset")
 
 
 class Asked(NamedTuple):
     """Queries to a map, in the order of a walk."""
 
-    domain: str
-    name: str
+    domain: str  # corridor or street
+    name: str  # of the walk
     place_map: PlaceMap
     queries: Sequence[Query]
 
 
 class Seen(NamedTuple):
-    """What a picture says."""
+    """Features of an image's evidence, and the correct places."""
 
-    features: np.ndarray  # (places, 3)
-    right: np.ndarray  # bool (places,); of none: it is nowhere
-    weight: float  # of the picture, so that every walk weighs the same
+    features: np.ndarray  # (places, 3), see score_features()
+    right: np.ndarray  # bool (places,) correct places; none True: the query is not in the map
+    weight: float  # of the image in the fit: all walks have the same total weight
 
 
 def calibration_tables(data: Path, quick: bool) -> List[Table]:
-    """:raises OSError: the external test data is not there"""
+    """Two tables: calibration by mode, and the fitted weights.
+
+    :raises OSError: the external test data is missing
+    """
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         asked = [*_corridor(data, quick), *_streets(folder, quick)]
@@ -89,7 +92,7 @@ def _streets(folder: Path, quick: bool) -> List[Asked]:
             walked = walk(folder / f"walk{seed}", season, QUERY_STEP, size, count, seed)
             queries = queries_of_map(place_map, walked, default_tolerance(place_map))
             asked.append(Asked(f"street{seed}", f"{season}{seed}", place_map, queries))
-            strangers[seed] = [query._replace(right=frozenset()) for query in queries]
+            strangers[seed] = [query._replace(true_places=frozenset()) for query in queries]
     for seed, other in (STREETS, STREETS[::-1]):
         place_map = next(each.place_map for each in asked if each.domain == f"street{seed}")
         asked.append(Asked(f"street{seed}", f"strangers{seed}", place_map, strangers[other]))
@@ -97,13 +100,13 @@ def _streets(folder: Path, quick: bool) -> List[Asked]:
 
 
 def _seen(folder: Path, asked: Asked) -> List[Seen]:
-    index = Library(folder / f"{asked.domain}_{asked.name}.txt", asked.place_map, IndexParams()).index()
+    index = PlaceIndexer(folder / f"{asked.domain}_{asked.name}.txt", asked.place_map, IndexParams()).index()
     recognizer = PlaceRecognizer(asked.place_map, index)
     positions = [(photos[0].x, photos[0].y) for photos in asked.place_map.places()]
     return [
         Seen(
             score_features(recognizer.recognize(read_grey(query.path)).scores),
-            np.array([position in query.right for position in positions]),
+            np.array([position in query.true_places for position in positions]),
             1.0 / len(asked.queries),
         )
         for query in asked.queries
@@ -111,14 +114,14 @@ def _seen(folder: Path, asked: Asked) -> List[Seen]:
 
 
 def _log_probabilities(weights: np.ndarray, seen: Seen) -> np.ndarray:
-    """(places + 1,) of the places and of nowhere, which is as likely as all places at first."""
+    """Log probabilities (places + 1,) of the places and of an unknown place; its prior is 0.5."""
     places = seen.features @ weights[:3] - weights[3] - np.log(len(seen.features))
     both = np.append(places, 0.0)
     return both - logsumexp(both)
 
 
 def _fitted(seen: Sequence[Seen]) -> np.ndarray:
-    """(4,) most likely weights of EvidenceParams, by the probability of what is true."""
+    """Maximum likelihood estimate (4,) of the weights of EvidenceParams, with regularization."""
 
     def loss(weights: np.ndarray) -> float:
         total = REGULAR * float(weights @ weights)
@@ -131,8 +134,8 @@ def _fitted(seen: Sequence[Seen]) -> np.ndarray:
 
 
 def _tried(seen: Dict[str, List[Seen]]) -> Row:
-    """Every domain with the weights of the others."""
-    said, right = [], []
+    """Results of every domain with weights that are fitted to the others (cross-validation)."""
+    predicted, right = [], []
     for domain, pictures in seen.items():
         others = [each for name, all_of in seen.items() if name != domain for each in all_of]
         weights = _fitted(others)
@@ -140,44 +143,44 @@ def _tried(seen: Dict[str, List[Seen]]) -> Row:
             probabilities = np.exp(_log_probabilities(weights, each)[:-1])
             best = int(probabilities.argmax())
             around = _around(best, len(probabilities))
-            said.append(probabilities[around].sum())
+            predicted.append(probabilities[around].sum())
             right.append(each.right[best])
-    return _row("single, fitted to the other domains", np.array(said), np.array(right))
+    return _row("single, fitted to the other domains", np.array(predicted), np.array(right))
 
 
 def _around(place: int, count: int) -> np.ndarray:
-    """The neighbours of a place along the way, that PlaceBelief counts as one answer with it."""
+    """Indices of a place and its neighbours on the walk, which PlaceBelief merges into one hypothesis."""
     return np.arange(max(place - 2, 0), min(place + 3, count))
 
 
 def _shipped(folder: Path, asked: Sequence[Asked], mode: str, quick: bool) -> Row:
-    said: List[Tuple[np.ndarray, np.ndarray]] = []
+    predicted: List[Tuple[np.ndarray, np.ndarray]] = []
     for each in asked:
         name = f"{each.domain}_{each.name}"
-        said.append(measured(folder, name, each.place_map, each.queries, mode).said)
-    row = _row(f"{mode}, as it is", *(np.concatenate(part) for part in zip(*said)))
+        predicted.append(measured(folder, name, each.place_map, each.queries, mode).predictions)
+    row = _row(f"{mode}, as it is", *(np.concatenate(part) for part in zip(*predicted)))
     return _barred(row) if mode == "filter" and not quick else row
 
 
-def _row(name: str, said: np.ndarray, right: np.ndarray) -> Row:
+def _row(name: str, predicted: np.ndarray, right: np.ndarray) -> Row:
     cells = [
-        Value(len(said), 0),
+        Value(len(predicted), 0),
         Value(100 * float(np.mean(right)), 1),
-        Value(100 * float(np.mean(said)), 1),
-        Value(calibration_error(said, right), 3),
-        Value(perfect_calibration_error(said), 3),
+        Value(100 * float(np.mean(predicted)), 1),
+        Value(calibration_error(predicted, right), 3),
+        Value(perfect_calibration_error(predicted), 3),
     ]
     return name, cells
 
 
 def _barred(row: Row) -> Row:
-    name, (count, right, said, error, perfect) = row
+    name, (count, right, predicted, error, perfect) = row
     held = Value(error.value, 3, at_most=round(BEYOND + perfect.value, 4))
-    return name, [Value(count.value, 0, at_least=LIKELY), right, said, held, perfect]
+    return name, [Value(count.value, 0, at_least=LIKELY), right, predicted, held, perfect]
 
 
 def _table(rows: List[Row]) -> Table:
-    columns = ["queries", "right, %", "said, %", "calibration error", "of a perfect one"]
+    columns = ["queries", "right, %", "predicted, %", "calibration error", "of a perfect one"]
     return Table(
         "Probabilities in the corridor and on walks in three seasons, some of them elsewhere", columns, rows
     )

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""One way to recognize places in a process of its own, so that its memory can be told from others'."""
+"""Runs one recognition method in its own process, to measure its memory."""
 
 import time
 from concurrent.futures import ProcessPoolExecutor
@@ -12,12 +12,12 @@ import cv2
 import numpy as np
 
 import sextant
-from sextant.base.jobs import as_children_need_it
+from sextant.base.jobs import worker_environment
 from sextant.place_maps.place_map import PlaceMap
 from sextant.place_maps.place_map_file import read_place_map
 from sextant.places.place_evaluation import resident_bytes
 from sextant.places.place_index import IndexParams, plain_features
-from sextant.places.place_library import Library
+from sextant.places.place_index_update import PlaceIndexer
 from sextant.places.place_recognition import PlaceRecognizer
 from sextant.places.place_votes import count_votes
 
@@ -25,19 +25,19 @@ METHODS: Dict[str, IndexParams] = {
     "votes, SIFT": IndexParams(plain_features("SIFT", "SIFT"), "FlannBased"),
     "default profile": IndexParams(),
 }
-MIN_MATCHES = 5
-Recognize = Callable[[np.ndarray], float]  # x of the place of a picture; nan: none
+MIN_MATCHES = 5  # minimum number of votes
+Recognize = Callable[[np.ndarray], float]  # returns x of the place of an image; nan: not recognized
 
-_recognize: Recognize  # of this process
+_recognize: Recognize  # method of this process, set by _build()
 
 
 class Built(NamedTuple):
-    """What a map costs."""
+    """Cost of a map's index."""
 
-    seconds: float
+    seconds: float  # until the first image can be recognized
     index_bytes: int  # descriptors and keypoints
-    resident_bytes: int  # by how much the process grew
-    photo_keypoints: float
+    resident_bytes: int  # growth of the process's resident memory
+    photo_keypoints: float  # mean number of keypoints per photo
 
 
 class Method:
@@ -48,7 +48,7 @@ class Method:
 
     def __enter__(self) -> "Method":
         self._executor = ProcessPoolExecutor(1, get_context("spawn"))
-        with as_children_need_it():
+        with worker_environment():
             self._executor.submit(cv2.setNumThreads, 1).result()
         return self
 
@@ -56,11 +56,11 @@ class Method:
         self._executor.shutdown()
 
     def build(self, map_path: Path) -> Built:
-        """From the photos, or from the cache where there is one."""
+        """Builds the index of a map from the photos, or reads it from the cache if there is one."""
         return self._executor.submit(_build, self._name, map_path).result()
 
     def query(self, photo: Path) -> Tuple[float, float]:
-        """Seconds from the decoded picture to the place, and x of that."""
+        """Recognizes a photo: seconds after decoding, and x of the recognized place."""
         return self._executor.submit(_query, photo).result()
 
 
@@ -68,10 +68,10 @@ def _build(name: str, map_path: Path) -> Built:
     global _recognize
     params, place_map, before = METHODS[name], read_place_map(map_path), resident_bytes()
     begin = time.perf_counter()
-    index = Library(map_path, place_map, params).index()
+    index = PlaceIndexer(map_path, place_map, params).index()
     _recognize = (_by_score if params.matcher == "faiss" else _by_votes)(place_map, index)
     _recognize(np.zeros((240, 320), np.uint8))
-    index.descriptors.search(np.zeros((1, 128), np.float32), 1)  # FLANN learns when it is asked first
+    index.descriptors.search(np.zeros((1, 128), np.float32), 1)  # FLANN is trained by the first search
     seconds = time.perf_counter() - begin
     return Built(seconds, index.bytes, resident_bytes() - before, len(index.keypoints) / len(index.photos))
 
@@ -93,8 +93,8 @@ def _by_votes(place_map: PlaceMap, index: Any) -> Recognize:
     photos = {photo.image: photo for photo in place_map.photos}
 
     def recognize(image: np.ndarray) -> float:
-        distances, owners, _ = index.descriptors.search(extractor.extract(image).descriptors, 1)
-        found = count_votes(distances, owners, MIN_MATCHES, 1).photos
+        distances, image_ids, _ = index.descriptors.search(extractor.extract(image).descriptors, 1)
+        found, _ = count_votes(distances, image_ids, MIN_MATCHES, 1)
         return photos[index.photos[found[0]].image].x if len(found) else np.nan
 
     return recognize

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""How many pictures of a walk are recognized with the map of another season, in the simulated street."""
+"""Recall on walks along the simulated street with the map of another season."""
 
 import tempfile
 from functools import lru_cache
@@ -17,18 +17,18 @@ from sextant.places.place_queries import default_tolerance, queries_of_map
 from sextant.simulation.street import CONDITIONS, LENGTH, WIDTH, Street
 
 SEED = 1
-MAP_STEP, QUERY_STEP = 3.0, 4.0  # metres
-ASIDE, TURN = 0.5, 0.08  # deviations of the queries, metres and radians
+MAP_STEP, QUERY_STEP = 3.0, 4.0  # distance between photos, metres
+ASIDE, TURN = 0.5, 0.08  # standard deviations of the queries' offset and yaw, metres and radians
 SIZE: Size = (640, 480)
-FEW, SMALL = 12, (320, 240)  # photos of a quick run, and how large
-MARGIN, RESOLUTION = 10.0, 0.1  # of the overview, metres, and metres a pixel
+FEW, SMALL = 12, (320, 240)  # number and size of the photos of a quick run
+MARGIN, RESOLUTION = 10.0, 0.1  # of the overview: metres, metres per pixel
 PAIRS = (("summer", "autumn"), ("summer", "winter"), ("autumn", "winter"))
-BARS = {("autumn", "winter", "single"): 0.60, ("autumn", "winter", "filter"): 0.85}  # of recall@1, at least
+BARS = {("autumn", "winter", "single"): 0.60, ("autumn", "winter", "filter"): 0.85}  # minimum recall@1
 POSITION = ["median error, m", "in 95 % ellipse, %"]
 
 
 def season_tables(quick: bool) -> List[Table]:
-    """A table of all pairs of a map and a walk; of a quick run one of a few metres, without bars."""
+    """One table of all pairs of map and walk; a quick run has one pair of a few metres, without bars."""
     pairs, count, size = (PAIRS[:1], FEW, SMALL) if quick else (PAIRS, None, SIZE)
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -42,18 +42,18 @@ def season_tables(quick: bool) -> List[Table]:
 def walk(
     folder: Path, season: str, step: float, size: Size, count: Optional[int] = None, seed: int = SEED
 ) -> PlaceMap:
-    """Photos of a walk around the block, or of its first steps; those of a map go straight.
+    """Photos of a walk around the block, or of its first steps; photos of a map have no offset and rotation.
 
-    :param seed: of what stands there, and of where the walker goes
+    :param step: distance between photos, metres; MAP_STEP: photos of a map
+    :param count: number of photos; None: the whole block
+    :param seed: of the street, and of the walker's offsets
     """
     folder.mkdir(exist_ok=True)
     street, is_map = _street(), step == MAP_STEP
     arcs = np.arange(0.0, street.length, step)[:count]
     rng = np.random.default_rng(seed)
-    aside, turn = (np.zeros((2, len(arcs))) if is_map else rng.normal(0, 1, (2, len(arcs)))) * [
-        [ASIDE],
-        [TURN],
-    ]
+    drawn = np.zeros((2, len(arcs))) if is_map else rng.normal(0, 1, (2, len(arcs)))
+    aside, turn = drawn * [[ASIDE], [TURN]]
     shots = [
         Shot(folder / f"{season}_{i:03}.jpg", size, seed, CONDITIONS[season], *each, i)
         for i, each in enumerate(zip(arcs, aside, turn))
@@ -86,5 +86,5 @@ def _rows(
         errors = np.linalg.norm(found.position_errors, axis=1)
         name, cells = row_of(f"{pair[0]} -> {pair[1]}, {mode}", found, {"at_least": bar})
         error = Value(np.median(errors) if len(errors) else np.nan, 1)
-        rows.append((name, [*cells, error, Value(100 * found.in_ellipse, 0)]))
+        rows.append((name, [*cells, error, Value(100 * found.ellipse_coverage, 0)]))
     return rows

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Time and memory of a map of very many places, whose descriptors are drawn, not photographed.
+"""Time and memory of a map of very many places, with random descriptors instead of photos.
 
-A query is another picture of a place: its descriptors with noise, its keypoints moved.
+A query simulates another photo of a place: its descriptors with noise, its keypoints shifted.
 """
 
 import time
@@ -17,33 +17,39 @@ from tables import Table, Value
 from tqdm import tqdm
 
 import sextant
-from sextant.base.jobs import as_children_need_it
+from sextant.base.jobs import worker_environment
 from sextant.place_maps.place_map import Overview, Photo, PlaceMap
 from sextant.places.place_evaluation import resident_bytes
 from sextant.places.place_index import SAMPLES, UNIT, IndexedPhoto, IndexParams, PlaceIndex
 from sextant.places.place_recognition import PlaceRecognizer
 
-FEW, MANY = 1000, 100_000  # places
-DESCRIPTORS, WIDTH, QUERIES = 250, 128, 20
-KINDS, SHAPES = 8192, 65536  # of descriptors: what they look like, and how each differs from its kind
-NOISE, MOVED = 12.0, 0.05  # of a query's descriptors; of its keypoints, in longer sides
-SIFT_UNIT = 512  # of RootSIFT as whole numbers
+FEW, MANY = 1000, 100_000  # numbers of places
+DESCRIPTORS, WIDTH, QUERIES = 250, 128, 20  # descriptors per place, their size; number of queries
+KINDS, SHAPES = (
+    8192,
+    65536,
+)  # of descriptors: basic histograms, and factors by which each differs from its kind
+NOISE, MOVED = (
+    12.0,
+    0.05,
+)  # standard deviation of a query's descriptors; of its shift, fraction of the longer side
+SIFT_UNIT = 512  # length of a RootSIFT descriptor as integers
 COLUMNS = ["made in, s", "index, MB", "process, MB", "query, ms", "of few", "right, %"]
-MEMORY, SLOWER = 2000.0, 10.0  # MB; times
+MEMORY, SLOWER = 2000.0, 10.0  # maximum memory, MB; query time relative to the map of few places
 
 
 class Size(NamedTuple):
-    """What a number of places costs."""
+    """Cost and result with a number of places."""
 
-    made: float  # seconds
+    made: float  # time to build the index, seconds
     index_bytes: int
     resident_bytes: int
     query: float  # seconds, median
-    right: float
+    right: float  # fraction of the queries
 
 
 class Drawn:
-    """Descriptors and keypoints of any place, the same whenever they are asked for."""
+    """Random descriptors and keypoints of any place; the same at every call."""
 
     def __init__(self) -> None:
         rng = np.random.default_rng(1)
@@ -51,7 +57,7 @@ class Drawn:
         self._shapes = rng.gamma(2.0, 0.5, (SHAPES, WIDTH)).astype(np.float32)
 
     def descriptors(self, place: int) -> np.ndarray:
-        """As RootSIFT's: float32 (DESCRIPTORS, WIDTH), whole numbers up to 255."""
+        """Descriptors like RootSIFT: float32 (DESCRIPTORS, WIDTH), integers up to 255."""
         rng = np.random.default_rng([2, place])
         kinds, shapes = rng.integers(KINDS, size=DESCRIPTORS), rng.integers(SHAPES, size=DESCRIPTORS)
         histograms = self._kinds[kinds] * self._shapes[shapes]
@@ -59,33 +65,29 @@ class Drawn:
         return np.minimum(np.rint(SIFT_UNIT * np.sqrt(parts)), 255)
 
     def keypoints(self, place: int) -> np.ndarray:
-        """uint16 (DESCRIPTORS, 2), as the index has them."""
+        """Keypoints, uint16 (DESCRIPTORS, 2), as in PlaceIndex."""
         return np.random.default_rng([3, place]).integers(UNIT, size=(DESCRIPTORS, 2), dtype=np.uint16)
 
 
 class Features(NamedTuple):
-    """Stands for sextant.LocalFeatures."""
+    """Replaces sextant.LocalFeatures."""
 
     size: Tuple[int, int]
     keypoints: np.ndarray
     descriptors: np.ndarray
 
 
-class DrawnRecognizer(PlaceRecognizer):
-    """Its pictures are described already."""
-
-    def __init__(self, place_map: PlaceMap, index: PlaceIndex):
-        super().__init__(place_map, index)
-        self._extractor = self
+class DrawnExtractor:
+    """Replaces sextant.FeatureExtractor: the images are features already."""
 
     @staticmethod
-    def extract(picture: Features) -> Features:
-        """Takes no time."""
-        return picture
+    def extract(image: Features) -> Features:
+        """Returns the features, without cost."""
+        return image
 
 
 def size_tables(quick: bool) -> List[Table]:
-    """One table; a quick run is of few places, without bars."""
+    """One table; a quick run has few places and no bars."""
     few, many = (20, 200) if quick else (FEW, MANY)
     sizes = {places: _in_own_process(places) for places in (few, many)}
     rows = []
@@ -105,7 +107,7 @@ def size_tables(quick: bool) -> List[Table]:
 
 def _in_own_process(places: int) -> Size:
     with ProcessPoolExecutor(1, get_context("spawn")) as executor:
-        with as_children_need_it():
+        with worker_environment():
             future = executor.submit(_size, places)
         return future.result()
 
@@ -115,7 +117,7 @@ def _size(places: int) -> Size:
     drawn = Drawn()
     before, begin = resident_bytes(), time.perf_counter()
     index = _index(drawn, places)
-    recognizer = DrawnRecognizer(_map(places), index)
+    recognizer = PlaceRecognizer(_map(places), index, extractor=DrawnExtractor())
     made, resident = time.perf_counter() - begin, resident_bytes() - before
     seconds, right = [], []
     for place in np.random.default_rng(5).integers(places, size=QUERIES):
@@ -128,7 +130,7 @@ def _size(places: int) -> Size:
 
 
 def _index(drawn: Drawn, places: int) -> PlaceIndex:
-    """Place by place, so that the descriptors are nowhere all together."""
+    """Builds the index place by place, so that the descriptors are never all in memory."""
     learned = np.unique(np.linspace(0, places - 1, SAMPLES // DESCRIPTORS).astype(int))
     samples = np.concatenate([drawn.descriptors(int(place)) for place in learned])
     descriptors = sextant.DescriptorIndex("faiss", samples, places * DESCRIPTORS)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Time and memory of the default profile, as parts of those of mode `votes` with SIFT, on the same photos."""
+"""Time and memory of the default profile relative to mode `votes` with SIFT, on the same photos."""
 
 import tempfile
 from contextlib import ExitStack
@@ -13,8 +13,8 @@ from tables import Row, Table, Value
 from places.place_method import METHODS, Built, Method
 from places.place_walk import NEXT_DAY, Shot, Size, queries, walk_map
 
-PHOTOS, QUERIES = 360, 24
-NEAR = 600.0  # centimetres
+PHOTOS, QUERIES = 360, 24  # number of photos of the map, and of queries
+NEAR = 600.0  # tolerance of a correct place, centimetres
 PLAIN, OURS = METHODS
 COLUMNS = [
     "keypoints a photo",
@@ -31,7 +31,7 @@ COLUMNS = [
 
 
 class Bars(NamedTuple):
-    """At most so much of what mode votes takes."""
+    """Maximum build time, index size and query time relative to mode votes."""
 
     build: float
     index: float
@@ -39,20 +39,20 @@ class Bars(NamedTuple):
 
 
 SIZES: Dict[Size, Bars] = {(2048, 1536): Bars(1 / 8, 1 / 50, 1 / 5), (640, 480): Bars(1 / 2, 1 / 25, 1 / 2)}
-START = 1.0  # seconds
+START = 1.0  # maximum time to load the cache, seconds
 
 
 class Cost(NamedTuple):
-    """Of one method."""
+    """Cost and results of one method."""
 
     built: Built
     query: float  # seconds, median
-    right: float  # share of the queries
-    start: float = np.nan  # seconds; nan: it has no cache
+    right: float  # fraction of the queries
+    start: float = np.nan  # time to start from the cache, seconds; nan: not measured
 
 
 def speed_tables(quick: bool) -> List[Table]:
-    """A table a size; a quick run is of a few photos, without bars."""
+    """A table per image size; a quick run has few photos and no bars."""
     if quick:
         return [_table((320, 240), 12, 4, None)]
     return [_table(size, PHOTOS, QUERIES, bars) for size, bars in SIZES.items()]
@@ -68,25 +68,25 @@ def _table(size: Size, photos: int, asked: int, bars: Bars) -> Table:
 
 
 def _costs(map_path: Path, shots: List[Shot]) -> Dict[str, Cost]:
-    """Both methods hear the same queries in turn, so that what slows the machine slows both."""
+    """Both methods get the same queries in turn, so that other load affects both."""
     with ExitStack() as stack:
         methods = {name: stack.enter_context(Method(name)) for name in METHODS}
         built = {name: method.build(map_path) for name, method in methods.items()}
-        heard: Dict[str, List[Tuple[float, float]]] = {name: [] for name in METHODS}
+        answers: Dict[str, List[Tuple[float, float]]] = {name: [] for name in METHODS}
         for shot in shots:
             for name, method in methods.items():
-                heard[name].append(method.query(shot.path))
-    costs = {name: Cost(built[name], *_summary(heard[name], shots, map_path)) for name in METHODS}
+                answers[name].append(method.query(shot.path))
+    costs = {name: Cost(built[name], *_summary(answers[name], shots, map_path)) for name in METHODS}
     with Method(OURS) as method:
         return {**costs, OURS: costs[OURS]._replace(start=method.build(map_path).seconds)}
 
 
-def _summary(heard: List[Tuple[float, float]], shots: List[Shot], map_path: Path) -> Tuple[float, float]:
-    """Median of the seconds, and share of the answers that are near the truth."""
-    around = float(map_path.read_text().split(";")[1])  # the map's width is the way's length
-    seconds, x = np.array(heard).T
-    off = (x - [100 * shot.arc for shot in shots] + around / 2) % around - around / 2
-    return float(np.median(seconds)), float(np.mean(np.abs(off) < NEAR))
+def _summary(answers: List[Tuple[float, float]], shots: List[Shot], map_path: Path) -> Tuple[float, float]:
+    """Median of the seconds, and fraction of the answers within NEAR of the true position."""
+    around = float(map_path.read_text().split(";")[1])  # the map's width is the length of the loop
+    seconds, x = np.array(answers).T
+    errors = (x - [100 * shot.arc for shot in shots] + around / 2) % around - around / 2
+    return float(np.median(seconds)), float(np.mean(np.abs(errors) < NEAR))
 
 
 def _row(name: str, cost: Cost, plain: Cost, bars: Bars) -> Row:

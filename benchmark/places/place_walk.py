@@ -17,7 +17,7 @@ from sextant.simulation.street import CONDITIONS, Street, StreetConditions
 from sextant.simulation.street_view import street_view
 
 QUALITY = 90  # of the JPEG files
-WORTH = 50  # photos
+WORTH = 50  # number of photos from which another process, which builds the street again, saves time
 NEXT_DAY = StreetConditions("summer", 1, 1.1, 0.3)  # other blinds, leaves and cars, in another light
 Size = Tuple[int, int]
 
@@ -29,14 +29,14 @@ class Shot(NamedTuple):
     size: Size
     seed: int  # of the street
     conditions: StreetConditions
-    arc: float  # metres
-    aside: float
-    turn: float
-    number: int
+    arc: float  # arc length, metres
+    aside: float  # offset to the left, metres
+    turn: float  # rotation, radians
+    number: int  # random seed of the image noise
 
 
 def take_all(shots: List[Shot]) -> None:
-    """Writes the photos; with all cores if it is worth the street in each."""
+    """Renders and writes the photos, in one process per WORTH photos."""
     names = [str(shot.path) for shot in shots]
     jobs = min(os.cpu_count() or 1, 1 + len(shots) // WORTH)
     for _ in run_jobs(_take, shots, jobs, names=names, progress="walk"):
@@ -44,7 +44,7 @@ def take_all(shots: List[Shot]) -> None:
 
 
 def walk_map(folder: Path, count: int, size: Size, seed: int = 1) -> Path:
-    """A map file of a summer's walk with its photos; a photo's x is its arc length in centimetres."""
+    """Writes a map of a walk in summer with its photos; a photo's x is its arc length in centimetres."""
     folder.mkdir(parents=True)
     length = _street(seed, CONDITIONS["summer"]).length
     arcs = np.arange(count) * length / count
@@ -60,7 +60,7 @@ def walk_map(folder: Path, count: int, size: Size, seed: int = 1) -> Path:
 
 
 def queries(folder: Path, count: int, size: Size, conditions: StreetConditions, seed: int = 1) -> List[Shot]:
-    """Photos of another walk, anywhere along the way."""
+    """Takes photos at random positions along the street."""
     folder.mkdir(parents=True)
     rng = np.random.default_rng(seed)
     length = _street(seed, CONDITIONS["summer"]).length

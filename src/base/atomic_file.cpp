@@ -44,7 +44,7 @@ void syncFolder(const std::string& path) {
   const size_t slash = path.rfind('/');
   const std::string folder = slash == std::string::npos ? "." : path.substr(0, slash + 1);
   const int file = open(folder.c_str(), O_RDONLY | O_DIRECTORY);
-  if (file < 0) return;  // the content is safe, only the rename may be lost in a power cut
+  if (file < 0) return;  // the content is safe; only the rename may be lost in a power failure
   fsync(file);
   close(file);
 }
@@ -64,7 +64,7 @@ void writeFileAtomically(const std::string& path, const std::string& content) {
 
 std::string shortestDecimal(double value) {
   char text[32];
-  for (int digits = 15; digits <= 17; ++digits) {  // what needs fewer is told with fewer by %g
+  for (int digits = 15; digits <= 17; ++digits) {  // %g drops trailing zeros
     std::snprintf(text, sizeof text, "%.*g", digits, value);
     if (std::strtod(text, nullptr) == value) break;
   }

@@ -11,7 +11,7 @@
 namespace sextant {
 namespace {
 
-/// Each number of a parameter against a range.
+/// Checks each number of a parameter against a range.
 struct InRange {
   const Range& range;
   const Param& param;
@@ -28,7 +28,7 @@ struct InRange {
   void operator()(const std::map<Key, double>* values) const {
     for (const auto& [key, value] : *values) {
       std::ostringstream entry;
-      entry << ": that of " << key;
+      entry << "[" << key << "]";
       require(entry.str(), value);
     }
   }
@@ -49,12 +49,12 @@ void requireTopics(const Param& param) {
     const auto refuse = [&](const std::string& reason) {
       throw std::invalid_argument(param.name + ": '" + topic + "' is " + reason);
     };
-    if (topic.empty()) refuse("no topic: it is empty");
+    if (topic.empty()) refuse("not a topic name: it is empty");
     const auto front = static_cast<unsigned char>(topic.front());
     if (!(std::isalpha(front) != 0 || front == '/' || front == '~') ||
         !std::all_of(topic.begin() + 1, topic.end(), isInTopic))
-      refuse("no topic: a name has letters, digits, _ and / and begins with a letter, / or ~");
-    if (!known.insert(topic).second) refuse("there twice");
+      refuse("not a topic name: it must have only letters, digits, _ and /, and begin with a letter, / or ~");
+    if (!known.insert(topic).second) refuse("listed twice");
   }
 }
 
@@ -97,7 +97,7 @@ ParamList joined(std::initializer_list<ParamList> lists) {
 }
 
 std::string typeName(const ParamValue& value) {
-  // In the order of the variant's types.
+  // In the order of the types of ParamValue.
   static const char* const names[] = {"true/false",     "whole",         "real",          "text",
                                       "list of texts",  "list of reals", "list of reals", "table of reals",
                                       "table of reals", "table of texts"};

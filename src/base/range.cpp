@@ -8,7 +8,7 @@
 namespace sextant {
 namespace {
 
-constexpr int kDigits = 12;  // of the ends: 0.9999999 is not written as 1
+constexpr int kDigits = 12;  // significant digits of the limits, so that 0.9999999 is not written as 1
 
 }  // namespace
 

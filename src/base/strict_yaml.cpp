@@ -8,50 +8,50 @@
 
 namespace sextant {
 
-void requireKeys(const YAML::Node& node, const std::string& what, const std::set<std::string>& needed,
+void requireKeys(const YAML::Node& node, const std::string& what, const std::set<std::string>& required,
                  const std::set<std::string>& optional) {
-  if (!node.IsMap()) throw YamlMistake(node.Mark(), what + " must be a table of names and values");
-  std::set<std::string> found;
+  if (!node.IsMap()) throw YamlError(node.Mark(), what + " must be a table of names and values");
+  std::set<std::string> keys;
   for (const auto& item : node) {
     const std::string key = item.first.Scalar();
-    if (needed.count(key) + optional.count(key) == 0)
-      throw YamlMistake(item.first.Mark(), "unknown name '" + key + "' in " + what);
-    if (!found.insert(key).second) throw YamlMistake(item.first.Mark(), "'" + key + "' is there twice");
+    if (required.count(key) + optional.count(key) == 0)
+      throw YamlError(item.first.Mark(), "unknown name '" + key + "' in " + what);
+    if (!keys.insert(key).second) throw YamlError(item.first.Mark(), "'" + key + "' is given twice");
   }
-  for (const std::string& key : needed)
-    if (found.count(key) == 0) throw YamlMistake(node.Mark(), what + " lacks '" + key + "'");
+  for (const std::string& key : required)
+    if (keys.count(key) == 0) throw YamlError(node.Mark(), what + " lacks '" + key + "'");
 }
 
 double number(const YAML::Node& node) {
   double value = NAN;
   if (!node.IsScalar() || !YAML::convert<double>::decode(node, value) || !std::isfinite(value))
-    throw YamlMistake(node.Mark(),
-                      "needs a finite number" + (node.IsScalar() ? ", not '" + node.Scalar() + "'" : ""));
+    throw YamlError(node.Mark(),
+                    "needs a finite number" + (node.IsScalar() ? ", not '" + node.Scalar() + "'" : ""));
   return value;
 }
 
 int wholeNumber(const YAML::Node& node) {
   int value = 0;
   if (!node.IsScalar() || !YAML::convert<int>::decode(node, value))
-    throw YamlMistake(node.Mark(), "needs a whole number");
+    throw YamlError(node.Mark(), "needs a whole number");
   return value;
 }
 
-bool truth(const YAML::Node& node) {
+bool boolean(const YAML::Node& node) {
   bool value = false;
   if (!node.IsScalar() || !YAML::convert<bool>::decode(node, value))
-    throw YamlMistake(node.Mark(), "needs true or false");
+    throw YamlError(node.Mark(), "needs true or false");
   return value;
 }
 
-std::string word(const YAML::Node& node) {
-  if (!node.IsScalar() || node.Scalar().empty()) throw YamlMistake(node.Mark(), "needs a name");
+std::string nonEmptyText(const YAML::Node& node) {
+  if (!node.IsScalar() || node.Scalar().empty()) throw YamlError(node.Mark(), "needs a name");
   return node.Scalar();
 }
 
 Eigen::VectorXd numbers(const YAML::Node& node, size_t count) {
   if (!node.IsSequence() || node.size() != count)
-    throw YamlMistake(node.Mark(), "needs a list of " + std::to_string(count) + " numbers");
+    throw YamlError(node.Mark(), "needs a list of " + std::to_string(count) + " numbers");
   Eigen::VectorXd values(count);
   for (size_t i = 0; i < count; ++i) values[i] = number(node[i]);
   return values;

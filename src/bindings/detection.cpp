@@ -15,11 +15,11 @@ namespace sextant {
 namespace {
 
 void bindMarkerDetector(py::module_& module) {
-  bindParams<DetectorParams>(module, "DetectorParams");
+  bindParams<DetectorParams>(module, "DetectorParams", "Parameters of MarkerDetector.");
   bindParams<MarkerDetectorNodeParams>(module, "MarkerDetectorNodeParams",
-                                       "Of the nodelet sextant/MarkerDetector.")
-      .def_readwrite("detector", &MarkerDetectorNodeParams::detector);
-  py::class_<MarkerDetector>(module, "MarkerDetector", "Finds markers in an image.")
+                                       "Parameters of the nodelet sextant/MarkerDetector.")
+      .def_readwrite("detector", &MarkerDetectorNodeParams::detector, "DetectorParams");
+  py::class_<MarkerDetector>(module, "MarkerDetector", "Detects printed markers in images.")
       .def(py::init(&makeMarkerDetector), "params"_a)
       .def(
           "detect",
@@ -29,9 +29,9 @@ void bindMarkerDetector(py::module_& module) {
             return detector.detect(image, camera);
           },
           "image"_a, "camera"_a = nullptr,
-          "List of Detection; image: uint8, (height, width) grey or (height, width, 3) BGR; camera: the one "
-          "that "
-          "took it, so that corners are those of straight edges seen through its lens.");
+          "Returns a list of Detection. image: uint8, (height, width) grey or (height, width, 3) BGR; "
+          "camera: "
+          "CameraModel of the image, to refine corners with lens distortion, or None.");
   module.def(
       "refine_corners",
       [](const ImageArray& image, const Corners& corners, int modules, bool white_inside, double start_sigma,
@@ -42,14 +42,16 @@ void bindMarkerDetector(py::module_& module) {
       },
       "image"_a, "corners"_a, "modules"_a, "white_inside"_a = false,
       "start_sigma"_a = BorderSquare().start_sigma, "camera"_a = nullptr,
-      "(corners (4 x 2) at subpixel, four standard deviations of their coordinates in pixels).");
+      "Refines corners (4, 2) to subpixel accuracy. Returns (corners, sigmas): (4, 2) pixels and four "
+      "standard "
+      "deviations of their coordinates, pixels.");
 }
 
 }  // namespace
 }  // namespace sextant
 
 PYBIND11_MODULE(detection, module) {
-  module.doc() = "Finds printed markers in images.";
+  module.doc() = "Detects printed markers in images.";
   py::module_::import("sextant._core.geometry");
   py::module_::import("sextant._core.markers");
   sextant::bindMarkerDetector(module);

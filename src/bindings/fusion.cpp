@@ -5,7 +5,7 @@
 #include "marker_casters.hpp"
 #include "params.hpp"
 #include "pose_casters.hpp"
-#include "sextant/fusion/landmark_slam_node_params.hpp"
+#include "sextant/fusion/landmark_session.hpp"
 #include "sextant/fusion/marker_landmarks.hpp"
 
 namespace py = pybind11;
@@ -16,32 +16,55 @@ namespace {
 
 void bindMarkerLandmarks(py::module_& module) {
   bindParams<MarkerLandmarkParams>(module, "MarkerLandmarkParams",
-                                   "How printed markers become landmarks of the plane.");
-  bindParams<LandmarkSlamNodeParams>(module, "LandmarkSlamNodeParams", "Of the nodelet sextant/LandmarkSlam.")
-      .def_readwrite("slam", &LandmarkSlamNodeParams::slam)
-      .def_readwrite("timeline", &LandmarkSlamNodeParams::timeline)
-      .def_readwrite("markers", &LandmarkSlamNodeParams::markers)
+                                   "Parameters of the conversion of printed markers to planar landmarks.");
+  bindParams<LandmarkSlamNodeParams>(module, "LandmarkSlamNodeParams",
+                                     "Parameters of the nodelet sextant/LandmarkSlam.")
+      .def_readwrite("slam", &LandmarkSlamNodeParams::slam, "LandmarkSlamParams")
+      .def_readwrite("timeline", &LandmarkSlamNodeParams::timeline, "LandmarkTimelineParams")
+      .def_readwrite("markers", &LandmarkSlamNodeParams::markers, "MarkerLandmarkParams")
       .def_property_readonly("first_pose", &LandmarkSlamNodeParams::startPose,
-                             "(3,) of start_pose: x, y, heading in the map")
-      .def_property_readonly("first_covariance", &LandmarkSlamNodeParams::startCovariance, "(3, 3) of it");
+                             "(3,) x, y, heading of start_pose in the map")
+      .def_property_readonly("first_covariance", &LandmarkSlamNodeParams::startCovariance,
+                             "(3, 3) of first_pose, from pose_sigma");
   module.def(
-      "marker_sighting",
+      "marker_observation",
       [](const std::string& family, int id, const Pose& T_base_camera, const Pose& T_camera_marker,
-         const Matrix6d& covariance, double other, const MarkerLandmarkParams& params) {
-        return markerSighting({family, id}, T_base_camera, T_camera_marker, covariance, other, params);
+         const Matrix6d& covariance, double alternative_probability, const MarkerLandmarkParams& params) {
+        return markerObservation({family, id}, T_base_camera, T_camera_marker, covariance,
+                                 alternative_probability, params);
       },
-      "family"_a, "id"_a, "T_base_camera"_a, "T_camera_marker"_a, "covariance"_a, "other"_a, "params"_a,
-      "LabelledSighting of a marker that a camera sees; covariance (6, 6): position, rotation in the optical "
-      "frame's axes");
-  module.def("probability_of_other", &probabilityOfOther, "error"_a, "other_error"_a, "sigma"_a,
-             "that the worse of a marker's two poses is right; reprojection errors and noise in pixels");
+      "family"_a, "id"_a, "T_base_camera"_a, "T_camera_marker"_a, "covariance"_a, "alternative_probability"_a,
+      "params"_a,
+      "LabelledObservation of a detected marker; poses (4, 4); covariance (6, 6) of position and rotation in "
+      "the "
+      "axes of the optical frame; probability that the alternative pose is the true one");
+  module.def("alternative_pose_probability", &alternativePoseProbability, "error"_a, "alternative_error"_a,
+             "sigma"_a,
+             "Probability that the worse one of the two poses of a marker is the true one; RMS reprojection "
+             "errors and "
+             "corner noise in pixels");
   module.def(
       "marker_landmarks",
       [](const MarkerMap& map) {
         const MarkerLandmarks found = landmarksOf(map);
         return py::make_tuple(found.landmarks, found.labels, found.covariances);
       },
-      "marker_map"_a, "landmarks, labels, and covariances (3, 3) of x, y, heading of a map of markers");
+      "marker_map"_a,
+      "Landmark2D, LandmarkLabel and covariance (3, 3) of x, y, heading of each marker of a map, as three "
+      "lists");
+}
+
+void bindLandmarkSession(py::module_& module) {
+  py::class_<LandmarkSession>(module, "LandmarkSession",
+                              "Landmark SLAM with map files, as the nodelet sextant/LandmarkSlam runs it.")
+      .def(py::init<const LandmarkSlamNodeParams&>(), "params"_a,
+           "ValueError, RuntimeError: a map file of the parameters cannot be read")
+      .def_property_readonly("timeline", &LandmarkSession::timeline,
+                             py::return_value_policy::reference_internal, "LandmarkTimeline")
+      .def_property_readonly("map", &LandmarkSession::map, "current LandmarkMap, as save() writes it")
+      .def("restart", &LandmarkSession::restart, "Restarts odometry and keeps the map; the robot is lost")
+      .def("save", &LandmarkSession::save, "file"_a = "",
+           "Writes the map to a file, by default map_file, and returns the absolute path");
 }
 
 }  // namespace
@@ -52,4 +75,5 @@ PYBIND11_MODULE(fusion, module) {
   py::module_::import("sextant._core.markers");
   py::module_::import("sextant._core.landmarks");
   sextant::bindMarkerLandmarks(module);
+  sextant::bindLandmarkSession(module);
 }

@@ -6,5 +6,5 @@
 PYBIND11_MODULE(images, module) {
   module.doc() = "Cameras and files as sources of images.";
   sextant::bindParams<sextant::CameraDriverNodeParams>(module, "CameraDriverNodeParams",
-                                                       "Of the nodelet sextant/CameraDriver.");
+                                                       "Parameters of the nodelet sextant/CameraDriver.");
 }

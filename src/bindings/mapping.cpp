@@ -15,68 +15,105 @@ namespace {
 
 void bindRecording(py::module_& module) {
   py::class_<RecordedInstant>(module, "RecordedInstant",
-                              "What a robot's cameras saw at one instant of a drive.")
+                              "The detections of a robot's cameras at one instant.")
       .def(py::init([](std::vector<MarkerView> views, std::optional<Pose> T_odom_base, int drive) {
              return RecordedInstant{std::move(views), T_odom_base, drive};
            }),
            "views"_a, "T_odom_base"_a = py::none(), "drive"_a = 0)
-      .def_readonly("views", &RecordedInstant::views)
-      .def_readonly("T_odom_base", &RecordedInstant::T_odom_base)
-      .def_readonly("drive", &RecordedInstant::drive);
-  bindParams<MarkerSizes>(module, "MarkerSizes");
+      .def_readonly("views", &RecordedInstant::views, "list of MarkerView, at most one per camera")
+      .def_readonly("T_odom_base", &RecordedInstant::T_odom_base, "(4, 4) odometry, or None")
+      .def_readonly("drive", &RecordedInstant::drive, "index of the drive");
+  bindParams<MarkerSizes>(module, "MarkerSizes", "Edge lengths of markers.");
 }
 
 void bindMappingParams(py::module_& module) {
-  bindParams<MappingParams>(module, "MappingParams").def_readwrite("odometry", &MappingParams::odometry);
+  bindParams<MappingParams>(module, "MappingParams", "Parameters of make_marker_map().")
+      .def_readwrite("odometry", &MappingParams::odometry, "OdometryParams");
+}
+
+void bindResiduals(py::module_& module) {
+  py::class_<ObservationResidual>(module, "ObservationResidual",
+                                  "Residuals of an observation against the map.")
+      .def_property_readonly(
+          "instant", [](const ObservationResidual& self) { return self.observation.instant; },
+          "index of the instant")
+      .def_property_readonly(
+          "view", [](const ObservationResidual& self) { return self.observation.view; },
+          "index of the image at the instant")
+      .def_property_readonly(
+          "detection", [](const ObservationResidual& self) { return self.observation.detection; },
+          "index of the detection in the image")
+      .def_readonly("used", &ObservationResidual::used, "False: outside the gate")
+      .def_readonly("squared_distance", &ObservationResidual::squared_distance,
+                    "sum of the squared residuals over their variances, eight coordinates")
+      .def_readonly("rms", &ObservationResidual::rms, "of the eight coordinates, pixels");
 }
 
 void bindFindings(py::module_& module) {
-  py::class_<SightingResidual>(module, "SightingResidual", "A sighting against the map that was made.")
-      .def_property_readonly("instant", [](const SightingResidual& self) { return self.sighting.instant; })
-      .def_property_readonly("view", [](const SightingResidual& self) { return self.sighting.view; })
-      .def_property_readonly("detection",
-                             [](const SightingResidual& self) { return self.sighting.detection; })
-      .def_readonly("used", &SightingResidual::used)
-      .def_readonly("squared_distance", &SightingResidual::squared_distance)
-      .def_readonly("rms", &SightingResidual::rms, "pixels");
   py::class_<KnownMarkerCheck>(module, "KnownMarkerCheck",
-                               "A marker that was known before, against what the recording says of it.")
-      .def_property_readonly("family", [](const KnownMarkerCheck& self) { return self.key.family; })
-      .def_property_readonly("id", [](const KnownMarkerCheck& self) { return self.key.id; })
-      .def_readonly("offset", &KnownMarkerCheck::offset,
-                    "(6) where all else sees it minus where it was known; metres, radians")
-      .def_readonly("squared_distance", &KnownMarkerCheck::squared_distance)
-      .def_readonly("wrong", &KnownMarkerCheck::wrong);
-  py::class_<SecondPlace>(module, "SecondPlace",
-                          "Sightings of a marker that agree with one another, but not with its place.")
-      .def_property_readonly("family", [](const SecondPlace& self) { return self.key.family; })
-      .def_property_readonly("id", [](const SecondPlace& self) { return self.key.id; })
-      .def_readonly("T_map_marker", &SecondPlace::T_map_marker)
-      .def_readonly("images", &SecondPlace::images)
-      .def_property_readonly("witnesses", [](const SecondPlace& self) { return pairs(self.witnesses); });
+                               "A previously known marker, compared with the recording.")
+      .def_property_readonly(
+          "family", [](const KnownMarkerCheck& self) { return self.key.family; }, "canonical family")
+      .def_property_readonly(
+          "id", [](const KnownMarkerCheck& self) { return self.key.id; }, "id in the family")
+      .def_readonly(
+          "offset", &KnownMarkerCheck::offset,
+          "(6,) pose from the recording alone minus known pose: position, rotation in the map's axes; "
+          "metres, radians")
+      .def_readonly("squared_distance", &KnownMarkerCheck::squared_distance,
+                    "squared Mahalanobis distance of position or rotation, the larger; 3 degrees of freedom")
+      .def_readonly("wrong", &KnownMarkerCheck::wrong,
+                    "contradicts the recording; the known pose was not used");
+  py::class_<ConflictingPose>(
+      module, "ConflictingPose",
+      "A second pose of a marker, from observations that contradict its pose in the map.")
+      .def_property_readonly(
+          "family", [](const ConflictingPose& self) { return self.key.family; }, "canonical family")
+      .def_property_readonly(
+          "id", [](const ConflictingPose& self) { return self.key.id; }, "id in the family")
+      .def_readonly("T_map_marker", &ConflictingPose::T_map_marker, "(4, 4) the second pose")
+      .def_readonly("images", &ConflictingPose::images, "number of images that support it")
+      .def_property_readonly(
+          "witnesses", [](const ConflictingPose& self) { return pairs(self.witnesses); },
+          "(family, id) of the other markers from which those images were located");
 }
 
 void bindMapMaker(py::module_& module) {
   bindRecording(module);
   bindMappingParams(module);
+  bindResiduals(module);
   bindFindings(module);
-  py::class_<MadeMap>(module, "MadeMap", "A map, and what it was made of.")
-      .def_readonly("map", &MadeMap::map)
-      .def_readonly("covariance", &MadeMap::covariance)
-      .def_readonly("T_map_base", &MadeMap::T_map_base)
-      .def_readonly("noise_scales", &MadeMap::noise_scales)
-      .def_readonly("correlated_images", &MadeMap::correlated_images)
-      .def_readonly("known_position_scale", &MadeMap::known_position_scale)
-      .def_readonly("known_rotation_scale", &MadeMap::known_rotation_scale)
-      .def_readonly("residuals", &MadeMap::residuals)
-      .def_readonly("known", &MadeMap::known)
-      .def_property_readonly("ambiguous", [](const MadeMap& self) { return pairs(self.ambiguous); })
-      .def_property_readonly("unconnected", [](const MadeMap& self) { return pairs(self.unconnected); })
-      .def_property_readonly("twice", [](const MadeMap& self) { return pairs(self.twice); })
-      .def_readonly("second_places", &MadeMap::second_places);
-  module.def("make_marker_map", &makeMarkerMap, "recording"_a, "sizes"_a, "known"_a, "params"_a,
-             py::call_guard<py::gil_scoped_release>(),
-             "MadeMap of a recording, a list of RecordedInstant in order of time.");
+  py::class_<MappingResult>(module, "MappingResult", "A map made from a recording, with diagnostics.")
+      .def_readonly("map", &MappingResult::map, "MarkerMap with covariances")
+      .def_readonly("covariance", &MappingResult::covariance,
+                    "joint, in the order of map.markers, six rows per marker")
+      .def_readonly("T_map_base", &MappingResult::T_map_base, "list of (4, 4) or None, one per instant")
+      .def_readonly("noise_scales", &MappingResult::noise_scales,
+                    "estimated factor on corner_sigma for each camera")
+      .def_readonly("correlated_images", &MappingResult::correlated_images,
+                    "number of consecutive images that count as one")
+      .def_readonly("known_position_scale", &MappingResult::known_position_scale,
+                    "factor applied to the known markers' position deviations")
+      .def_readonly("known_rotation_scale", &MappingResult::known_rotation_scale,
+                    "factor applied to the known markers' rotation deviations")
+      .def_readonly("residuals", &MappingResult::residuals, "list of ObservationResidual")
+      .def_readonly("known", &MappingResult::known, "list of KnownMarkerCheck")
+      .def_property_readonly(
+          "ambiguous", [](const MappingResult& self) { return pairs(self.ambiguous); },
+          "(family, id) of markers not in the map: two poses explain their observations")
+      .def_property_readonly(
+          "unconnected", [](const MappingResult& self) { return pairs(self.unconnected); },
+          "(family, id) of markers not in the map: never observed together with the others")
+      .def_property_readonly(
+          "inconsistent", [](const MappingResult& self) { return pairs(self.inconsistent); },
+          "(family, id) of markers not in the map: moved during the recording, or the id is used twice")
+      .def_readonly("conflicting_poses", &MappingResult::conflicting_poses, "list of ConflictingPose");
+  module.def(
+      "make_marker_map", &makeMarkerMap, "recording"_a, "sizes"_a, "known"_a, "params"_a,
+      py::call_guard<py::gil_scoped_release>(),
+      "Makes a map; returns a MappingResult. recording: list of RecordedInstant in order of time; sizes: "
+      "MarkerSizes of unknown markers; known: MarkerMap that defines the frame, may be empty; params: "
+      "MappingParams. RuntimeError if no marker can be located.");
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ namespace pybind11::detail {
 template <>
 struct type_caster<sextant::Corners> {
   using Matrix = Eigen::Matrix<double, 4, 2>;
-  PYBIND11_TYPE_CASTER(sextant::Corners, const_name("numpy.ndarray[float64[4, 2]]"));
+  PYBIND11_TYPE_CASTER(sextant::Corners, _("numpy.ndarray[float64[4, 2]]"));
 
   bool load(handle source, bool convert) {
     type_caster<Matrix> matrix;

@@ -9,10 +9,12 @@
 
 namespace pybind11::detail {
 
+// _() is const_name() of pybind11 2.8 and later, which keep it.
+
 /// A Pose is a 4 x 4 homogeneous matrix in Python.
 template <>
 struct type_caster<sextant::Pose> {
-  PYBIND11_TYPE_CASTER(sextant::Pose, const_name("numpy.ndarray[float64[4, 4]]"));
+  PYBIND11_TYPE_CASTER(sextant::Pose, _("numpy.ndarray[float64[4, 4]]"));
 
   bool load(handle source, bool convert) {
     type_caster<Eigen::Matrix4d> matrix;
@@ -35,7 +37,7 @@ struct type_caster<sextant::Pose> {
 /// A Pose2 is (3,) x, y, heading in Python: metres, radians.
 template <>
 struct type_caster<sextant::Pose2> {
-  PYBIND11_TYPE_CASTER(sextant::Pose2, const_name("numpy.ndarray[float64[3]]"));
+  PYBIND11_TYPE_CASTER(sextant::Pose2, _("numpy.ndarray[float64[3]]"));
 
   bool load(handle source, bool convert) {
     type_caster<Eigen::Vector3d> vector;

@@ -29,41 +29,41 @@ py::array_t<uint8_t> render(const RoomRenderer& renderer, const std::vector<Pose
 }
 
 void bindRoomRendererScene(py::module_& module) {
-  py::class_<RoomObstacle>(module, "RoomObstacle", "A box with its sides along the map's axes; metres.")
+  py::class_<RoomObstacle>(module, "RoomObstacle", "A box with its sides parallel to the map's axes.")
       .def(py::init([](const Eigen::Vector3d& center, const Eigen::Vector3d& size, double reflectance) {
              return RoomObstacle{center, size, reflectance};
            }),
            "center"_a, "size"_a, "reflectance"_a = 0.5)
-      .def_readwrite("center", &RoomObstacle::center)
-      .def_readwrite("size", &RoomObstacle::size)
-      .def_readwrite("reflectance", &RoomObstacle::reflectance);
-  bindParams<RoomSceneParams>(module, "RoomSceneParams")
-      .def_readwrite("obstacles", &RoomSceneParams::obstacles);
+      .def_readwrite("center", &RoomObstacle::center, "(3,) metres, map")
+      .def_readwrite("size", &RoomObstacle::size, "(3,) metres")
+      .def_readwrite("reflectance", &RoomObstacle::reflectance, "[0, 1]");
+  bindParams<RoomSceneParams>(module, "RoomSceneParams", "Geometry and light of a RoomScene.")
+      .def_readwrite("obstacles", &RoomSceneParams::obstacles, "list of RoomObstacle");
   py::class_<RoomScene, std::shared_ptr<RoomScene>>(module, "RoomScene", "A room with printed markers.")
       .def(py::init<const RoomSceneParams&, const MarkerMap&>(), "params"_a, "map"_a,
-           "ValueError for a parameter out of range, or a marker outside of the room.")
-      .def("contains", &RoomScene::contains, "p_map"_a);
+           "ValueError for a parameter out of range, or a marker outside the room.")
+      .def("contains", &RoomScene::contains, "p_map"_a, "Whether a point (3, metres) is in the room.");
 }
 
 void bindRoomRenderer(py::module_& module) {
   bindRoomRendererScene(module);
-  bindParams<RoomRendererParams>(module, "RoomRendererParams");
-  py::class_<RoomRenderer>(module, "RoomRenderer", "Takes pictures in a room.")
+  bindParams<RoomRendererParams>(module, "RoomRendererParams", "Sensor and lens of a RoomRenderer.");
+  py::class_<RoomRenderer>(module, "RoomRenderer", "Renders images of a room.")
       .def(py::init<const RoomRendererParams&, std::shared_ptr<RoomScene>, const CameraModel&>(), "params"_a,
            "scene"_a, "camera"_a)
       .def("render", &render, "exposure"_a, "frame"_a,
-           "Grey uint8 (height, width) from a list of T_map_camera (4, 4) during the exposure; `frame` "
-           "chooses the\n"
-           "noise. ValueError for no pose, or a camera outside of the room.");
+           "Renders a grey image, uint8 (height, width). exposure: list of T_map_camera (4, 4) during the "
+           "exposure time; frame: seed of the noise. ValueError without a pose, or for a camera outside the "
+           "room.");
 }
 
 py::tuple take(ArenaCamera& camera, const ArenaScene& scene, const Pose& T_map_camera, std::uint64_t frame) {
-  ArenaCamera::Picture picture;
+  ArenaCamera::Frame rendered;
   {
     const py::gil_scoped_release other_threads_run;
-    picture = camera.take(scene, T_map_camera, frame);
+    rendered = camera.take(scene, T_map_camera, frame);
   }
-  return py::make_tuple(arrayFromColour(picture.image), picture.seen);
+  return py::make_tuple(arrayFromColour(rendered.image), rendered.objects);
 }
 
 py::array takeDepth(DepthCamera& camera, const ArenaScene& scene, const Pose& T_map_camera,
@@ -77,48 +77,50 @@ py::array takeDepth(DepthCamera& camera, const ArenaScene& scene, const Pose& T_
 }
 
 void bindArenaScene(py::module_& module) {
-  py::class_<ArenaObject> object(module, "ArenaObject",
-                                 "A pillar or a ball. Units and ranges: arena_scene.hpp.");
+  py::class_<ArenaObject> object(module, "ArenaObject", "An upright pillar or a ball.");
   py::enum_<ArenaObject::Shape>(object, "Shape")
       .value("pillar", ArenaObject::Shape::pillar)
       .value("ball", ArenaObject::Shape::ball);
   object.def(py::init<>())
-      .def_readwrite("shape", &ArenaObject::shape)
-      .def_readwrite("position", &ArenaObject::position)
-      .def_readwrite("radius", &ArenaObject::radius)
-      .def_readwrite("height", &ArenaObject::height)
-      .def_readwrite("colour", &ArenaObject::colour);
-  bindParams<ArenaLight>(module, "ArenaLight", "The light of the moment.");
-  bindParams<ArenaSceneParams>(module, "ArenaSceneParams");
-  py::class_<ArenaScene>(module, "ArenaScene", "A room with a patterned floor and walls, and what is in it.")
+      .def_readwrite("shape", &ArenaObject::shape, "ArenaObject.Shape")
+      .def_readwrite("position", &ArenaObject::position, "(3,) foot of a pillar, centre of a ball, metres")
+      .def_readwrite("radius", &ArenaObject::radius, "metres, (0, 10]")
+      .def_readwrite("height", &ArenaObject::height, "of a pillar, metres, (0, 10]")
+      .def_readwrite("colour", &ArenaObject::colour, "(3,) reflectance for red, green and blue, [0, 1]");
+  bindParams<ArenaLight>(module, "ArenaLight", "Lighting of the arena.");
+  bindParams<ArenaSceneParams>(module, "ArenaSceneParams", "Geometry of an ArenaScene.");
+  py::class_<ArenaScene>(module, "ArenaScene", "A room with a patterned floor and walls, and objects in it.")
       .def(py::init<const ArenaSceneParams&>(), "params"_a)
-      .def("set_objects", &ArenaScene::setObjects, "objects"_a)
-      .def("set_light", &ArenaScene::setLight, "light"_a);
+      .def("set_objects", &ArenaScene::setObjects, "objects"_a,
+           "Replaces all objects by a list of ArenaObject. ValueError for a value out of range.")
+      .def("set_light", &ArenaScene::setLight, "light"_a, "Sets the ArenaLight.");
 }
 
 void bindArenaParams(py::module_& module) {
-  bindParams<ArenaCameraParams>(module, "ArenaCameraParams");
-  bindParams<DepthCameraParams>(module, "DepthCameraParams");
+  bindParams<ArenaCameraParams>(module, "ArenaCameraParams", "Sensor of an ArenaCamera.");
+  bindParams<DepthCameraParams>(module, "DepthCameraParams", "Noise and range of a DepthCamera.");
 }
 
 void bindArena(py::module_& module) {
   bindArenaScene(module);
   bindArenaParams(module);
-  py::class_<SeenObject>(module, "SeenObject", "What of an object a picture shows; low <= pixel < high.")
-      .def_readonly("object", &SeenObject::object)
-      .def_readonly("low", &SeenObject::low)
-      .def_readonly("high", &SeenObject::high)
-      .def_readonly("pixels", &SeenObject::pixels);
-  py::class_<ArenaCamera>(module, "ArenaCamera", "Takes colour pictures in an arena.")
+  py::class_<VisibleObject>(module, "VisibleObject",
+                            "The visible part of an object in an image; low <= pixel < high.")
+      .def_readonly("object", &VisibleObject::object, "index of the object in the scene")
+      .def_readonly("low", &VisibleObject::low, "(2,) first column and row of the bounding box, pixels")
+      .def_readonly("high", &VisibleObject::high, "(2,) column and row after the bounding box, pixels")
+      .def_readonly("pixels", &VisibleObject::pixels, "number of visible pixels");
+  py::class_<ArenaCamera>(module, "ArenaCamera", "Renders colour images of an arena.")
       .def(py::init<const ArenaCameraParams&, const CameraModel&>(), "params"_a, "camera"_a)
       .def("take", &take, "scene"_a, "T_map_camera"_a, "frame"_a,
-           "uint8 (height, width, 3), red first, and the SeenObject in it; `frame` chooses the noise.\n"
-           "ValueError for a camera outside of the arena.");
+           "Renders an image. Returns (image, objects): uint8 (height, width, 3) RGB, and a list of "
+           "VisibleObject. frame: seed of the noise. ValueError for a camera outside the arena.");
   py::class_<DepthCamera>(module, "DepthCamera", "A stereo depth camera in an arena.")
       .def(py::init<const DepthCameraParams&, const CameraModel&>(), "params"_a, "camera"_a)
-      .def("take", &takeDepth, "scene"_a, "T_map_camera"_a, "frame"_a,
-           "float32 (height, width), metres along the optical axis, 0 where there is none.\n"
-           "ValueError for a camera outside of the arena.");
+      .def(
+          "take", &takeDepth, "scene"_a, "T_map_camera"_a, "frame"_a,
+          "Renders a depth image, float32 (height, width), metres along the optical axis; 0: invalid. frame: "
+          "seed of the noise. ValueError for a camera outside the arena.");
 }
 
 }  // namespace

@@ -11,14 +11,14 @@
 namespace sextant {
 namespace {
 
-constexpr double kQuadSigma = 0.3;  // pixels, of a coordinate of libapriltag's corner where nothing is hidden
-constexpr double kMaxTableBytes = 1e9;
-constexpr double kBytesPerCode = 3 * 16;  // libapriltag's hash table has three 16-byte slots a code
+constexpr double kQuadSigma = 0.3;        // pixels; standard deviation of its corner coordinates
+constexpr double kMaxTableBytes = 1e9;    // of the table of corrected codes
+constexpr double kBytesPerCode = 3 * 16;  // libapriltag's hash table has three 16-byte slots per code
 
-constexpr double kMinTagModule = 2;  // pixels of the decimated image; no module can be read in fewer
-constexpr double kLarge = 64;        // pixels; quads with a larger side are searched in half the resolution
+constexpr double kMinTagModule = 2;  // pixels of the decimated image; smaller modules cannot be read
+constexpr double kLarge = 64;        // pixels; quads with a larger side are searched at half resolution
 
-// libapriltag keeps every code with up to `corrected` flipped bits.
+// libapriltag stores every code with up to `corrected` flipped bits.
 void checkTable(const std::string& name, const apriltag_family_t& family, int corrected) {
   double codes = 0, combinations = 1;
   for (int k = 0; k <= corrected; ++k) {
@@ -57,7 +57,7 @@ class AprilTagSearch : public MarkerSearch {
 
   void within(const cv::Mat& image, const cv::Rect& window, double side, Effort effort,
               FoundMarkers& found) override {
-    // Beside the border the white may be too narrow for libapriltag's tiles of four decimated pixels.
+    // At the border the white margin may be narrower than libapriltag's tiles of four decimated pixels.
     const bool coarse = side > kLarge && effort == Effort::quick && !touchesBorder(window, image.size());
     const double decimate = std::max(params_.decimate, coarse ? 2.0 : 1.0);
     detect(*part_, image(window), decimate, window.tl(), found);
@@ -72,7 +72,7 @@ class AprilTagSearch : public MarkerSearch {
   BorderSquare border(const MarkerKey& key) const override {
     for (const auto& family : families_)
       if (key.family == family->name) return {family->width_at_border, family->reversed_border};
-    throw std::logic_error("AprilTagSearch::border: " + key.family + " is not searched for");
+    throw std::logic_error("AprilTagSearch::border: family " + key.family + " is not configured");
   }
 
  private:
@@ -92,8 +92,8 @@ class AprilTagSearch : public MarkerSearch {
     }
   }
 
-  // libapriltag's corners begin at the bottom left and run counterclockwise; its pixel (0, 0) begins at that
-  // pixel's edge.
+  // libapriltag's corners are counterclockwise from the bottom left; its origin is the corner of the first
+  // pixel.
   static Detection detection(const apriltag_detection_t& tag, const cv::Point& origin) {
     Detection found;
     found.key = {tag.family->name, tag.id};
@@ -106,7 +106,7 @@ class AprilTagSearch : public MarkerSearch {
   }
 
   DetectorParams params_;
-  std::vector<AprilTagFamily> families_;  // outlive the detectors, which point to them
+  std::vector<AprilTagFamily> families_;  // before the detectors, which point to them
   Detector whole_, part_;
 };
 

@@ -11,9 +11,9 @@
 
 namespace sextant {
 
-/// libapriltag, any number of its families in one pass.
+/// Creates a search with libapriltag, for several of its families in one pass.
 /// @throws std::out_of_range for an unknown family
-/// @throws std::invalid_argument for a table of corrected codes that would not fit in memory
+/// @throws std::invalid_argument if the table of corrected codes would not fit in memory
 std::unique_ptr<MarkerSearch> makeAprilTagSearch(const DetectorParams& params,
                                                  const std::vector<std::string>& families);
 

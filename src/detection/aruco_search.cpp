@@ -3,7 +3,6 @@
 #include "aruco_search.hpp"
 
 #include <algorithm>
-#include <opencv2/aruco.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "code_reader.hpp"
@@ -13,23 +12,23 @@
 namespace sextant {
 namespace {
 
-constexpr double kContourSigma = 0.75;   // pixels, of a coordinate of a contour's corner
+constexpr double kContourSigma = 0.75;   // pixels; deviation of a contour's corner coordinates
 constexpr int kMinWindow = 16;           // pixels; no marker can be read in a smaller image
-constexpr double kMinArucoModule = 1.4;  // pixels; no module can be read in fewer
-constexpr double kEnough = 10;        // pixels a module; with them, half the image tells as much as the whole
-constexpr double kEnoughQuickly = 6;  // and with them, nearly
-constexpr double kSmoothing = 0.6;    // pixels; less noise makes fewer contours
-constexpr int kBlock = 9, kSmallBlock = 3, kLargeBlock = 13;  // pixels whose mean is the threshold
-constexpr double kDarkBorder = 0.7;  // share of the border of what is worth a closer look
+constexpr double kMinArucoModule = 1.4;  // pixels; smaller modules cannot be read
+constexpr double kEnough = 10;           // pixels per module from which half the resolution suffices
+constexpr double kEnoughQuickly = 6;     // the same for Effort::quick
+constexpr double kSmoothing = 0.6;       // pixels; reduces the number of contours from noise
+constexpr int kBlock = 9, kSmallBlock = 3, kLargeBlock = 13;  // pixels; window of the adaptive threshold
+constexpr double kDarkBorder = 0.7;  // minimum dark fraction of the border for a thorough search
 constexpr double kSmallerThanExpected = 0.5;
 
-cv::Ptr<cv::aruco::DetectorParameters> arucoParameters(const DetectorParams& params) {
-  auto aruco = cv::aruco::DetectorParameters::create();
-  aruco->errorCorrectionRate = params.error_correction;
-  aruco->adaptiveThreshWinSizeStep = kLargeBlock - kSmallBlock;
-  aruco->minMarkerDistanceRate = 0.02;  // a white border one module wide: with 0.05 the outer contour wins
-  aruco->minDistanceToBorder = 1;
-  aruco->cornerRefinementMethod = cv::aruco::CORNER_REFINE_NONE;
+cv::aruco::DetectorParameters arucoParameters(const DetectorParams& params) {
+  cv::aruco::DetectorParameters aruco;
+  aruco.errorCorrectionRate = params.error_correction;
+  aruco.adaptiveThreshWinSizeStep = kLargeBlock - kSmallBlock;
+  aruco.minMarkerDistanceRate = 0.02;  // with 0.05, the outer contour of a one-module white border wins
+  aruco.minDistanceToBorder = 1;
+  aruco.cornerRefinementMethod = cv::aruco::CORNER_REFINE_NONE;
   return aruco;
 }
 
@@ -54,7 +53,7 @@ class ArucoSearch : public MarkerSearch {
       const Code code = reader_.read(image, quad.corners);
       if (code.id >= 0)
         found.add(detection(code, quad));
-      else if (code.dark_border >= kDarkBorder && quad.side < enough(effort) * (dictionary_->markerSize + 2))
+      else if (code.dark_border >= kDarkBorder && quad.side < enough(effort) * (dictionary_.markerSize + 2))
         closeUp(image, windowOf(quad, image.size()), quad.side, effort, found);
     }
   }
@@ -77,24 +76,24 @@ class ArucoSearch : public MarkerSearch {
 
   double minSide(const cv::Size& image) const override {
     return std::max(0.25 * min_perimeter_ * std::max(image.width, image.height),
-                    kMinArucoModule * (dictionary_->markerSize + 2));
+                    kMinArucoModule * (dictionary_.markerSize + 2));
   }
 
-  BorderSquare border(const MarkerKey&) const override { return {dictionary_->markerSize + 2, false}; }
+  BorderSquare border(const MarkerKey&) const override { return {dictionary_.markerSize + 2, false}; }
 
  private:
   static double enough(Effort effort) { return effort == Effort::quick ? kEnoughQuickly : kEnough; }
 
-  /// With contours of its own from the whole image.
+  /// Searches with contours from the full resolution.
   void closeUp(const cv::Mat& image, const cv::Rect& window, double side, Effort effort,
                FoundMarkers& found) {
     if (window.width < kMinWindow || window.height < kMinWindow) return;
     cv::GaussianBlur(image(window), smooth_, {3, 3}, kSmoothing, 0, cv::BORDER_DEFAULT | cv::BORDER_ISOLATED);
-    parameters_->adaptiveThreshWinSizeMin = effort == Effort::quick ? kBlock : kSmallBlock;
-    parameters_->adaptiveThreshWinSizeMax = effort == Effort::quick ? kBlock : kLargeBlock;
+    parameters_.adaptiveThreshWinSizeMin = effort == Effort::quick ? kBlock : kSmallBlock;
+    parameters_.adaptiveThreshWinSizeMax = effort == Effort::quick ? kBlock : kLargeBlock;
     const double min_side = std::max(kSmallerThanExpected * side, minSide(image.size()));
-    parameters_->minMarkerPerimeterRate = 4 * min_side / std::max(window.width, window.height);
-    cv::aruco::detectMarkers(smooth_, dictionary_, read_, ids_, parameters_);
+    parameters_.minMarkerPerimeterRate = 4 * min_side / std::max(window.width, window.height);
+    detectArucoMarkers(smooth_, dictionary_, parameters_, read_, ids_);
     for (size_t i = 0; i < ids_.size(); ++i) found.add(detection(ids_[i], read_[i], window.tl()));
   }
 
@@ -117,9 +116,9 @@ class ArucoSearch : public MarkerSearch {
 
   double min_perimeter_;
   std::string family_;
-  int turn_;  // corners by which the dictionary's upright is turned against the canonical print's
-  cv::Ptr<cv::aruco::Dictionary> dictionary_;
-  cv::Ptr<cv::aruco::DetectorParameters> parameters_;
+  int turn_;  // number of corners by which the dictionary's markers are rotated from the canonical ones
+  cv::aruco::Dictionary dictionary_;
+  cv::aruco::DetectorParameters parameters_;
   CodeReader reader_;
   QuadSearch quads_;
   cv::Mat smooth_;

@@ -10,7 +10,8 @@
 
 namespace sextant {
 
-/// OpenCV's aruco module, one dictionary. @throws std::out_of_range for an unknown dictionary
+/// Creates a search with OpenCV's aruco module, for one dictionary. @throws std::out_of_range for an unknown
+/// dictionary
 std::unique_ptr<MarkerSearch> makeArucoSearch(const DetectorParams& params, const std::string& dictionary);
 
 }  // namespace sextant

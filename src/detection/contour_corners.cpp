@@ -8,9 +8,10 @@
 namespace sextant {
 namespace {
 
-constexpr double kEnds = 0.15;      // share of a side next to either corner that tells nothing of its line
-constexpr double kParallel = 0.1;   // sine of the angle below which two lines have no corner
-constexpr double kFarthest = 0.25;  // share of its sides by which a corner may lie beside the polygon's
+constexpr double kEnds = 0.15;     // fraction of a side at either end that is not used for its line
+constexpr double kParallel = 0.1;  // sine of the minimum angle between adjacent lines
+constexpr double kFarthest =
+    0.25;  // maximum distance of a corner from the polygon's, over the side, plus a pixel
 
 struct Line {
   cv::Point2d point, along;  // along has length 1
@@ -18,8 +19,8 @@ struct Line {
 
 double cross(const cv::Point2d& a, const cv::Point2d& b) { return a.x * b.y - a.y * b.x; }
 
-// Through the points from one index of the contour to another, which may lie beyond its end; by least squares
-// of their distances, of which the principal axis of their scatter is the solution.
+// Fits a line to the points of the contour between two indices, which wrap around. The principal axis of
+// their scatter minimizes the sum of squared distances.
 Line fit(const std::vector<cv::Point>& contour, size_t begin, size_t end) {
   const auto skip = static_cast<size_t>(kEnds * static_cast<double>(end - begin));
   double n = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0;
@@ -34,17 +35,18 @@ Line fit(const std::vector<cv::Point>& contour, size_t begin, size_t end) {
   return line;
 }
 
-// findContours walks about dark pixels and about holes in them such that the edge is always on this hand.
+// Moves a line from the outermost dark pixels to the edge. findContours follows dark regions and their holes
+// with the edge always on the same side.
 Line onEdge(Line line) {
   line.point += 0.5 * cv::Point2d(-line.along.y, line.along.x);
   return line;
 }
 
-cv::Point2d meet(const Line& a, const Line& b, const cv::Point2d& otherwise, double reach) {
+cv::Point2d meet(const Line& a, const Line& b, const cv::Point2d& fallback, double reach) {
   const double sine = cross(a.along, b.along);
-  if (std::abs(sine) < kParallel) return otherwise;
+  if (std::abs(sine) < kParallel) return fallback;
   const cv::Point2d corner = a.point + a.along * (cross(b.point - a.point, b.along) / sine);
-  return cv::norm(corner - otherwise) > reach ? otherwise : corner;
+  return cv::norm(corner - fallback) > reach ? fallback : corner;
 }
 
 size_t indexOf(const cv::Point& vertex, const std::vector<cv::Point>& contour) {

@@ -8,11 +8,11 @@
 
 namespace sextant {
 
-/// Corners of a dark or light quad whose edge lies half a pixel beside the outermost dark pixels' centres: a
-/// line is fitted to the middle of each side of its contour, neighbours are intersected. A corner that is
-/// blunt or hidden does not move them.
-/// @param contour as cv::findContours tells it, without approximation
-/// @param polygon four of its points, in its order: about the corners
+/// Computes the corners of a dark or light quad. A line is fitted to the middle part of each side of its
+/// contour, and adjacent lines are intersected, so that rounded or occluded corners have no effect. The edge
+/// lies half a pixel outside the centres of the outermost dark pixels.
+/// @param contour from cv::findContours, without approximation
+/// @param polygon four points of the contour near the corners, in the order of the contour
 /// @return clockwise, pixels
 std::array<cv::Point2f, 4> contourCorners(const std::vector<cv::Point>& contour,
                                           const std::vector<cv::Point>& polygon);

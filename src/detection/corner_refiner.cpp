@@ -17,25 +17,27 @@ namespace sextant {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kSearchDeviations = 5;  // deviations of the start within which edges are looked for
-constexpr double kLeastReach = 1.5;      // pixels
-constexpr double kStartReach = 6;       // pixels, at least, as far as a module goes: a contour may lie inside
-constexpr double kFarthestCorner = 3;   // such reaches that a corner may lie from its start
-constexpr double kMinLength = 8;        // pixels of an edge
-constexpr double kCurvedEdge = 60;      // pixels from which an edge is long enough to show a lens's curvature
-constexpr double kSettledStep = 0.1;    // pixels; the next step would be a tenth of this one
-constexpr double kFloor = 0.015;        // pixels: deviation of what the scatter does not show
-constexpr double kCutScatter = 0.97;    // share of a normal variance that the fit's outlier limit leaves
-constexpr double kNeighbours = 0.3;     // blurs that the next module's step pulls an edge where it touches it
-constexpr double kLeastBlur = 0.8;      // pixels; a sharper image errs as much by its coarse sampling
-constexpr double kMaxSimilarity = 0.8;  // of neighbouring residuals
-constexpr double kBlurred = 0.5;        // sharpness below which a wider reach tells more
-constexpr double kMaxBitOffset = 0.35;  // pixels between one side and the others
-constexpr double kMaxBitShift = 0.12;   // modules; what a wide lens does to the grid's is less
-constexpr double kClearModule = 2;      // pixels from which bits are seen apart
-constexpr double kCommon = 0.15;        // pixels by which lens and print move what is seen of a square
-constexpr double kHiddenDoubt = 0.5;    // modules that the start's edge may be off where no edge was found
+constexpr double kSearchDeviations =
+    5;                                 // standard deviations of the initial corners; limit of the first reach
+constexpr double kLeastReach = 1.5;    // pixels; minimum reach
+constexpr double kStartReach = 6;      // pixels; minimum of this limit, as a contour may lie inside the edge
+constexpr double kFarthestCorner = 3;  // maximum distance of a corner from its start, in reaches
+constexpr double kMinLength = 8;       // minimum length of an edge, pixels
+constexpr double kCurvedEdge = 60;     // pixels; minimum length of an edge that shows lens curvature
+constexpr double kSettledStep = 0.1;   // pixels; the next step would be a tenth of the last one
+constexpr double kFloor = 0.015;       // pixels; standard deviation that residuals do not show
+constexpr double kCutScatter = 0.97;   // fraction of a Gaussian's variance within the fit's outlier limit
+constexpr double kNeighbours = 0.3;    // shift of an edge by the step of an adjacent module, in blurs
+constexpr double kLeastBlur = 0.8;     // pixels; in sharper images coarse sampling has the same effect
+constexpr double kMaxCorrelation = 0.8;  // maximum correlation of neighbouring residuals
+constexpr double kBlurred = 0.5;         // sharpness below which a wider reach is better
+constexpr double kMaxBitOffset = 0.35;   // pixels; maximum difference between one side and the others
+constexpr double kMaxBitShift = 0.12;    // modules, likewise; more than the distortion of a wide lens
+constexpr double kClearModule = 2;       // pixels; minimum size of modules that can be separated
+constexpr double kCommon = 0.15;         // pixels; standard deviation of systematic errors of lens and marker
+constexpr double kHiddenDoubt = 0.5;     // modules; standard deviation of an initial edge that was not found
 
+// Width of a module perpendicular to a side, pixels.
 double moduleAcross(const Corners& corners, int side, int modules) {
   const Eigen::Vector2d along = (corners[(side + 1) % 4] - corners[side]).normalized();
   const Eigen::Vector2d across =
@@ -45,12 +47,12 @@ double moduleAcross(const Corners& corners, int side, int modules) {
 
 struct Edge {
   Eigen::Vector2d begin, end;
-  double module;  // pixels across
-  double reach;   // pixels
-  double bend = 0;
+  double module;    // width of a module across the edge, pixels
+  double reach;     // search distance to either side, pixels
+  double bend = 0;  // c[2] of the parabola, pixels
   bool found = true;
   std::optional<EdgeFit> fit;
-  double doubt = 0;  // pixels that it may be off beside its scatter
+  double doubt = 0;  // pixels; standard deviation that its residuals do not show
 };
 
 class SquareFit {
@@ -79,6 +81,7 @@ class SquareFit {
   }
 
  private:
+  // The curve from which an edge is fitted. terms: number of coefficients to fit
   EdgeCurve curve(const Edge& edge, int* terms) const {
     EdgeCurve curve(edge.begin, edge.end, !square_.white_inside);
     *terms = 2;
@@ -101,7 +104,7 @@ class SquareFit {
     if (found) edge.fit = EdgeFit(*found);
   }
 
-  // Pixels from a point to the image's border along an edge's normal.
+  // Distance from a point to the image border along an edge's normal, pixels.
   double room(const Eigen::Vector2d& point, const EdgeCurve& edge) const {
     const double x = std::min(point.x(), image_.cols - 1 - point.x());
     const double y = std::min(point.y(), image_.rows - 1 - point.y());
@@ -128,7 +131,7 @@ class SquareFit {
     return met && (*met - start_[i]).norm() < kFarthestCorner * reach ? met : std::nullopt;
   }
 
-  // Takes every edge to its corners, and returns how far the farthest of these has moved.
+  // Extends every edge to its corners and returns the largest displacement of a corner, pixels.
   double meet() {
     double farthest = 0;
     for (int i = 0; i < 4; ++i) {
@@ -141,7 +144,8 @@ class SquareFit {
     return farthest;
   }
 
-  // Print and exposure can widen all black or all white alike: an edge is off that is off against the others.
+  // Sets the doubt of each edge; returns whether there is none. Printing and exposure may widen all black or
+  // white areas alike: an edge is wrong if its offset from the bits differs from those of the others.
   bool compareWithBits(const Corners& corners) {
     std::array<std::optional<double>, 4> offsets;
     for (int i = 0; i < 4; ++i) offsets[i] = bitOffset(corners, i);
@@ -153,8 +157,8 @@ class SquareFit {
     double least = kInfinity;
     for (int k = 0; k < 4; ++k)
       if (k != i && offsets[k] && offsets[i]) least = std::min(least, std::abs(*offsets[i] - *offsets[k]));
-    const bool off = least > std::max(kMaxBitOffset, kMaxBitShift * edges_[i].module);
-    return least < kInfinity && off ? least : 0;
+    const bool differs = least > std::max(kMaxBitOffset, kMaxBitShift * edges_[i].module);
+    return least < kInfinity && differs ? least : 0;
   }
 
   std::optional<double> bitOffset(const Corners& corners, int side) const {
@@ -166,23 +170,23 @@ class SquareFit {
     return grid.bitOffset(image_, near.fit->contrast);
   }
 
-  // Variance of a sample of every found edge and what it is worth, by the scatter of all of them: one alone
-  // has few.
+  // Variance of a sample, corrected for correlation, pooled over all edges because one edge has few samples.
   double scatter() const {
-    double squares = 0, lagged = 0;
-    int freedom = 0;
+    double squared_residuals = 0, lagged_products = 0;
+    int degrees_of_freedom = 0;
     for (const Edge& edge : edges_)
       if (edge.found) {
-        squares += edge.fit->squares;
-        lagged += edge.fit->lagged;
-        freedom += edge.fit->freedom;
+        squared_residuals += edge.fit->squared_residuals;
+        lagged_products += edge.fit->lagged_products;
+        degrees_of_freedom += edge.fit->degrees_of_freedom;
       }
-    const double similar = std::clamp(lagged / std::max(squares, 1e-9), 0.0, kMaxSimilarity);
-    return squares / freedom / kCutScatter * (1 + similar) / (1 - similar);
+    const double correlation =
+        std::clamp(lagged_products / std::max(squared_residuals, 1e-9), 0.0, kMaxCorrelation);
+    return squared_residuals / degrees_of_freedom / kCutScatter * (1 + correlation) / (1 - correlation);
   }
 
-  // What the blurred steps of neighbouring modules add to an edge's variance, measured over simulated drives
-  // with blurs of 0.3 to 1.5 pixels and modules of 1.5 to 12.
+  // Variance of an edge from the blurred steps of adjacent modules, measured in simulated drives with blurs
+  // of 0.3 to 1.5 pixels and modules of 1.5 to 12.
   static double neighbourVariance(const Edge& edge) {
     const double blur = std::max(kLeastBlur, edge.fit->blur);
     const double pull = kNeighbours * blur * std::exp(-0.5 * edge.module / blur);
@@ -213,14 +217,14 @@ class SquareFit {
         refined.sigmas[i] = std::sqrt(kFloor * kFloor + cornerVariance(i, sample));
       } else {
         const double doubtful = std::max(doubt(before), doubt(after));
-        const double off = kHiddenDoubt * std::max(before.module, after.module);
-        refined.sigmas[i] = std::hypot(square_.start_sigma, doubtful > 0 ? doubtful : off);
+        const double unknown = kHiddenDoubt * std::max(before.module, after.module);
+        refined.sigmas[i] = std::hypot(square_.start_sigma, doubtful > 0 ? doubtful : unknown);
       }
     }
     return refined;
   }
 
-  // The only edge that is hidden, unless it is that of tiny modules.
+  // Index of the occluded edge if there is exactly one, unless its modules are tiny.
   std::optional<int> hidden() const {
     std::optional<int> only;
     for (int i = 0; i < 4; ++i) {
@@ -231,7 +235,8 @@ class SquareFit {
     return only;
   }
 
-  // With what three edges tell of the fourth, where that is more than the start.
+  // Replaces the corners of an occluded edge by those that follow from the other three edges, where these are
+  // more accurate.
   RefinedCorners completed() const {
     RefinedCorners refined = result();
     const auto i = hidden();

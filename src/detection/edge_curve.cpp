@@ -25,7 +25,7 @@ bool EdgeCurve::followLens(const CameraModel& camera) {
     s[i] = half.dot(*pixel - middle) / square;
     bow[i] = normal.dot(*pixel - middle) / (1 - s[i] * s[i]);
   }
-  // Newton's divided differences of bow(s), as monomials.
+  // Newton's divided differences of bow(s), expanded to monomials.
   const double d01 = (bow[1] - bow[0]) / (s[1] - s[0]), d12 = (bow[2] - bow[1]) / (s[2] - s[1]);
   const double q2 = (d12 - d01) / (s[2] - s[0]);
   const double q1 = d01 - q2 * (s[0] + s[1]);
@@ -38,10 +38,10 @@ bool EdgeCurve::followLens(const CameraModel& camera) {
 void EdgeCurve::bend(double c2) { c = {-c2, 0, c2, 0, 0}; }
 
 std::optional<Eigen::Vector2d> intersect(const EdgeCurve& a, const EdgeCurve& b) {
-  constexpr int kMostSteps = 8;
+  constexpr int kMaxSteps = 8;
   constexpr double kFarthest = 2;  // half chords
   double s = 1, t = -1;
-  for (int i = 0; i < kMostSteps; ++i) {
+  for (int i = 0; i < kMaxSteps; ++i) {
     Eigen::Matrix2d J;
     J << a.tangent(s), -b.tangent(t);
     const Eigen::Vector2d step = J.inverse() * (b.at(t) - a.at(s));

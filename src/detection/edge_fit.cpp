@@ -13,19 +13,19 @@ namespace sextant {
 namespace {
 
 constexpr int kMaxSamples = 100;
-constexpr int kMinContrast = 12;       // grey levels
-constexpr double kMinShare = 0.4;      // of the edge's median contrast
-constexpr double kOutlier = 3 * 1.48;  // median absolute deviations
-constexpr double kMinSharpness = 0.2;
+constexpr int kMinContrast = 12;       // of a sample, grey levels
+constexpr double kMinShare = 0.4;      // minimum contrast of a sample over the edge's median contrast
+constexpr double kOutlier = 3 * 1.48;  // limit of residuals, median absolute deviations
+constexpr double kMinSharpness = 0.2;  // limits the Newton step
 
 struct Sample {
-  int line;
-  double x;  // where on the line it was looked for
+  int line;  // index of the image line
+  double x;  // initial position on the image line, pixels
   RiseMoments moments;
-  double s = 0, offset = 0;  // of what was found; the offset from the start's curve
+  double s = 0, offset = 0;  // of the located edge; the offset is from the initial curve
 };
 
-// Edge points, without heap memory.
+// A list of samples without heap allocation.
 class Samples {
  public:
   int size() const { return size_; }
@@ -40,7 +40,8 @@ class Samples {
     size_ = static_cast<int>(std::remove_if(begin(), end(), drop) - begin());
   }
 
-  // Of every third or so where there are many: limits for outliers need no more.
+  // Median of a value. If there are many samples, uses every second or third of them, which suffices for
+  // outlier limits.
   template <typename Value>
   double median(Value value) const {
     std::array<double, kMaxSamples> values;
@@ -70,7 +71,8 @@ Samples collect(const ImageLines& lines, const ImageLines::Span& span, double re
   return samples;
 }
 
-// Newton's step of every sample; the slope is that of the whole edge, as one line alone has too much noise.
+// Takes a Newton step for every sample, with the derivative summed over the whole edge, because that of one
+// image line is too noisy.
 void locate(const ImageLines& lines, Samples& samples, EdgeFit& fit) {
   RiseMoments sum;
   for (const Sample& sample : samples) {
@@ -87,7 +89,7 @@ void locate(const ImageLines& lines, Samples& samples, EdgeFit& fit) {
   }
 }
 
-// Least squares of c[0] + c[1] s (+ c[2] s^2).
+// Returns the least squares fit of c[0] + c[1] s (+ c[2] s^2), and the inverse of its normal equations.
 Eigen::Vector3d solve(const Samples& samples, int terms, Eigen::Matrix3d& inverse) {
   double s1 = 0, s2 = 0, s3 = 0, s4 = 0;
   Eigen::Vector3d b = Eigen::Vector3d::Zero();
@@ -110,9 +112,9 @@ double residual(const Sample& sample, const Eigen::Vector3d& c) {
   return sample.offset - (c[0] + sample.s * (c[1] + sample.s * c[2]));
 }
 
-void dropOutliers(Samples& samples, const Eigen::Vector3d& c, double least) {
+void dropOutliers(Samples& samples, const Eigen::Vector3d& c, double min_limit) {
   const double spread = samples.median([&](const Sample& sample) { return std::abs(residual(sample, c)); });
-  const double limit = std::max(kOutlier * spread, least);
+  const double limit = std::max(kOutlier * spread, min_limit);
   samples.removeIf([&](const Sample& sample) { return std::abs(residual(sample, c)) > limit; });
 }
 
@@ -120,15 +122,15 @@ void measureScatter(const Samples& samples, const Eigen::Vector3d& c, int terms,
   double last = 0;
   for (const Sample& sample : samples) {
     const double r = residual(sample, c);
-    fit.squares += r * r;
-    fit.lagged += r * last;
+    fit.squared_residuals += r * r;
+    fit.lagged_products += r * last;
     last = r;
   }
-  fit.freedom = samples.size() - terms;
+  fit.degrees_of_freedom = samples.size() - terms;
 }
 
-// The line through two samples that has the smallest sum of squares, each counted to the limit only.
-std::optional<Eigen::Vector3d> mostAgreed(const Samples& samples, double limit) {
+// Returns the line through two samples with the smallest truncated sum of squared residuals.
+std::optional<Eigen::Vector3d> consensusLine(const Samples& samples, double limit) {
   double best = limit * limit * samples.size();
   std::optional<Eigen::Vector3d> line;
   for (const Sample& a : samples)
@@ -148,8 +150,8 @@ std::optional<Eigen::Vector3d> mostAgreed(const Samples& samples, double limit) 
   return line;
 }
 
-// Of a step with the profile exp(-x^2 / 2 blur^2) and w close to exp(-2 u^2): sharpness = 1 / (1 + 4 blur^2 /
-// reach^2).
+// For a step with the profile exp(-x^2 / 2 blur^2) and w close to exp(-2 u^2): sharpness = 1 / (1 + 4 blur^2
+// / reach^2).
 double blurOf(double sharpness, double reach) {
   return 0.5 * reach * std::sqrt(std::max(0.0, 1 / sharpness - 1));
 }
@@ -162,7 +164,7 @@ void move(EdgeCurve& curve, const Eigen::Vector3d& by) {
 
 double EdgeFit::leverage(double s) const {
   const Eigen::Vector3d row(1, s, s * s);
-  return row.dot(inverse * row);
+  return row.dot(normal_inverse * row);
 }
 
 std::optional<EdgeCurve> searchEdge(const cv::Mat& image, const EdgeCurve& start, const EdgeSearch& search) {
@@ -175,12 +177,12 @@ std::optional<EdgeCurve> searchEdge(const cv::Mat& image, const EdgeCurve& start
       samples.add({line, *x, {1}});
   if (samples.size() == 0) return std::nullopt;
   locate(lines, samples, fit);
-  const double limit = 0.75 + 0.01 * start.length();  // a pixel's width, and what a lens may bend
-  const auto line = mostAgreed(samples, limit);
+  const double limit = 0.75 + 0.01 * start.length();  // about a pixel, plus lens distortion
+  const auto line = consensusLine(samples, limit);
   if (!line) return std::nullopt;
   samples.removeIf([&](const Sample& sample) { return std::abs(residual(sample, *line)) > limit; });
   if (2 * samples.size() < span.count()) return std::nullopt;
-  move(fit.curve, solve(samples, 2, fit.inverse));
+  move(fit.curve, solve(samples, 2, fit.normal_inverse));
   return fit.curve;
 }
 
@@ -195,9 +197,9 @@ std::optional<EdgeFit> fitEdge(const cv::Mat& image, const EdgeCurve& start, con
   const double shift = samples.median([](const Sample& sample) { return sample.offset; });
   dropOutliers(samples, {shift, 0, 0}, 0.5);
   if (samples.size() < least) return std::nullopt;
-  dropOutliers(samples, solve(samples, search.terms, fit.inverse), 0.05);
+  dropOutliers(samples, solve(samples, search.terms, fit.normal_inverse), 0.05);
   if (samples.size() < least) return std::nullopt;
-  const Eigen::Vector3d c = solve(samples, search.terms, fit.inverse);
+  const Eigen::Vector3d c = solve(samples, search.terms, fit.normal_inverse);
   measureScatter(samples, c, search.terms, fit);
   fit.blur = blurOf(fit.sharpness, search.reach);
   move(fit.curve, c);

@@ -12,13 +12,12 @@
 namespace sextant {
 namespace {
 
-constexpr int kMostSteps = 40;
-constexpr double kTilt = 0.5;  // radians
-constexpr double kSettledDeviations =
-    1e-3;                      // deviations by which a step still changes what the equations miss
-constexpr double kSolved = 4;  // deviations that they may miss: head-on, noise leaves them without a solution
+constexpr int kMaxSteps = 40;
+constexpr double kTilt = 0.5;                // radians
+constexpr double kSettledDeviations = 1e-3;  // change of the residuals by the last step, standard deviations
+constexpr double kSolved = 4;  // maximum residual norm; head-on, noise may leave no exact solution
 
-// What the equations miss, over their deviations, and its derivative by the pose.
+// Residuals of the equations over their standard deviations, and their Jacobian with respect to the pose.
 struct Equations {
   Vector6d residual;
   Matrix6d jacobian;
@@ -38,7 +37,7 @@ std::optional<Point> look(const CameraModel& camera, const Pose& pose, int corne
   return point;
 }
 
-// How far beside the curve a pixel lies.
+// Signed distance of a pixel from the curve.
 double distance(const EdgeCurve& curve, const Eigen::Vector2d& pixel, Eigen::RowVector2d* gradient) {
   const Eigen::Vector2d p = pixel - curve.middle, along = curve.half / curve.half.squaredNorm();
   const double s = p.dot(along);
@@ -48,7 +47,7 @@ double distance(const EdgeCurve& curve, const Eigen::Vector2d& pixel, Eigen::Row
 
 struct Solution {
   Pose pose;
-  double missed;  // deviations
+  double residual;  // norm, standard deviations
 };
 
 class Solver {
@@ -76,12 +75,12 @@ class Solver {
     return all;
   }
 
-  // Levenberg and Marquardt's steps, since two of the six directions are weak.
+  // Levenberg-Marquardt, because two of the six directions are weakly determined.
   std::optional<Solution> solve(Pose pose) const {
     auto now = equations(pose);
     if (!now) return std::nullopt;
     double damping = 1e-6;
-    for (int i = 0; i < kMostSteps; ++i) {
+    for (int i = 0; i < kMaxSteps; ++i) {
       Matrix6d H = now->jacobian.transpose() * now->jacobian;
       H.diagonal() *= 1 + damping;
       const Pose next = perturbed(pose, -H.ldlt().solve(now->jacobian.transpose() * now->residual));
@@ -98,7 +97,7 @@ class Solver {
     const auto at = equations(pose);
     const Eigen::LLT<Matrix6d> information(at->jacobian.transpose() * at->jacobian);
     if (information.info() != Eigen::Success) return std::nullopt;
-    // Columns of the root of the inverse.
+    // Columns of a square root of the covariance.
     const Matrix6d root = information.matrixU().solve(Matrix6d::Identity());
     FoundEdge edge;
     for (int k = 0; k < 2; ++k) {
@@ -122,8 +121,8 @@ class Solver {
   const HiddenEdge& edge_;
 };
 
-// More than one pose may solve the equations.
-void cover(const CameraModel& camera, const std::vector<Solution>& solutions, int hidden, FoundEdge& edge) {
+// Widens the deviations to all poses that solve the equations.
+void widen(const CameraModel& camera, const std::vector<Solution>& solutions, int hidden, FoundEdge& edge) {
   for (int k = 0; k < 2; ++k) {
     double farthest = 0;
     for (const Solution& other : solutions)
@@ -141,19 +140,19 @@ std::optional<FoundEdge> findHidden(const CameraModel& camera, const Corners& co
   if (!start) return std::nullopt;
   std::vector<Pose> starts = {start->best.T_camera_marker};
   if (start->alternative) starts.push_back(start->alternative->T_camera_marker);
-  // The start's own tilt is of hidden corners.
+  // The initial pose depends on the hidden corners, so start from several tilts.
   const Eigen::Vector3d along = markerCorners(1.0)[(edge.hidden + 1) % 4] - markerCorners(1.0)[edge.hidden];
   for (const double tilt : {kTilt, -kTilt}) starts.emplace_back(starts[0] * Eigen::AngleAxisd(tilt, along));
   const Solver solver(camera, corners, edge);
   std::vector<Solution> solutions;
   for (const Pose& pose : starts)
-    if (const auto solution = solver.solve(pose); solution && solution->missed < kSolved)
+    if (const auto solution = solver.solve(pose); solution && solution->residual < kSolved)
       solutions.push_back(*solution);
   if (solutions.empty()) return std::nullopt;
   const auto best = std::min_element(solutions.begin(), solutions.end(),
-                                     [](auto& a, auto& b) { return a.missed < b.missed; });
+                                     [](auto& a, auto& b) { return a.residual < b.residual; });
   auto found = solver.found(best->pose);
-  if (found) cover(camera, solutions, edge.hidden, *found);
+  if (found) widen(camera, solutions, edge.hidden, *found);
   return found;
 }
 

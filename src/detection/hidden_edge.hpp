@@ -12,24 +12,25 @@
 
 namespace sextant {
 
-/// An edge of a square between its corners hidden and hidden + 1, which is not seen.
+/// An occluded edge of a square, between its corners hidden and hidden + 1, and the visible rest.
 struct HiddenEdge {
   int hidden;
-  EdgeCurve before, after;              ///< the edges that end and begin there
-  double before_sigma, after_sigma;     ///< pixels, of these where they end and begin
-  std::array<double, 4> corner_sigmas;  ///< pixels, of both other corners
+  EdgeCurve before, after;              ///< the adjacent edges, which end and begin at the hidden corners
+  double before_sigma, after_sigma;     ///< standard deviation of these at the hidden corners, pixels
+  std::array<double, 4> corner_sigmas;  ///< of the two visible corners, pixels
 };
 
+/// The corners of an occluded edge.
 struct FoundEdge {
-  std::array<Eigen::Vector2d, 2> corners;  ///< where it begins and ends, pixels
-  std::array<double, 2> sigmas;            ///< of their coordinates, pixels
+  std::array<Eigen::Vector2d, 2> corners;  ///< begin and end, pixels
+  std::array<double, 2> sigmas;            ///< standard deviation of their coordinates, pixels
 };
 
-/// Where the edge must be: the camera's pose before the square has six unknowns, and two corners and two
-/// edges through the others are six equations. The deviations are those of the corners over the pose's sigma
-/// points (Julier and Uhlmann 1997), since nearly head-on a tilt moves the edge by its square. Nothing where
-/// the equations have no solution near the start.
-/// @param corners the hidden ones: a start
+/// Computes an occluded edge. The camera's pose relative to the square has six unknowns; two corners and the
+/// two edges through the others give six equations. The deviations are those of the corners over the sigma
+/// points of the pose (Julier and Uhlmann 1997), because nearly head-on the edge moves with the square of the
+/// tilt. Returns nothing if the equations have no solution near the start.
+/// @param corners of the square; the hidden ones are initial values
 std::optional<FoundEdge> findHidden(const CameraModel& camera, const Corners& corners,
                                     const HiddenEdge& edge);
 

@@ -8,7 +8,7 @@
 namespace sextant {
 namespace {
 
-constexpr double kCornerBlur = 1.5;  // pixels from a corner in which the other edge is seen
+constexpr double kCornerBlur = 1.5;  // pixels from a corner within which the adjacent edge has an effect
 
 }  // namespace
 
@@ -25,7 +25,7 @@ ImageLines::ImageLines(const cv::Mat& image, const EdgeCurve& curve)
   size_ = sizes[1 - along_];
 }
 
-// On the square's side of the edge, a line runs toward one of the corners.
+// Inside the square, a line that is not perpendicular to the edge approaches one of the adjacent edges.
 ImageLines::Span ImageLines::span(double reach, int max_lines) const {
   const double length = curve_.length(), blur = std::min(kCornerBlur, 0.15 * length);
   const double drift = -0.5 * reach * curve_.half[1 - along_] / (0.5 * length * normal_);
@@ -38,7 +38,7 @@ ImageLines::Span ImageLines::span(double reach, int max_lines) const {
   return span;
 }
 
-// Two steps of a fixed point: the curve is nearly its chord.
+// Two fixed-point iterations suffice, because the curve is nearly its chord.
 double ImageLines::crossing(int line) const {
   double s = 0, offset = 0;
   for (int i = 0; i < 2; ++i) {

@@ -13,7 +13,7 @@
 namespace sextant {
 namespace {
 
-// Not a family's canonical name but the asked one tells the backend: DICT_APRILTAG_36h11 is read by OpenCV.
+// The given name, not the canonical one, selects the backend: OpenCV detects DICT_APRILTAG_36h11.
 bool isArucoName(const std::string& name) { return name.rfind("DICT_", 0) == 0; }
 
 class TrackingDetector : public MarkerDetector {
@@ -35,12 +35,12 @@ class TrackingDetector : public MarkerDetector {
 
 void requireFamilies(const Param& param) {
   const auto& families = *std::get<std::vector<std::string>*>(param.value);
-  if (families.empty()) throw std::invalid_argument("families is empty, name at least one marker family");
+  if (families.empty()) throw std::invalid_argument("families is empty: set at least one marker family");
   std::set<std::string> prints;
   try {
     for (const auto& family : families)
       if (!prints.insert(canonicalFamily(family)).second)
-        throw std::invalid_argument("'" + family + "' is there twice: each marker would be found twice");
+        throw std::invalid_argument("'" + family + "' is listed twice, or with both of its names");
   } catch (const std::invalid_argument& error) {
     throw std::invalid_argument(std::string("families: ") + error.what());
   }
@@ -51,25 +51,25 @@ void requireFamilies(const Param& param) {
 ParamList DetectorParams::fields() {
   return {
       {"families", &families, Allowed("[families](#marker-families)", requireFamilies), "",
-       "marker families to detect, searched one after another"},
+       "marker families to detect"},
       {"threads", &threads, Range::closed(1, 64), "",
-       "threads of the AprilTag backend; with more than one, OpenCV uses its own too"},
+       "number of threads of the AprilTag backend; with more than one, OpenCV also uses threads of its own"},
       {"search", &search, oneOf({"full", "tracking"}), "",
-       "tracking: markers are searched where they are predicted, new ones in one image of three and where "
-       "the image moves away from; full: every image by itself, several times the work"},
+       "`tracking`: search known markers at their predicted positions, new ones in every third image and at "
+       "the borders where the scene enters; `full`: search every image completely, several times slower"},
       {"decimate", &decimate, Range::closed(1, 8), "",
-       "AprilTag: quads are searched in an image smaller by this factor"},
+       "AprilTag: factor by which the image is reduced for the quad search"},
       {"max_hamming", &max_hamming, Range::closed(0, 3), "bits",
-       "AprilTag: more corrected bits are no detection; a large family refuses what needs over 1 GB"},
+       "AprilTag: maximum number of corrected bits; refused for large families if it needs more than 1 GB"},
       {"min_decision_margin", &min_decision_margin, Range::closed(0, 255), "grey levels",
-       "AprilTag: less contrast is no detection"},
+       "AprilTag: minimum contrast of the bits"},
       {"error_correction", &error_correction, Range::closed(0, 1), "",
-       "ArUco: share of the dictionary's correctable bits that are corrected"},
+       "ArUco: fraction of the dictionary's correctable bits that are corrected"},
       {"min_perimeter", &min_perimeter, Range::openLow(0, 4), "",
-       "ArUco: smallest marker, its perimeter over the larger side of the image"},
+       "ArUco: minimum ratio of a marker's perimeter to the larger side of the image"},
       {"refine_corners", &refine_corners, Allowed(), "",
-       "corners from edges fitted in the full image as the lens bends them, each with its own deviation "
-       "(large where something hides an edge)"},
+       "refine corners by fitting the edges in the full image with lens distortion, and estimate the "
+       "standard deviation of each corner (large at occluded edges)"},
   };
 }
 

@@ -9,22 +9,24 @@ namespace sextant {
 ParamList MarkerDetectorNodeParams::fields() {
   const auto require_prefix = [this](const Param&) {
     if (publish_tf && tf_prefix.empty())
-      throw std::invalid_argument("tf_prefix is empty: the frames could be those of the marker map");
+      throw std::invalid_argument("tf_prefix is empty: the frames could have the names of the map's markers");
   };
   const ParamList own = {
       {"corner_sigma", &corner_sigma, Range::openLow(0, 10), "px",
-       "noise of a corner coordinate, from which the covariance follows"},
+       "standard deviation of corner coordinates, for the covariance of the poses"},
       {"rate", &rate, Range::closed(0, 1000), "Hz",
-       "images a second that are searched at most; the others are dropped before any work. 0: every image"},
-      {"enabled", &enabled, Allowed(), "", "search from the start; the service `~enable` switches it"},
+       "maximum rate of images that are processed; others are dropped; 0: no limit"},
+      {"enabled", &enabled, Allowed(), "", "detect from the start; the service `~enable` switches detection"},
       {"rectified", &rectified, Allowed(), "",
-       "the image is rectified: P and R of the calibration count instead of K and D"},
-      {"compressed", &compressed, Allowed(), "", "subscribe to `image/compressed`"},
-      {"publish_tf", &publish_tf, Allowed(), "", "broadcast every marker's pose in the camera frame"},
+       "the image is rectified: use P and R of the calibration instead of K and D"},
+      {"compressed", &compressed, Allowed(), "", "subscribe to `image/compressed` instead of `image`"},
+      {"publish_tf", &publish_tf, Allowed(), "", "broadcast the pose of every marker in the camera frame"},
       {"tf_prefix", &tf_prefix, Allowed("not empty with `publish_tf`", require_prefix), "",
-       "the frames are `PREFIX FAMILY/ID` without the blank"},
-      {"debug_width", &debug_width, Range::closed(0, 10000), "px", "of `markers/image`; 0: as the image"},
-      {"debug_rate", &debug_rate, Range::closed(0, 1000), "Hz", "of `markers/image` at most; 0: every image"},
+       "prefix of the marker frames, before `FAMILY/ID`"},
+      {"debug_width", &debug_width, Range::closed(0, 10000), "px",
+       "width of `markers/image`; 0: width of the input"},
+      {"debug_rate", &debug_rate, Range::closed(0, 1000), "Hz",
+       "maximum rate of `markers/image`; 0: no limit"},
       {"debug_quality", &debug_quality, Range::closed(1, 100), "",
        "JPEG quality of `markers/image/compressed`"},
   };

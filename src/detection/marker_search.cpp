@@ -8,10 +8,10 @@
 namespace sextant {
 namespace {
 
-constexpr double kLeastMargin = 6;  // pixels about a quad, which must not touch a window's border
-constexpr double kQuiet = 0.1;      // of its size, likewise
+constexpr double kMinMargin = 6;  // pixels around a quad, which must not touch the border of the window
+constexpr double kQuiet = 0.1;    // the same as a fraction of its size
 
-// One print seen twice, not two prints with one id.
+// Whether two detections are of the same marker, not of two markers with one id.
 bool same(const MarkerKey& key, const Corners& corners, const Detection& other) {
   const double larger = std::max(perimeter(corners), perimeter(other.corners));
   return other.key == key && (centre(corners) - centre(other.corners)).norm() < larger / 8;
@@ -40,7 +40,7 @@ bool touchesBorder(const cv::Rect& window, const cv::Size& image) {
 }
 
 cv::Rect windowOf(const QuadCandidate& quad, const cv::Size& image) {
-  return widened(quad.box, kLeastMargin + kQuiet * std::max(quad.box.width, quad.box.height), image);
+  return widened(quad.box, kMinMargin + kQuiet * std::max(quad.box.width, quad.box.height), image);
 }
 
 void MarkerSearch::inside(const cv::Mat& image, QuadSearch& quads, Effort effort, FoundMarkers& found) {

@@ -12,46 +12,48 @@
 
 namespace sextant {
 
-/// Markers that were found so far in one image; one on both sides of its edge counts once, as the larger one.
+/// The markers detected so far in one image. A marker detected at both sides of its border is kept once, with
+/// the larger outline.
 class FoundMarkers {
  public:
   void add(const Detection& detection);
-  /// Whether a marker covers this quad's middle.
+  /// Whether a marker covers the centre of this quad.
   bool cover(const QuadCandidate& quad) const;
-  /// Whether this one is among them.
+  /// Whether this marker is among them, near these corners.
   bool include(const MarkerKey& key, const Corners& near) const;
 
   std::vector<Detection> markers;
-  size_t refined = 0;  ///< of them, the first ones: their corners are as good as they get
+  size_t refined = 0;  ///< number of markers, from the first, whose corners are final
 };
 
-/// One backend: where it is told to look, it reads markers. Corners and their deviations are the backend's
-/// own.
+/// A detector backend: reads markers in parts of an image, with the backend's own corners and deviations.
 class MarkerSearch {
  public:
   virtual ~MarkerSearch() = default;
-  /// As thorough as it can.
+  /// Searches the whole image as thoroughly as possible.
   virtual void everywhere(const cv::Mat& image, FoundMarkers& found) = 0;
+  /// Searches a part of the image.
   /// @param window inside the image
-  /// @param side about the shortest side of the marker that is expected there, pixels
+  /// @param side approximate shortest side of the expected marker, pixels
   virtual void within(const cv::Mat& image, const cv::Rect& window, double side, Effort effort,
                       FoundMarkers& found) = 0;
-  /// Reads every quad that is no part of a marker found already.
+  /// Reads every quad that is not part of a detected marker.
   virtual void inside(const cv::Mat& image, QuadSearch& quads, Effort effort, FoundMarkers& found);
-  /// Whether this marker is read with its corners just there.
+  /// Whether this marker can be read with exactly these corners.
   virtual bool isAt(const cv::Mat&, const MarkerKey&, const Corners&) { return false; }
-  /// Whether isAt() can tell; else markers must be looked for.
+  /// Whether isAt() is implemented; else markers must be searched.
   virtual bool readsInPlace() const { return false; }
   /// Shortest side of a marker that can be read in images of this size, pixels.
   virtual double minSide(const cv::Size& image) const = 0;
+  /// The outer square of a marker.
   virtual BorderSquare border(const MarkerKey& key) const = 0;
 };
 
-/// The part of the box, wider by margin pixels on all sides, that lies in the image.
+/// The box widened by margin pixels on all sides and clipped to the image.
 cv::Rect widened(const cv::Rect& box, double margin, const cv::Size& image);
-/// The quad with what is white about a marker.
+/// A window around the quad with the white margin of a marker.
 cv::Rect windowOf(const QuadCandidate& quad, const cv::Size& image);
-/// Whether the window ends where the image does.
+/// Whether the window touches the border of the image.
 bool touchesBorder(const cv::Rect& window, const cv::Size& image);
 
 }  // namespace sextant

@@ -7,9 +7,9 @@
 namespace sextant {
 namespace {
 
-constexpr int kSweep = 3;           // images within which a marker anywhere is found
-constexpr double kOutside = 1;      // pixels that a corner may lie beyond the image: its other edges told it
-constexpr double kPredicted = 1.5;  // pixels, deviation of where a corner should be
+constexpr int kSweep = 3;           // period of searches for quads in the whole image, images
+constexpr double kOutside = 1;      // pixels by which a corner may be outside the image
+constexpr double kPredicted = 1.5;  // pixels; standard deviation of a predicted corner
 
 cv::Rect boundingBox(const Corners& corners) {
   Eigen::Vector2d low = corners[0], high = corners[0];
@@ -49,7 +49,8 @@ std::vector<Detection> MarkerTracker::find(const cv::Mat& image, const CameraMod
   return std::move(found.markers);
 }
 
-// A sweep comes before what takes a search, since it finds most of that; where all is lost, one is due.
+// A sweep comes before the search of single markers, because it finds most of them; if all markers are lost,
+// a sweep is due.
 void MarkerTracker::follow(const cv::Mat& image, const CameraModel* camera, FoundMarkers& found) {
   const cv::Rect whole({0, 0}, image.size());
   const auto expected = tracks_.expect(image.size());
@@ -81,7 +82,7 @@ void MarkerTracker::confirm(const MarkerTracks::Expected& expected, const cv::Ma
   refine(image, camera, marker);
   for (const double sigma : marker.corner_sigmas)
     if (sigma >= kPredicted) return;
-  if (found.include(marker.key, marker.corners)) return;  // two of one id came together
+  if (found.include(marker.key, marker.corners)) return;  // two tracks of one id have merged
   if (!search_->isAt(image, marker.key, marker.corners)) return;
   found.markers.push_back(marker);
   ++found.refined;

@@ -13,19 +13,19 @@
 
 namespace sextant {
 
-/// Lets one backend look where markers are worth looking for: everywhere in the first image and in those of
-/// another size; then where markers should be, in the strips in which new ones come in, and in one image of
-/// three wherever a quad is. A new marker is found within three images. Of one that moves steadily the edges
-/// are found from where they should be, and its code is read between them.
+/// Selects the parts of each image in which a backend searches: the whole image first and after a change of
+/// size; then the predicted positions of markers, the strips at the border where the scene enters, and in
+/// every third image all quads. A new marker is detected within three images. A marker in steady motion is
+/// not searched: its edges are fitted from the predicted ones, and its code is read between them.
 class MarkerTracker {
  public:
-  /// @param tracking else every image is searched everywhere
-  /// @param refine else corners are the backend's own
+  /// @param tracking false: search every image completely
+  /// @param refine false: return the backend's own corners
   MarkerTracker(std::unique_ptr<MarkerSearch> search, bool tracking, bool refine)
       : search_(std::move(search)), tracking_(tracking), refine_(refine) {}
 
-  /// The next image's markers.
-  /// @param camera may be null: then the lens is not known
+  /// Detects the markers of the next image.
+  /// @param camera nullptr: unknown lens
   std::vector<Detection> find(const cv::Mat& image, const CameraModel* camera);
 
  private:
@@ -42,7 +42,7 @@ class MarkerTracker {
   MarkerTracks tracks_;
   QuadSearch quads_;
   int since_sweep_ = 0;            // images
-  std::vector<cv::Rect> cut_off_;  // by the border of that one
+  std::vector<cv::Rect> cut_off_;  // boxes of outlines at the border of that image
 };
 
 }  // namespace sextant

@@ -9,15 +9,15 @@
 namespace sextant {
 namespace {
 
-constexpr int kPatience = 2;           // images for which a missed marker is expected on
-constexpr double kQuietZone = 0.15;    // of a side: the white about a marker, and how it may change
-constexpr double kUnsteady = 0.3;      // of a velocity, which may change
-constexpr double kFirstMotion = 0.03;  // of the image's width: a marker seen once only may move by it
+constexpr int kMaxMissed = 2;          // images for which a missing marker is predicted
+constexpr double kQuietZone = 0.15;    // margin for the white border and changes of size, over a side
+constexpr double kUnsteady = 0.3;      // margin for a change of velocity, over the velocity
+constexpr double kFirstMotion = 0.03;  // margin for a marker detected once, over the image width
 constexpr double kEntrance = 1.15;     // depth of an entrance over the largest marker's side
-constexpr int kBorder = 8;             // pixels, likewise: a marker must be in the image with its white
-constexpr double kGrowth = 0.3;        // of its size, by which what comes in grows and moves aside meanwhile
-constexpr double kStill = 2.0;         // pixels an image
-constexpr double kFast = 12.0;         // likewise; between two sweeps, a narrow marker can come in unseen
+constexpr int kBorder = 8;             // pixels added to it: a marker must be inside with its white border
+constexpr double kGrowth = 0.3;        // margin for an entering marker's growth and motion, over its size
+constexpr double kStill = 2.0;         // pixels per image, below which the image is at rest
+constexpr double kFast = 12.0;         // pixels per image; a narrow marker can enter between two sweeps
 constexpr double kTrackMargin = 6.0;   // pixels
 
 Corners shifted(Corners corners, const Eigen::Vector2d& by) {
@@ -45,12 +45,12 @@ std::vector<MarkerTracks::Expected> MarkerTracks::expect(const cv::Size& image) 
   return expected;
 }
 
-// Of a strip, pixels.
+// Depth of an entrance strip, pixels.
 int MarkerTracks::depth(double speed) const {
   return static_cast<int>(kEntrance * extent_ + std::abs(speed)) + kBorder;
 }
 
-// Anything where it is fast, else what was cut off at this side.
+// The whole strip for fast motion, else the outlines that were cut off at this side.
 cv::Rect MarkerTracks::comingIn(double speed, const cv::Rect& side, const cv::Size& image,
                                 const std::vector<cv::Rect>& cut_off) const {
   if (std::abs(speed) <= kStill) return {};
@@ -84,7 +84,7 @@ void MarkerTracks::update(const FoundMarkers& found) {
   std::vector<Track> next;
   for (const Detection& detection : found.markers) next.push_back(follow(detection));
   for (Track& track : tracks_)
-    if (++track.missed <= kPatience && !found.include(track.last.key, track.last.corners))
+    if (++track.missed <= kMaxMissed && !found.include(track.last.key, track.last.corners))
       next.push_back(track);
   tracks_ = std::move(next);
   learnMotion();
@@ -104,7 +104,7 @@ MarkerTracks::Track MarkerTracks::follow(const Detection& detection) const {
   return next;
 }
 
-// Where nothing is seen that moved, the motion is taken to go on.
+// Without moving markers, the last motion is kept.
 void MarkerTracks::learnMotion() {
   Eigen::Vector2d sum(0, 0);
   double extent = 0;

@@ -10,34 +10,34 @@
 
 namespace sextant {
 
-/// Where the markers of the last images should be in the next one: each goes on as it moved, or, as long as
-/// it was seen once only, as the others do.
+/// Predicts the markers of the next image with constant velocity in the image; a marker detected only once
+/// gets the mean velocity of the others.
 class MarkerTracks {
  public:
+  /// A predicted marker.
   struct Expected {
     MarkerKey key;
     Corners corners;  ///< pixels
-    double margin;    ///< pixels about them in which the marker is looked for
-    bool steady;      ///< seen in the last image, and before
+    double margin;    ///< width of the search region around the corners, pixels
+    bool steady;      ///< detected in the last image and before
   };
 
-  /// Those whose centre should be in the image.
+  /// Predicts the markers whose centre is in the next image.
   std::vector<Expected> expect(const cv::Size& image) const;
-  /// The parts of the image's sides that it moves away from in which a new marker can come in, deep enough
-  /// for the largest one seen. Empty as long as nothing moves.
-  /// @param cut_off boxes of what the image's border cut off up to three images ago: what comes in is one of
-  /// it
+  /// The strips at the sides of the image where the scene enters and a new marker may appear, deep enough for
+  /// the largest marker so far. Empty without motion.
+  /// @param cut_off boxes of outlines at the image border up to three images ago: candidates for new markers
   std::vector<cv::Rect> entrances(const cv::Size& image, const std::vector<cv::Rect>& cut_off) const;
-  /// Learns from the next image. A marker that is missed is expected for some images more.
+  /// Updates the tracks with the markers of an image. A missing marker is predicted for two more images.
   void update(const FoundMarkers& found);
-  void clear() { *this = {}; }
+  void clear() { *this = {}; }  ///< removes all tracks
 
  private:
   struct Track {
     Detection last;
-    Corners velocity;  // pixels an image
-    bool moved;        // seen twice, so that it has a velocity of its own
-    int missed;        // images in a row
+    Corners velocity;  // pixels per image
+    bool moved;        // detected twice, so that it has its own velocity
+    int missed;        // number of consecutive images without it
   };
   Track follow(const Detection& detection) const;
   int depth(double speed) const;
@@ -46,8 +46,8 @@ class MarkerTracks {
   void learnMotion();
 
   std::vector<Track> tracks_;
-  Eigen::Vector2d velocity_{0, 0};  // mean of all that moved, pixels an image
-  double extent_ = 0;               // side of the largest one seen with it, pixels
+  Eigen::Vector2d velocity_{0, 0};  // mean of all moved markers, pixels per image
+  double extent_ = 0;               // side of the largest of them, pixels
 };
 
 }  // namespace sextant

@@ -14,10 +14,10 @@ namespace {
 
 constexpr int kMaxSteps = 48;
 constexpr int kStepsABit = 2;
-constexpr double kBitContrast = 0.5;  // of the edge's
+constexpr double kBitContrast = 0.5;  // minimum contrast of a bit over that of the edge
 constexpr double kBitReach = 0.6;     // modules
 
-// Of the unit square to a quadrangle; Heckbert 1989, "Fundamentals of texture mapping and image
+// Homography from the unit square to a quadrangle; Heckbert 1989, "Fundamentals of texture mapping and image
 // warping", 2.2.3.
 Eigen::Matrix3d squareToQuad(const Eigen::Vector2d& p0, const Eigen::Vector2d& p1, const Eigen::Vector2d& p2,
                              const Eigen::Vector2d& p3) {
@@ -33,7 +33,7 @@ Eigen::Matrix3d squareToQuad(const Eigen::Vector2d& p0, const Eigen::Vector2d& p
   return H;
 }
 
-// What bends a curve away from its chord at the place next to a pixel.
+// Deviation of a curve from its chord at the point nearest to a pixel.
 Eigen::Vector2d bow(const EdgeCurve& curve, const Eigen::Vector2d& pixel) {
   const double s = curve.half.dot(pixel - curve.middle) / curve.half.squaredNorm();
   return curve.offset(s) * curve.normal;

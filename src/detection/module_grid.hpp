@@ -11,22 +11,22 @@
 
 namespace sextant {
 
-/// The modules of a marker as one of its sides sees them: u runs along this side from 0 to 1, v inward.
+/// The module grid of a marker relative to one of its sides: u from 0 to 1 along this side, v inward.
 class ModuleGrid {
  public:
   /// @param corners pixels; the side begins at corners[side]
-  /// @param near the side's edge
-  /// @param far the edge across
+  /// @param near edge of the side
+  /// @param far opposite edge
   ModuleGrid(const Corners& corners, int side, int modules, const EdgeCurve& near, const EdgeCurve& far);
 
-  /// Pixel of (u, v): the square's homography, and between both edges what the lens bends of them.
+  /// Pixel of (u, v): the square's homography plus the interpolated lens distortion of both edges.
   Eigen::Vector2d at(double u, double v) const;
 
-  /// How far the bits stand outward of where they should be as seen from this side: the median over their
-  /// steps on the first line of the grid that shows one of them. An edge that is not the marker's own, but
-  /// that of something laid over it by x pixels, shows (1 - v) x, the edge across only v x.
+  /// Outward offset of the bits from their expected positions: the median over their steps on the first line
+  /// of the grid with any. If something covers the marker by x pixels at this side, the offset is (1 - v) x;
+  /// at the opposite side it is only v x.
   /// @param contrast of the side's edge, grey levels
-  /// @return pixels along the near edge's normal, or nothing where there are too few steps
+  /// @return pixels along the near edge's normal; nothing if there are too few steps
   std::optional<double> bitOffset(const cv::Mat& image, double contrast) const;
 
  private:

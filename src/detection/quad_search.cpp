@@ -11,17 +11,17 @@
 namespace sextant {
 namespace {
 
-// Widths of the neighbourhoods whose mean is the threshold, pixels of the half image.
+// Window widths of the adaptive thresholds, pixels at half resolution.
 const std::vector<int> kQuickBlocks = {5}, kBlocks = {3, 13};
-constexpr double kDarker = 7, kMuchDarker = 10;  // grey levels below the mean around it: dark
-constexpr double kStraight = 0.04;   // share of a contour's length that it may stand off its polygon
-constexpr double kBlunt = 2;         // pixels, likewise: so much the corners of small ones are cut off
-constexpr double kWinding = 1.5;     // a contour's length over its box's outline: more is no quad
-constexpr double kEnclosed = 0.015;  // area over squared length: less is a line
-constexpr double kNarrow = 1.0 / 8;  // shorter side over longer: what is seen more obliquely is not read
-constexpr double kSame = 0.15;       // share of its size by which both contours of one edge differ
+constexpr double kDarker = 7, kMuchDarker = 10;  // grey levels below the local mean of a dark pixel
+constexpr double kStraight = 0.04;   // maximum distance of a contour from its polygon, over its length
+constexpr double kBlunt = 2;         // minimum of this distance, pixels: corners of small quads are rounded
+constexpr double kWinding = 1.5;     // maximum length of a quad's contour over its box's outline
+constexpr double kEnclosed = 0.015;  // minimum area over squared length; less is a line
+constexpr double kNarrow = 1.0 / 8;  // minimum ratio of the sides; more oblique markers cannot be read
+constexpr double kSame = 0.15;       // maximum difference of both contours of one border, over its size
 
-// Each side with the one across, since a blunt corner makes one of a small quad's too short.
+// Averages opposite sides, because a rounded corner shortens one side of a small quad.
 double shorter(const std::vector<cv::Point>& quad, double* longer) {
   const double a = cv::norm(quad[0] - quad[1]) + cv::norm(quad[2] - quad[3]);
   const double b = cv::norm(quad[1] - quad[2]) + cv::norm(quad[3] - quad[0]);
@@ -29,13 +29,13 @@ double shorter(const std::vector<cv::Point>& quad, double* longer) {
   return 0.5 * std::min(a, b);
 }
 
-// Of a pixel's centre in the half image, and with the edge that lies half a pixel beyond.
+// From half to full resolution, including the edge half a pixel outside the outermost pixel centres.
 cv::Rect inFullImage(const cv::Rect& box) {
   return {2 * box.x - 1, 2 * box.y - 1, 2 * box.width + 2, 2 * box.height + 2};
 }
 
-// Equal weights, which sum up to 1 in the 256ths in which OpenCV counts them; unlike cv::blur in
-// vector code, and unlike cv::GaussianBlur without a kernel to compute, which takes longer than a small part.
+// Box filter with weights that sum to 1 in OpenCV's 8-bit fixed point. Vectorized, unlike cv::blur; without
+// computing a kernel, which in cv::GaussianBlur takes longer than filtering a small part.
 void meanAround(const cv::Mat& image, int block, cv::Mat& mean) {
   static const cv::Mat three = (cv::Mat_<float>(1, 3) << 85, 86, 85) / 256;
   static const cv::Mat five = (cv::Mat_<float>(1, 5) << 51, 51, 52, 51, 51) / 256;
@@ -44,7 +44,7 @@ void meanAround(const cv::Mat& image, int block, cv::Mat& mean) {
   cv::sepFilter2D(image, mean, CV_8U, kernel, kernel, {-1, -1}, 0, cv::BORDER_REPLICATE);
 }
 
-// A convex contour has no more pixels than its box's outline; texture winds more.
+// A convex contour has at most as many pixels as its box's outline; contours of texture have more.
 bool windsTooMuch(const std::vector<cv::Point>& contour, const cv::Rect& box) {
   return static_cast<double>(contour.size()) > kWinding * 2 * (box.width + box.height);
 }
@@ -61,15 +61,14 @@ bool sameEdge(const cv::Rect& larger, const cv::Rect& other) {
          std::abs(larger.br().x - other.br().x) < near && std::abs(larger.br().y - other.br().y) < near;
 }
 
-// With the border replicated, nothing is darker than its surroundings where the threshold's block leaves the
-// image.
+// The replicated border hides dark regions near the image border.
 bool isCutOff(const cv::Rect& box, const cv::Size& image) {
   constexpr int kNear = 4;
   return box.x < kNear || box.y < kNear || box.br().x > image.width - kNear ||
          box.br().y > image.height - kNear;
 }
 
-// Without an odd last row or column: any other factor than two takes ten times as long.
+// Drops an odd last row or column, because any other factor than exactly two takes ten times as long.
 void halve(const cv::Mat& image, cv::Mat& half) {
   const cv::Rect even(0, 0, image.cols / 2 * 2, image.rows / 2 * 2);
   cv::resize(image(even), half, even.size() / 2, 0, 0, cv::INTER_AREA);
@@ -85,7 +84,7 @@ const std::vector<QuadCandidate>& QuadSearch::find(const cv::Mat& image, const c
   halve(image(part), half_);
   for (const int block : effort == Effort::quick ? kQuickBlocks : kBlocks) {
     meanAround(half_, block, mean_);
-    cv::subtract(mean_, half_, dark_);  // with the next line as cv::adaptiveThreshold, at a third of its time
+    cv::subtract(mean_, half_, dark_);  // with the next line: cv::adaptiveThreshold in a third of the time
     cv::threshold(dark_, dark_, (effort == Effort::quick ? kMuchDarker : kDarker) - 1, 255,
                   cv::THRESH_BINARY);
     collect(part.tl(), min_side / 2);
@@ -97,7 +96,7 @@ const std::vector<QuadCandidate>& QuadSearch::find(const cv::Mat& image, const c
 
 void QuadSearch::collect(const cv::Point& origin, double min_side) {
   cv::findContours(dark_, contours_, cv::RETR_LIST, cv::CHAIN_APPROX_NONE);
-  const double min_points = 2.5 * min_side;  // a contour's diagonal steps count once
+  const double min_points = 2.5 * min_side;  // less than four sides, because diagonal steps count once
   for (const auto& contour : contours_) {
     if (static_cast<double>(contour.size()) < min_points) continue;
     const cv::Rect box = cv::boundingRect(contour);

@@ -9,33 +9,34 @@
 
 namespace sextant {
 
-/// A place in an image that is worth a detector's time.
+/// A quadrilateral that may be a marker.
 struct QuadCandidate {
-  cv::Rect box;                        ///< of the quad, pixels
-  double side;                         ///< its shorter side, pixels
-  std::array<cv::Point2f, 4> corners;  ///< clockwise, pixels; where the lines of its sides meet
+  cv::Rect box;                        ///< bounding box, pixels
+  double side;                         ///< shorter side, pixels
+  std::array<cv::Point2f, 4> corners;  ///< clockwise, pixels; intersections of the fitted sides
 };
 
+/// How thorough a search is.
 enum class Effort { quick, thorough };
 
-/// Finds quadrilaterals (dark on light or light on dark) in an image of half the width and height, as
-/// OpenCV's aruco module does in the whole one: adaptive thresholds, contours, polygons. A print too small to
-/// be read there still has its outline; most contours that noise makes in the whole image are gone. Keeps its
-/// memory from image to image.
+/// Finds quadrilaterals (dark on light or light on dark) at half resolution with the method of OpenCV's aruco
+/// module: adaptive thresholds, contours, polygons. At half resolution a marker too small to be read still
+/// has its outline, and most contours from noise disappear. Reuses its buffers.
 class QuadSearch {
  public:
+  /// Searches a part of an image.
   /// @param image 8-bit grey
-  /// @param part of it that is searched
-  /// @param min_side pixels; shortest side of the smallest quad
-  /// @param effort quick: one threshold, with which small quads are found as well, but fewer of low contrast
+  /// @param part region that is searched, pixels
+  /// @param min_side shortest side of the smallest quad, pixels
+  /// @param effort quick: a single threshold, which also finds small quads, but fewer of low contrast
   /// @return the largest first; valid until the next call
   const std::vector<QuadCandidate>& find(const cv::Mat& image, const cv::Rect& part, double min_side,
                                          Effort effort);
-  /// Those found.
+  /// All quads of the last search.
   const std::vector<QuadCandidate>& all() const { return found_; }
-  /// One of those found for both sides of one edge: the larger.
+  /// The quads of the last search with only the larger of the two at both sides of one border.
   const std::vector<QuadCandidate>& distinct();
-  /// Outlines that the border of the searched part cuts off: their boxes, pixels.
+  /// Boxes of outlines that the border of the searched part cuts off, pixels.
   const std::vector<cv::Rect>& cutOff() const { return cut_off_; }
 
  private:

@@ -11,7 +11,7 @@ void requireThree(const Param& param) {
   const size_t count = std::get<std::vector<double>*>(param.value)->size();
   if (count != 3)
     throw std::invalid_argument(param.name + " has " + std::to_string(count) +
-                                " numbers, needed are x, y (m) and heading (rad)");
+                                " numbers, expected are x, y (m) and heading (rad)");
 }
 
 void requirePose(const Param& param) {
@@ -27,7 +27,7 @@ void requireSigmas(const Param& param) {
 
 void requireDifferent(const std::string& name, const std::string& frame, const std::string& other) {
   if (!frame.empty() && frame == other)
-    throw std::invalid_argument(name + " is '" + frame + "', and so is another frame");
+    throw std::invalid_argument(name + " is '" + frame + "', the same as another frame");
 }
 
 }  // namespace
@@ -40,25 +40,27 @@ ParamList LandmarkSlamNodeParams::fields() {
   };
   const ParamList own = {
       {"map_file", &map_file, Allowed(), "",
-       "landmark map: read at the start where it exists, written by `~save_map`"},
+       "landmark map file: read at start-up if it exists, written by `~save_map`"},
       {"start", &start, oneOf({"origin", "map", "unknown"}), "",
-       "where the robot is in it: at `start_pose`, where it was saved, or lost until it finds itself"},
+       "initial pose of the robot in `map_file`: `start_pose`, the saved pose, or unknown until it is "
+       "relocalized"},
       {"start_pose", &start_pose, Allowed("empty or 3", requirePose), "m, m, rad",
-       "x, y, heading in the map; empty: 0 0 0, but a robot in a map of markers is lost until it sees one"},
+       "x, y, heading in the map; empty: 0 0 0, but with a marker map the robot is lost until it observes a "
+       "marker"},
       {"pose_sigma", &pose_sigma, Allowed("3, each (0, 1000]", requireSigmas), "m, m, rad",
-       "deviations of `start_pose`"},
-      {"cameras", &cameras, topics(), "", "topics of sextant/MarkerArray, one a camera"},
+       "standard deviations of `start_pose`"},
+      {"cameras", &cameras, topics(), "", "topics of sextant/MarkerArray, one per camera"},
       {"marker_map_file", &marker_map_file, Allowed(), "",
-       "[marker map](marker_map.md); empty: `marker_map/entries`, if it comes"},
-      {"map_frame", &map_frame, notEmpty(), "", "frame of a map that is begun; one that is read has its own"},
+       "[marker map](marker_map.md) file; empty: the topic `marker_map/entries`, if published"},
+      {"map_frame", &map_frame, notEmpty(), "", "frame of a new map; a map file has its own"},
       {"odom_frame", &odom_frame, Allowed("not `map_frame`", require_odom), "",
-       "empty: the `frame_id` of odometry"},
+       "odometry frame; empty: the `frame_id` of odometry"},
       {"base_frame", &base_frame, Allowed("not `map_frame`, not `odom_frame`", require_base), "",
-       "whose pose is published; empty: the `child_frame_id` of odometry"},
+       "frame of the robot whose pose is published; empty: the `child_frame_id` of odometry"},
       {"tf_output", &tf_output, oneOf({"none", "map_to_odom", "map_to_base"}), "",
-       "[which transform is published](frames.md#tf_output)"},
+       "[transform to publish](frames.md#tf_output)"},
       {"transform_timeout", &transform_timeout, Range::closed(0, 10), "s",
-       "how long a missing transform is waited for"},
+       "maximum time to wait for a missing transform"},
   };
   return joined({own, timeline.fields(), slam.fields(), markers.fields()});
 }

@@ -12,8 +12,8 @@
 namespace sextant {
 namespace {
 
-constexpr double kMaxRadius = 20.0;  // of the ideal image plane: 87 degrees off the axis
-constexpr int kLimitSteps = 2000;
+constexpr double kMaxRadius = 20.0;  // on the normalized image plane: 87 degrees from the optical axis
+constexpr int kLimitSteps = 2000;    // steps of the radius or angle in the search for its limit
 
 [[noreturn]] void refuse(const std::string& what, double value, const std::string& allowed) {
   std::ostringstream text;
@@ -27,7 +27,8 @@ void requireFinite(const std::string& name, const double* values, Eigen::Index c
       refuse(name + "[" + std::to_string(i) + "]", values[i], "but must be a finite number");
 }
 
-// Shorter than this the field of view would exceed what any lens has: an uncalibrated driver's 0 or 1.
+// Minimum focal length over the larger side of the image. Uncalibrated drivers publish a focal length of 0 or
+// 1, which would be a wider view than any lens has.
 constexpr double kMinRelativeFocalLength = 0.05;
 
 void checkIntrinsics(const std::string& name, const Eigen::Matrix3d& K, int width, int height) {
@@ -36,14 +37,13 @@ void checkIntrinsics(const std::string& name, const Eigen::Matrix3d& K, int widt
     const std::string f = name + (i == 0 ? " fx" : " fy");
     if (!(K(i, i) > shortest))
       refuse(f, K(i, i),
-             "which is no calibration; calibrate the camera (needs > " + std::to_string(shortest) + " px)");
+             "which is too short: calibrate the camera (must be > " + std::to_string(shortest) + " px)");
   }
   if (std::abs(K(0, 2)) > 2.0 * width + 1.0) refuse(name + " cx", K(0, 2), "which is far outside the image");
   if (std::abs(K(1, 2)) > 2.0 * height + 1.0) refuse(name + " cy", K(1, 2), "which is far outside the image");
 }
 
-// Number of coefficients that each distortion model may have; plumb_bob without any is a lens without
-// distortion.
+// Allowed numbers of coefficients of each distortion model; plumb_bob without any has no distortion.
 const std::map<std::string, std::vector<size_t>>& coefficientCounts() {
   static const std::map<std::string, std::vector<size_t>> counts = {
       {"plumb_bob", {0, 4, 5, 8}}, {"rational_polynomial", {8}}, {"equidistant", {4}}};
@@ -66,8 +66,7 @@ void checkDistortion(const CameraCalibration& calibration) {
 
 }  // namespace
 
-// A point of the ideal plane (or its angle) on the distorted plane, with its derivative by the point in the
-// camera frame.
+// A point on the distorted image plane, with its Jacobian with respect to the point in the camera frame.
 struct CameraModel::Distorted {
   Eigen::Vector2d xy;
   Eigen::Matrix<double, 2, 3> jacobian;
@@ -92,8 +91,7 @@ CameraModel::CameraModel(const CameraCalibration& calibration, Image image)
 void CameraModel::setRectification(const Eigen::Matrix3d& R) {
   requireFinite("R", R.data(), R.size());
   if (!(R * R.transpose()).isIdentity(1e-3) || R.determinant() < 0)
-    throw std::invalid_argument(
-        "camera calibration: R is no rotation, but the image is said to be rectified");
+    throw std::invalid_argument("camera calibration: R is not a rotation, but rectified images need one");
   R_model_camera_ = Eigen::Quaterniond(R).normalized().toRotationMatrix();
 }
 
@@ -104,8 +102,8 @@ void CameraModel::setDistortion(const CameraCalibration& calibration) {
   if (calibration.distortion_model == "equidistant") lens_ = Lens::equidistant;
 }
 
-// The radius at which r (1 + k1 r^2 + ...) / (1 + k4 r^2 + ...) stops rising: beyond it two rays share a
-// pixel.
+// The radius at which r (1 + k1 r^2 + ...) / (1 + k4 r^2 + ...) stops rising: beyond it the projection is not
+// unique.
 double CameraModel::polynomialLimit() const {
   double last = 0.0;
   for (int i = 1; i <= kLimitSteps; ++i) {
@@ -207,7 +205,7 @@ std::optional<Eigen::Vector2d> CameraModel::project(const Eigen::Vector3d& p_cam
   return projection->pixel;
 }
 
-// Newton's method on the plane, started from the distorted point.
+// Newton's method on the normalized plane, started from the distorted point.
 std::optional<Eigen::Vector3d> CameraModel::undistortPolynomial(const Eigen::Vector2d& distorted) const {
   Eigen::Vector2d xy = distorted;
   for (int i = 0; i < 30; ++i) {
@@ -227,7 +225,7 @@ std::optional<Eigen::Vector3d> CameraModel::undistortEquidistant(const Eigen::Ve
   if (theta_d < 1e-12) return Eigen::Vector3d::UnitZ();
   if (theta_d > distortAngle(limit_)) return std::nullopt;
   double low = 0, high = limit_, theta = std::min(theta_d, limit_);
-  for (int i = 0; i < 60 && high - low > 1e-14; ++i) {  // Newton's method, kept in its bracket by bisection
+  for (int i = 0; i < 60 && high - low > 1e-14; ++i) {  // Newton's method, with bisection as a safeguard
     const double error = theta_d - distortAngle(theta);
     (error > 0 ? low : high) = theta;
     if (std::abs(error) < 1e-14) break;

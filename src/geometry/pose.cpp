@@ -10,7 +10,7 @@
 namespace sextant {
 namespace {
 
-constexpr double kLeastNorm = 1e-6;  // of a quaternion: below it the direction is what rounding left
+constexpr double kMinNorm = 1e-6;  // of a quaternion; below it, its direction is rounding error
 
 }  // namespace
 
@@ -29,9 +29,9 @@ Pose poseFromQuaternion(const Eigen::Vector3d& position, const Eigen::Quaternion
   if (!position.allFinite() || !q.coeffs().allFinite())
     throw std::invalid_argument("position and quaternion must be finite");
   const double norm = q.norm();
-  if (norm < kLeastNorm || std::abs(norm - 1) > tolerance) {
+  if (norm < kMinNorm || std::abs(norm - 1) > tolerance) {
     std::ostringstream text;
-    text << "the quaternion is no rotation: its length is " << norm << ", not 1";
+    text << "the quaternion is not a rotation: its norm is " << norm << ", not 1";
     throw std::invalid_argument(text.str());
   }
   Pose pose = Pose::Identity();

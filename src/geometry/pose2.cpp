@@ -11,7 +11,7 @@ Eigen::Matrix2d rotation2(double angle) {
   return (Eigen::Matrix2d() << c, -s, s, c).finished();
 }
 
-Eigen::Vector2d turnedLeft(const Eigen::Vector2d& vector) { return {-vector.y(), vector.x()}; }
+Eigen::Vector2d perpendicular(const Eigen::Vector2d& vector) { return {-vector.y(), vector.x()}; }
 
 double wrapped(double angle) {
   const double rest = std::remainder(angle, 2 * M_PI);  // in [-pi, pi]
@@ -29,7 +29,7 @@ Eigen::Vector2d Pose2::operator*(const Eigen::Vector2d& point) const {
 Pose2 Pose2::inverse() const { return {-(rotation2(-heading) * position), -heading}; }
 
 Eigen::Matrix2d leftJacobian2(double angle) {
-  constexpr double kSmall = 1e-4;  // below it the next term of the series is beyond double precision
+  constexpr double kSmall = 1e-4;  // below it the next term of the series is less than the rounding error
   const bool small = std::abs(angle) < kSmall;
   const double a = small ? 1 - angle * angle / 6 : std::sin(angle) / angle;
   const double b = small ? angle / 2 : (1 - std::cos(angle)) / angle;

@@ -19,39 +19,39 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-constexpr double kNegativeVariance = 1e-9;  // of the largest value, that a variance may be below zero
+constexpr double kNegativeVariance = 1e-9;  // tolerated below zero, over the largest element
 
-Index widthOf(const std::vector<PlaneLandmark>& landmarks) {
-  Index width = 3;
-  for (const PlaneLandmark& landmark : landmarks) width += landmark.width();
-  return width;
+Index dimensionOf(const std::vector<Landmark2D>& landmarks) {
+  Index dimension = 3;
+  for (const Landmark2D& landmark : landmarks) dimension += landmark.dimension();
+  return dimension;
 }
 
 bool isFinite(const LandmarkMap& map) {
   return map.T_map_base.position.allFinite() && std::isfinite(map.T_map_base.heading) &&
-         std::all_of(map.landmarks.begin(), map.landmarks.end(), [](const PlaneLandmark& each) {
+         std::all_of(map.landmarks.begin(), map.landmarks.end(), [](const Landmark2D& each) {
            return each.position.allFinite() && std::isfinite(each.heading.value_or(0));
          });
 }
 
 void addLandmark(const YAML::Node& node, LandmarkMap& map) {
   requireKeys(node, "a landmark", {"class", "position"}, {"id", "heading"});
-  PlaneLandmark landmark{numbers(node["position"], 2), {}};
-  LandmarkLabel label{word(node["class"]), {}};
+  Landmark2D landmark{numbers(node["position"], 2), {}};
+  LandmarkLabel label{nonEmptyText(node["class"]), {}};
   if (node["heading"]) landmark.heading = number(node["heading"]);
   if (node["id"]) label.id = wholeNumber(node["id"]);
   if (label.id && std::find(map.labels.begin(), map.labels.end(), label) != map.labels.end())
-    throw YamlMistake(node.Mark(), "this id of this class is there twice");
+    throw YamlError(node.Mark(), "this id occurs twice in this class");
   map.landmarks.push_back(landmark);
   map.labels.push_back(label);
 }
 
-/// Rows of the lower triangle, each one longer than the one before.
+/// Reads the rows of the lower triangle.
 MatrixXd lowerRows(const YAML::Node& node, Index size) {
   if (!node.IsSequence() || static_cast<Index>(node.size()) != size)
-    throw YamlMistake(node.Mark(), "needs " + std::to_string(size) +
-                                       " rows: 3 of the robot, 2 of a landmark, 3 of "
-                                       "one with a heading");
+    throw YamlError(node.Mark(), "needs " + std::to_string(size) +
+                                     " rows: 3 for the robot, 2 for each landmark, 3 "
+                                     "for one with a heading");
   MatrixXd lower = MatrixXd::Zero(size, size);
   Index row = 0;
   for (const YAML::Node& values : node) {
@@ -64,16 +64,16 @@ MatrixXd lowerRows(const YAML::Node& node, Index size) {
 LandmarkMap parse(const YAML::Node& root) {
   requireKeys(root, "a landmark map", {"frame", "robot", "landmarks", "covariance"}, {"lost"});
   LandmarkMap map;
-  map.frame = word(root["frame"]);
+  map.frame = nonEmptyText(root["frame"]);
   const Eigen::VectorXd robot = numbers(root["robot"], 3);
   map.T_map_base = {robot.head<2>(), robot(2)};
-  if (root["lost"]) map.is_lost = truth(root["lost"]);
+  if (root["lost"]) map.is_lost = boolean(root["lost"]);
   forEach(root["landmarks"], "landmarks", [&](const YAML::Node& node) { addLandmark(node, map); });
-  map.covariance = lowerRows(root["covariance"], widthOf(map.landmarks));
+  map.covariance = lowerRows(root["covariance"], dimensionOf(map.landmarks));
   try {
     map.validate();
   } catch (const std::invalid_argument& error) {
-    throw YamlMistake(root["covariance"].Mark(), error.what());
+    throw YamlError(root["covariance"].Mark(), error.what());
   }
   return map;
 }
@@ -87,10 +87,10 @@ void requireLabels(const LandmarkMap& map) {
   for (size_t i = 0; i < labels.size(); ++i)
     if (labels[i].id && std::count(labels.begin(), labels.end(), labels[i]) > 1)
       throw std::invalid_argument("id " + std::to_string(*labels[i].id) + " of class " +
-                                  labels[i].class_name + " is there twice");
+                                  labels[i].class_name + " occurs twice");
 }
 
-std::string landmarkText(const PlaneLandmark& landmark, const LandmarkLabel& label) {
+std::string landmarkText(const Landmark2D& landmark, const LandmarkLabel& label) {
   std::string text = "  - {class: " + quotedText(label.class_name);
   if (label.id) text += ", id: " + std::to_string(*label.id);
   text += ", position: " + listText(landmark.position.data(), 2);
@@ -102,21 +102,22 @@ std::string landmarkText(const PlaneLandmark& landmark, const LandmarkLabel& lab
 
 void LandmarkMap::validate() const {
   requireLabels(*this);
-  if (covariance.rows() != widthOf(landmarks) || covariance.cols() != covariance.rows())
-    throw std::invalid_argument("the covariance needs " + std::to_string(widthOf(landmarks)) +
+  if (covariance.rows() != dimensionOf(landmarks) || covariance.cols() != covariance.rows())
+    throw std::invalid_argument("the covariance needs " + std::to_string(dimensionOf(landmarks)) +
                                 " rows and columns");
-  if (!covariance.allFinite()) throw std::invalid_argument("the covariance has a number that is not finite");
+  if (!covariance.allFinite())
+    throw std::invalid_argument("the covariance has an element that is not finite");
   if (!isFinite(*this)) throw std::invalid_argument("a position or a heading is not finite");
   const double little = kNegativeVariance * covariance.cwiseAbs().maxCoeff();
   const MatrixXd more = covariance + little * MatrixXd::Identity(covariance.rows(), covariance.cols());
   if (little > 0 && more.llt().info() != Eigen::Success)
-    throw std::invalid_argument("the covariance is none: it has a negative variance in a direction");
+    throw std::invalid_argument("the covariance has a negative eigenvalue");
 }
 
 LandmarkMap readLandmarkMap(const std::string& path) {
   std::ifstream file(path);
   std::ostringstream text;
-  file.peek();  // fails where the path is a folder's
+  file.peek();  // fails if the path is a folder
   if (!file.is_open() || file.bad())
     throw std::runtime_error(path + ": cannot be read: " + std::strerror(errno));
   text << file.rdbuf();

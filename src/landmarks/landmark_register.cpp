@@ -15,8 +15,8 @@ using Eigen::Matrix2d;
 using Eigen::MatrixXd;
 using Eigen::Vector2d;
 
-constexpr double kSure = 8.0;      // log odds that a landmark never has more of
-constexpr double kDoubted = -4.0;  // and with which it goes
+constexpr double kMaxLogOdds = 8.0;   // upper bound
+constexpr double kMinLogOdds = -4.0;  // at which a landmark is removed
 
 }  // namespace
 
@@ -33,54 +33,54 @@ std::vector<MapPoint> LandmarkRegister::points() const {
   return all;
 }
 
-void LandmarkRegister::add(const LabelledSighting& sighting) {
-  filter_.add(sighting.sighting);
-  labels_.push_back(sighting.label);
+void LandmarkRegister::add(const LabelledObservation& observation) {
+  filter_.add(observation.observation);
+  labels_.push_back(observation.label);
   keys_.push_back(next_key_++);
-  standing_.push_back(0);
+  log_odds_.push_back(0);
 }
 
-void LandmarkRegister::judge(const std::vector<size_t>& landmarks, double evidence) {
-  for (const size_t each : landmarks) standing_[each] = std::min(standing_[each] + evidence, kSure);
+void LandmarkRegister::addEvidence(const std::vector<size_t>& landmarks, double evidence) {
+  for (const size_t each : landmarks) log_odds_[each] = std::min(log_odds_[each] + evidence, kMaxLogOdds);
 }
 
-int LandmarkRegister::mergeSame(std::vector<size_t> seen, double separation,
-                                std::vector<std::optional<int>>& told) {
-  int gone_ones = 0;
-  for (size_t k = 0; k < seen.size(); ++k) {
+int LandmarkRegister::mergeDuplicates(std::vector<size_t> observed, double separation,
+                                      std::vector<std::optional<int>>& keys) {
+  int removed = 0;
+  for (size_t k = 0; k < observed.size(); ++k) {
     for (size_t other = 0; other < labels_.size(); ++other) {
-      const bool is_seen = std::find(seen.begin(), seen.end(), other) != seen.end();
-      if (is_seen || !areOne(seen[k], other, separation)) continue;
-      const size_t kept = std::min(seen[k], other), gone = std::max(seen[k], other);
-      standing_[kept] = std::max(standing_[kept], standing_[gone]);
-      std::replace(told.begin(), told.end(), std::optional(keys_[gone]), std::optional(keys_[kept]));
+      const bool is_observed = std::find(observed.begin(), observed.end(), other) != observed.end();
+      if (is_observed || !areDuplicates(observed[k], other, separation)) continue;
+      const size_t kept = std::min(observed[k], other), gone = std::max(observed[k], other);
+      log_odds_[kept] = std::max(log_odds_[kept], log_odds_[gone]);
+      std::replace(keys.begin(), keys.end(), std::optional(keys_[gone]), std::optional(keys_[kept]));
       filter_.merge(kept, gone);
       forget(gone);
-      ++gone_ones;
-      for (size_t& each : seen) each = each == gone ? kept : each - (each > gone);
+      ++removed;
+      for (size_t& each : observed) each = each == gone ? kept : each - (each > gone);
       other = 0;
     }
   }
-  return gone_ones;
+  return removed;
 }
 
-bool LandmarkRegister::areOne(size_t a, size_t b, double separation) const {
+bool LandmarkRegister::areDuplicates(size_t a, size_t b, double separation) const {
   if (!(labels_[a] == labels_[b])) return false;
   const auto& landmarks = filter_.landmarks();
   const Vector2d apart = landmarks[a].position - landmarks[b].position;
   if (apart.norm() > separation) return false;
   const MatrixXd covariance = filter_.covariance({a, b});
-  const Eigen::Index at = 3, next = 3 + landmarks[a].width();
+  const Eigen::Index at = 3, next = 3 + landmarks[a].dimension();
   const Matrix2d cross = covariance.block<2, 2>(at, next);
   const Matrix2d S =
       covariance.block<2, 2>(at, at) + covariance.block<2, 2>(next, next) - cross - cross.transpose();
   return apart.norm() + 2 * largestDeviation(S) < separation;
 }
 
-int LandmarkRegister::removeDoubted() {
+int LandmarkRegister::removeUnlikely() {
   const size_t before = labels_.size();
   for (size_t i = before; i-- > 0;)
-    if (standing_[i] <= kDoubted) remove(i);
+    if (log_odds_[i] <= kMinLogOdds) remove(i);
   return static_cast<int>(before - labels_.size());
 }
 
@@ -98,10 +98,10 @@ void LandmarkRegister::forget(size_t landmark) {
   const auto at = static_cast<std::ptrdiff_t>(landmark);
   labels_.erase(labels_.begin() + at);
   keys_.erase(keys_.begin() + at);
-  standing_.erase(standing_.begin() + at);
+  log_odds_.erase(log_odds_.begin() + at);
 }
 
-void LandmarkRegister::setMap(const Pose2& T_map_base, const std::vector<PlaneLandmark>& landmarks,
+void LandmarkRegister::setMap(const Pose2& T_map_base, const std::vector<Landmark2D>& landmarks,
                               const std::vector<LandmarkLabel>& labels, const MatrixXd& covariance) {
   if (labels.size() != landmarks.size()) throw std::invalid_argument("every landmark needs a label");
   filter_.setState(T_map_base, landmarks, covariance);
@@ -109,7 +109,7 @@ void LandmarkRegister::setMap(const Pose2& T_map_base, const std::vector<PlaneLa
   keys_.resize(labels.size());
   std::iota(keys_.begin(), keys_.end(), next_key_);
   next_key_ += static_cast<int>(labels.size());
-  standing_.assign(labels.size(), kSure);
+  log_odds_.assign(labels.size(), kMaxLogOdds);
 }
 
 }  // namespace sextant

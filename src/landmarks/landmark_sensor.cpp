@@ -13,13 +13,13 @@ using Eigen::Vector2d;
 
 namespace {
 
-constexpr double kViewDeviations = 3.0;  // that robot and landmarks may be off
+constexpr double kViewDeviations = 3.0;  // tolerated errors of robot and landmarks
 
-Vector2d positionOf(const SightingPrediction& expected, Index which) {
+Vector2d positionOf(const ObservationPrediction& expected, Index which) {
   return expected.positions.segment<2>(2 * which);
 }
 
-double offOf(const SightingPrediction& expected, Index which) {
+double offOf(const ObservationPrediction& expected, Index which) {
   return kViewDeviations * largestDeviation(expected.covariance.block<2, 2>(2 * which, 2 * which));
 }
 
@@ -31,31 +31,35 @@ double largestDeviation(const Eigen::Matrix2d& covariance) {
 
 ParamList LandmarkSensorParams::fields() {
   return {
-      {"max_range", &max_range, Range::openLow(0, 1000), "m", "how far the sensor surely sees"},
+      {"max_range", &max_range, Range::openLow(0, 1000), "m",
+       "maximum range at which the sensor detects reliably"},
       {"min_range", &min_range, Allowed(Range::closed(0, max_range), "[0, `max_range`]"), "m",
-       "from where on it surely sees: what is nearer may be missed"},
+       "minimum range at which the sensor detects reliably"},
       {"field_of_view", &field_of_view, Allowed(Range::openLow(0, 2 * M_PI), "(0, 2π]"), "rad",
-       "of all directions that it surely sees, about the x axis of the sightings' frame, or the optical axis "
-       "of a camera of markers"},
-      {"detection", &detection, Range::closed(0.01, 0.99), "", "probability that it sees what is there"},
-      {"phantom", &phantom, Range::closed(0.001, 0.5), "", "probability that a sighting is of nothing"},
-      {"width", &width, Range::closed(0, 100), "m", "of landmarks: what stands behind one is not seen"},
-      {"separation", &separation, Range::closed(0, 100), "m",
-       "two landmarks of a class are never nearer: nearer ones are one"},
+       "horizontal angle in which the sensor detects reliably, centred on the x axis of the frame of the "
+       "observations, or on the optical axis of a camera"},
+      {"detection_probability", &detection_probability, Range::closed(0.01, 0.99), "",
+       "probability that the sensor detects a landmark in view"},
+      {"false_alarm_probability", &false_alarm_probability, Range::closed(0.001, 0.5), "",
+       "probability that an observation is a false alarm"},
+      {"landmark_width", &landmark_width, Range::closed(0, 100), "m",
+       "width of a landmark, which occludes what is behind it"},
+      {"min_separation", &min_separation, Range::closed(0, 100), "m",
+       "minimum distance between two landmarks of a class; two that are closer are merged"},
   };
 }
 
 LandmarkSensor::LandmarkSensor(const LandmarkSensorParams& params) : params_(params) { validate(params); }
 
-std::vector<size_t> LandmarkSensor::surelyInView(const SightingPrediction& in_base,
-                                                 const Pose2& T_base_sensor) const {
-  SightingPrediction expected = in_base;  // deviations are the largest in any direction: they need no turning
+std::vector<size_t> LandmarkSensor::expectedInView(const ObservationPrediction& in_base,
+                                                   const Pose2& T_base_sensor) const {
+  ObservationPrediction expected = in_base;  // the largest standard deviations do not depend on the frame
   const Pose2 T_sensor_base = T_base_sensor.inverse();
   for (Index which = 0; which < expected.positions.size() / 2; ++which)
     expected.positions.segment<2>(2 * which) = T_sensor_base * positionOf(in_base, which);
   std::vector<size_t> found;
   for (Index which = 0; which < expected.positions.size() / 2; ++which)
-    if (isInView(positionOf(expected, which), offOf(expected, which)) && !isHidden(expected, which))
+    if (isInView(positionOf(expected, which), offOf(expected, which)) && !isOccluded(expected, which))
       found.push_back(static_cast<size_t>(which));
   return found;
 }
@@ -67,20 +71,21 @@ bool LandmarkSensor::isInView(const Vector2d& position, double off) const {
   return direction + std::asin(off / range) < params_.field_of_view / 2;
 }
 
-bool LandmarkSensor::isHidden(const SightingPrediction& expected, Index which) const {
+bool LandmarkSensor::isOccluded(const ObservationPrediction& expected, Index which) const {
   const Vector2d position = positionOf(expected, which), ahead = position.normalized();
   for (Index k = 0; k < expected.positions.size() / 2; ++k) {
     const Vector2d other = positionOf(expected, k);
     const double along = other.dot(ahead), aside = std::abs(other.x() * ahead.y() - other.y() * ahead.x());
-    if (k != which && along > 0 && along < position.norm() && aside < params_.width + offOf(expected, k))
+    if (k != which && along > 0 && along < position.norm() &&
+        aside < params_.landmark_width + offOf(expected, k))
       return true;
   }
   return false;
 }
 
-double LandmarkSensor::evidence(bool is_seen) const {
-  return is_seen ? std::log(params_.detection / params_.phantom)
-                 : std::log((1 - params_.detection) / (1 - params_.phantom));
+double LandmarkSensor::evidence(bool is_detected) const {
+  return is_detected ? std::log(params_.detection_probability / params_.false_alarm_probability)
+                     : std::log((1 - params_.detection_probability) / (1 - params_.false_alarm_probability));
 }
 
 }  // namespace sextant

@@ -15,19 +15,20 @@ using Eigen::Matrix3d;
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
 
-constexpr double kDeviations = 3.0;  // that a robot may be off
-constexpr size_t kFresh = 4;         // loose landmarks that may tell that they are others
-constexpr size_t kMostLoose = 12;    // that are taken to be new ones, where none is another
-constexpr double kElsewhere = 1.0;   // metres and
-constexpr double kTurned = 0.35;     // radians that a robot is off that is not where it thinks
-constexpr int kLooks = 10;  // after which a lost robot seeks itself again, if it has found nothing new
+constexpr double kDeviations = 3.0;     // tolerated pose error
+constexpr size_t kMinProvisional = 4;   // provisional landmarks needed to match them with the map
+constexpr size_t kMaxProvisional = 12;  // above which unmatched ones are established as new
+constexpr double kMinOffset = 1.0;      // metres, and
+constexpr double kMinTurn = 0.35;       // radians: minimum pose error of a kidnapped robot
+constexpr int kMatchingInterval =
+    10;  // scans between two matchings of a lost robot whose local map does not grow
 
 bool contains(const std::vector<size_t>& all, size_t one) {
   return std::find(all.begin(), all.end(), one) != all.end();
 }
 
-long countOf(const LandmarkLabel& label, const std::vector<LabelledSighting>& sightings) {
-  return std::count_if(sightings.begin(), sightings.end(),
+long countLabels(const LandmarkLabel& label, const std::vector<LabelledObservation>& observations) {
+  return std::count_if(observations.begin(), observations.end(),
                        [&](const auto& each) { return each.label == label; });
 }
 
@@ -35,10 +36,10 @@ long countOf(const LandmarkLabel& label, const std::vector<LabelledSighting>& si
 
 ParamList LandmarkSlamParams::fields() {
   const ParamList own = {
-      {"read_only", &read_only, Allowed(), "", "no landmark comes or goes"},
+      {"read_only", &read_only, Allowed(), "", "keep the map as it is: no landmark is added or removed"},
       {"lost_after", &lost_after, Range::closed(0, 10000), "",
-       "moments in a row in which nothing is where it should be, after which the robot is lost; 0: it never "
-       "is"},
+       "number of scans in which no landmark is observed where it is predicted after which the robot is "
+       "lost; each scan that confirms the map cancels three; 0: never"},
   };
   return joined({sensor.fields(), prefixed("candidate_", candidates.fields()), association.fields(), own,
                  prefixed("match_", matching.fields()), filter.fields()});
@@ -50,7 +51,7 @@ LandmarkSlam::LandmarkSlam(const LandmarkSlamParams& params, const Pose2& T_map_
       sensor_(params.sensor),
       register_(params.filter, T_map_base, covariance),
       candidates_(params.candidates),
-      watch_(params.lost_after) {
+      kidnap_detector_(params.lost_after) {
   validate(params);
 }
 
@@ -59,251 +60,262 @@ void LandmarkSlam::predict(const OdometryStep& step, double duration) {
   for (LandmarkSlam& local : local_) local.predict(step, duration);
 }
 
-LandmarkReport LandmarkSlam::see(double stamp, const std::vector<LabelledSighting>& sightings,
-                                 const Pose2& T_base_sensor) {
-  return isLost() ? seeLost(stamp, sightings, T_base_sensor) : seeKnown(stamp, sightings, T_base_sensor);
+LandmarkReport LandmarkSlam::observe(double stamp, const std::vector<LabelledObservation>& observations,
+                                     const Pose2& T_base_sensor) {
+  return isLost() ? observeLost(stamp, observations, T_base_sensor)
+                  : observeLocalized(stamp, observations, T_base_sensor);
 }
 
-LandmarkReport LandmarkSlam::seeKnown(double stamp, const std::vector<LabelledSighting>& sightings,
-                                      const Pose2& T_base_sensor) {
-  const std::vector<size_t> near = inReach(sightings);
+LandmarkReport LandmarkSlam::observeLocalized(double stamp,
+                                              const std::vector<LabelledObservation>& observations,
+                                              const Pose2& T_base_sensor) {
+  const std::vector<size_t> near = inReach(observations);
   LandmarkReport report;
-  const Sorted sorted = this->sorted(near, sightings, T_base_sensor, report);
+  const Sorted sorted = sort(near, observations, T_base_sensor, report);
   register_.filter().update(sorted.known);
-  if (report.known > 0) report.nis = filter().nis(), report.nis_width = filter().nisWidth();
-  watch(sorted, report);
+  if (report.associated > 0) report.nis = filter().nis(), report.nis_dof = filter().nisDof();
+  detectKidnapping(sorted, report);
   if (isLost()) {
     report.lost = true;
   } else if (!params_.read_only) {
-    // Others show that the robot is where it should be: what is missed is not there.
-    register_.judge(sorted.seen, sensor_.evidence(true));
-    if (!sorted.seen.empty()) {
-      register_.judge(sorted.missed, sensor_.evidence(false));
-      register_.judge(sorted.elsewhere, sensor_.evidence(false));
+    // Observed landmarks confirm the pose: only then a missed one is evidence of its absence.
+    register_.addEvidence(sorted.observed, sensor_.evidence(true));
+    if (!sorted.observed.empty()) {
+      register_.addEvidence(sorted.missed, sensor_.evidence(false));
+      register_.addEvidence(sorted.relocated, sensor_.evidence(false));
     }
-    begin(stamp, sorted.unknown, report);
-    report.merged = register_.mergeSame(sorted.seen, params_.sensor.separation, report.keys);
-    report.removed = register_.removeDoubted();
+    initialize(stamp, sorted.unknown, report);
+    report.merged = register_.mergeDuplicates(sorted.observed, params_.sensor.min_separation, report.keys);
+    report.removed = register_.removeUnlikely();
   }
   return report;
 }
 
-// ---- what sightings are of
+// ---- data association
 
-/// Landmarks that may be seen from where the robot may be, and that the sightings may be of.
-std::vector<size_t> LandmarkSlam::inReach(const std::vector<LabelledSighting>& sightings) const {
+/// Landmarks that may be in view from any likely pose, and those that the observations may be of.
+std::vector<size_t> LandmarkSlam::inReach(const std::vector<LabelledObservation>& observations) const {
   const double off = kDeviations * largestDeviation(filter().covariance({}).topLeftCorner<2, 2>());
-  const auto may_be = [off](const LabelledSighting& each, double range) {
-    const double deviation = largestDeviation(each.sighting.covariance.topLeftCorner<2, 2>());
-    return std::abs(each.sighting.position.norm() - range) < 2 * kDeviations * deviation + off;
+  const auto may_be = [off](const LabelledObservation& each, double range) {
+    const double deviation = largestDeviation(each.observation.covariance.topLeftCorner<2, 2>());
+    return std::abs(each.observation.position.norm() - range) < 2 * kDeviations * deviation + off;
   };
   const auto& landmarks = filter().landmarks();
   std::vector<size_t> found;
   for (size_t i = 0; i < landmarks.size(); ++i) {
     const double range = (landmarks[i].position - filter().pose().position).norm();
     if (range < params_.sensor.max_range + off ||
-        std::any_of(sightings.begin(), sightings.end(),
+        std::any_of(observations.begin(), observations.end(),
                     [&](const auto& each) { return may_be(each, range); }))
       found.push_back(i);
   }
   return found;
 }
 
-LandmarkSlam::Sorted LandmarkSlam::sorted(const std::vector<size_t>& near,
-                                          const std::vector<LabelledSighting>& sightings,
-                                          const Pose2& T_base_sensor, LandmarkReport& report) {
-  const SightingPrediction expected = register_.filter().predicted(near);
-  Sorted sorted = byOrigin(associated(near, expected, sightings), sightings, report);
-  // A print is seen from its front only: that it is not seen says nothing, that it is seen elsewhere does.
-  for (const size_t which : sensor_.surelyInView(expected, T_base_sensor))
-    if (!labels()[near[which]].id && !contains(sorted.seen, near[which]))
+LandmarkSlam::Sorted LandmarkSlam::sort(const std::vector<size_t>& near,
+                                        const std::vector<LabelledObservation>& observations,
+                                        const Pose2& T_base_sensor, LandmarkReport& report) {
+  const ObservationPrediction expected = register_.filter().predictObservations(near);
+  Sorted sorted = sortByOutcome(associateAll(near, expected, observations), observations, report);
+  // A printed marker is visible from the front only: a missed detection is no evidence of its absence, but a
+  // detection elsewhere is.
+  for (const size_t which : sensor_.expectedInView(expected, T_base_sensor))
+    if (!labels()[near[which]].id && !contains(sorted.observed, near[which]))
       sorted.missed.push_back(near[which]);
   return sorted;
 }
 
-LandmarkSlam::Sorted LandmarkSlam::byOrigin(const std::vector<Association>& origins,
-                                            const std::vector<LabelledSighting>& sightings,
-                                            LandmarkReport& report) const {
-  report.keys.resize(sightings.size());
+LandmarkSlam::Sorted LandmarkSlam::sortByOutcome(const std::vector<Association>& outcomes,
+                                                 const std::vector<LabelledObservation>& observations,
+                                                 LandmarkReport& report) const {
+  report.keys.resize(observations.size());
   Sorted sorted;
-  for (size_t i = 0; i < sightings.size(); ++i) {
-    const auto& [origin, landmark] = origins[i];
-    const bool is_twin = origin == Origin::known && contains(sorted.seen, landmark);  // one id, seen twice
-    if (origin == Origin::known && !is_twin) {
-      sorted.known.push_back({landmark, sightings[i].sighting});
-      sorted.seen.push_back(landmark);
+  for (size_t i = 0; i < observations.size(); ++i) {
+    const auto& [outcome, landmark] = outcomes[i];
+    const bool is_twin = outcome == Outcome::associated &&
+                         contains(sorted.observed, landmark);  // the same id twice in one scan
+    if (outcome == Outcome::associated && !is_twin) {
+      sorted.known.push_back({landmark, observations[i].observation});
+      sorted.observed.push_back(landmark);
       report.keys[i] = keys()[landmark];
-      ++report.known;
-    } else if (origin == Origin::unknown) {
-      sorted.unknown.push_back(sightings[i]);
-    } else if (sightings[i].label.id && !is_twin) {
+      ++report.associated;
+    } else if (outcome == Outcome::unassociated) {
+      sorted.unknown.push_back(observations[i]);
+    } else if (observations[i].label.id && !is_twin) {
       ++report.rejected;
-      sorted.elsewhere.push_back(landmark);
+      sorted.relocated.push_back(landmark);
     } else {
-      ++report.doubtful;
+      ++report.ambiguous;
     }
   }
   return sorted;
 }
 
-std::vector<Association> LandmarkSlam::associated(const std::vector<size_t>& near,
-                                                  const SightingPrediction& expected,
-                                                  const std::vector<LabelledSighting>& sightings) {
+std::vector<Association> LandmarkSlam::associateAll(const std::vector<size_t>& near,
+                                                    const ObservationPrediction& expected,
+                                                    const std::vector<LabelledObservation>& observations) {
   std::vector<LandmarkPoint> points;
   for (size_t k = 0; k < near.size(); ++k)
     points.push_back({expected.positions.segment<2>(2 * k), labels()[near[k]]});
-  std::vector<LandmarkPointSighting> seen;
-  for (const LabelledSighting& each : sightings)
+  std::vector<PositionObservation> seen;
+  for (const LabelledObservation& each : observations)
     if (!each.label.id)
-      seen.push_back({each.sighting.position, each.sighting.covariance.topLeftCorner<2, 2>(), each.label});
-  const std::vector<Association> of_seen = associate(points, expected.covariance, seen, params_.association);
+      seen.push_back(
+          {each.observation.position, each.observation.covariance.topLeftCorner<2, 2>(), each.label});
+  const std::vector<Association> by_position =
+      associate(points, expected.covariance, seen, params_.association);
 
   std::vector<Association> found;
-  for (size_t i = 0, k = 0; i < sightings.size(); ++i) {
-    found.push_back(sightings[i].label.id ? associatedById(sightings[i]) : of_seen[k++]);
-    if (!sightings[i].label.id && found[i].origin == Origin::known)
+  for (size_t i = 0, k = 0; i < observations.size(); ++i) {
+    found.push_back(observations[i].label.id ? associateById(observations[i]) : by_position[k++]);
+    if (!observations[i].label.id && found[i].outcome == Outcome::associated)
       found[i].landmark = near[found[i].landmark];
   }
   return found;
 }
 
-/// Measured ids are known, but where the landmark is surely elsewhere.
-Association LandmarkSlam::associatedById(const LabelledSighting& sighting) {
-  const auto which = register_.find(sighting.label);
+/// An id determines the landmark, unless the observation is outside of its gate.
+Association LandmarkSlam::associateById(const LabelledObservation& observation) {
+  const auto which = register_.find(observation.label);
   if (!which) return {};
-  const PlaneLandmark& landmark = filter().landmarks()[*which];
-  const bool heading = commonWidth(sighting.sighting, landmark) == 3;
-  const std::vector<KnownSighting> seen{{*which, sighting.sighting}};
-  const Eigen::VectorXd off = differences(seen, {seenFrom(filter().pose(), landmark)});
-  const MatrixXd S =
-      register_.filter().predicted({*which}, heading).covariance + noiseOf(seen, filter().landmarks());
-  const double gate =
-      quantile(boost::math::chi_squared(static_cast<double>(off.size())), params_.association.doubt);
-  return {off.dot(S.llt().solve(off)) < gate ? Origin::known : Origin::doubtful, *which};
+  const Landmark2D& landmark = filter().landmarks()[*which];
+  const bool heading = commonDimension(observation.observation, landmark) == 3;
+  const std::vector<AssociatedObservation> seen{{*which, observation.observation}};
+  const Eigen::VectorXd off = innovations(seen, {toRobotFrame(filter().pose(), landmark)});
+  const MatrixXd S = register_.filter().predictObservations({*which}, heading).covariance +
+                     observationNoise(seen, filter().landmarks());
+  const double gate = quantile(boost::math::chi_squared(static_cast<double>(off.size())),
+                               params_.association.new_landmark_gate);
+  return {off.dot(S.llt().solve(off)) < gate ? Outcome::associated : Outcome::ambiguous, *which};
 }
 
-void LandmarkSlam::begin(double stamp, const std::vector<LabelledSighting>& unknown, LandmarkReport& report) {
+void LandmarkSlam::initialize(double stamp, const std::vector<LabelledObservation>& unknown,
+                              LandmarkReport& report) {
   const Matrix2d R = rotation2(filter().pose().heading);
-  std::vector<LabelledSighting> first;
-  for (const LabelledSighting& each : unknown) {
-    const bool is_twin = each.label.id && countOf(each.label, unknown) > 1;
-    if (is_twin) ++report.doubtful;
-    if (each.begins && !is_twin) first.push_back(each);
+  std::vector<LabelledObservation> first;
+  for (const LabelledObservation& each : unknown) {
+    const bool is_twin = each.label.id && countLabels(each.label, unknown) > 1;
+    if (is_twin) ++report.ambiguous;
+    if (each.can_initialize && !is_twin) first.push_back(each);
   }
-  std::vector<LandmarkPointSighting> in_map;
-  for (const LabelledSighting& each : first)
-    in_map.push_back({filter().pose() * each.sighting.position,
-                      R * each.sighting.covariance.topLeftCorner<2, 2>() * R.transpose(), each.label});
-  const std::vector<bool> is_landmark = candidates_.see(stamp, in_map);
+  std::vector<PositionObservation> in_map;
+  for (const LabelledObservation& each : first)
+    in_map.push_back({filter().pose() * each.observation.position,
+                      R * each.observation.covariance.topLeftCorner<2, 2>() * R.transpose(), each.label});
+  const std::vector<bool> is_landmark = candidates_.observe(stamp, in_map);
   for (size_t i = 0; i < first.size(); ++i) {
     if (is_landmark[i]) register_.add(first[i]);
-    ++(is_landmark[i] ? report.begun : report.waiting);
+    ++(is_landmark[i] ? report.initialized : report.tentative);
   }
 }
 
-// ---- where the robot may be elsewhere than it thinks
+// ---- kidnapping and relocalization
 
-void LandmarkSlam::watch(const Sorted& sorted, const LandmarkReport& report) {
-  LostWatch::Look look;
-  for (const size_t landmark : sorted.seen) look.seen.push_back(keys()[landmark]);
-  for (const size_t landmark : sorted.missed) look.missed.push_back(keys()[landmark]);
-  look.unknown = static_cast<int>(sorted.unknown.size());
-  look.strangers = report.rejected + (params_.read_only ? look.unknown / 2 : 0);  // one may be of nothing
-  look.next_key = register_.nextKey();
-  watch_.look(look);
-  const bool is_well = watch_.isCalm() && watch_.firstLoose() == register_.nextKey();
-  if (is_well) trusted_.reset(), fresh_ = 0;
-  if (!is_well && !trusted_) trusted_ = std::make_shared<const LandmarkRegister>(register_);
-  if (watch_.isLost() || isElsewhere()) lose();
+void LandmarkSlam::detectKidnapping(const Sorted& sorted, const LandmarkReport& report) {
+  KidnapDetector::Evidence evidence;
+  for (const size_t landmark : sorted.observed) evidence.observed.push_back(keys()[landmark]);
+  for (const size_t landmark : sorted.missed) evidence.missed.push_back(keys()[landmark]);
+  evidence.unknown = static_cast<int>(sorted.unknown.size());
+  evidence.contradictions = report.rejected;
+  if (params_.read_only) evidence.contradictions += evidence.unknown / 2;  // not all are false alarms
+  evidence.next_key = register_.nextKey();
+  kidnap_detector_.update(evidence);
+  const bool is_consistent =
+      kidnap_detector_.isConsistent() && kidnap_detector_.firstProvisional() == register_.nextKey();
+  if (is_consistent) trusted_.reset(), matched_size_ = 0;
+  if (!is_consistent && !trusted_) trusted_ = std::make_shared<const LandmarkRegister>(register_);
+  if (kidnap_detector_.isLost() || isProvisionalMapElsewhere()) relocalize();
 }
 
-/// Whether what is loose lies in the map of what was there before, but elsewhere.
-bool LandmarkSlam::isElsewhere() {
-  std::vector<MapPoint> loose, old;
+/// Whether the provisional landmarks match the established map at another pose.
+bool LandmarkSlam::isProvisionalMapElsewhere() {
+  std::vector<MapPoint> provisional, established;
   const std::vector<MapPoint> all = register_.points();
-  for (size_t i = 0; i < all.size(); ++i) (keys()[i] < watch_.firstLoose() ? old : loose).push_back(all[i]);
-  if (params_.lost_after < 1 || loose.size() < kFresh || loose.size() == fresh_) return false;
-  fresh_ = loose.size();
-  const auto match = matchLandmarks(loose, old, params_.matching);
-  if (!match && loose.size() >= kMostLoose) watch_.join(register_.nextKey());
+  for (size_t i = 0; i < all.size(); ++i)
+    (keys()[i] < kidnap_detector_.firstProvisional() ? established : provisional).push_back(all[i]);
+  if (params_.lost_after < 1 || provisional.size() < kMinProvisional || provisional.size() == matched_size_)
+    return false;
+  matched_size_ = provisional.size();
+  const auto match = matchLandmarks(provisional, established, params_.matching);
+  if (!match && provisional.size() >= kMaxProvisional) kidnap_detector_.confirm(register_.nextKey());
   if (!match) return false;
-  const Pose2 there = match->T_map_local * filter().pose();
-  return (there.position - filter().pose().position).norm() > kElsewhere ||
-         std::abs(wrapped(match->T_map_local.heading)) > kTurned;
+  const Pose2 matched = match->T_map_local * filter().pose();
+  return (matched.position - filter().pose().position).norm() > kMinOffset ||
+         std::abs(wrapped(match->T_map_local.heading)) > kMinTurn;
 }
 
-void LandmarkSlam::lose() {
+void LandmarkSlam::relocalize() {
   const Pose2 pose = filter().pose();
   const Matrix3d covariance = filter().covariance({});
-  const int first_loose = watch_.firstLoose();
+  const int first_provisional = kidnap_detector_.firstProvisional();
   if (trusted_) register_ = *trusted_;
-  register_.removeFrom(first_loose);
+  register_.removeFrom(first_provisional);
   setPose(pose, covariance);
   if (labels().empty()) return;
   LandmarkSlamParams params = params_;
   params.read_only = false;
   params.lost_after = 0;
-  const double exact = 1e-6;
-  local_ = {LandmarkSlam(params, Pose2{}, exact * Matrix3d::Identity())};
+  const double variance = 1e-6;  // square metres and radians: the local frame begins at the robot
+  local_ = {LandmarkSlam(params, Pose2{}, variance * Matrix3d::Identity())};
 }
 
-LandmarkReport LandmarkSlam::seeLost(double stamp, const std::vector<LabelledSighting>& sightings,
-                                     const Pose2& T_base_sensor) {
-  LandmarkReport report = local_.front().see(stamp, sightings, T_base_sensor);
+LandmarkReport LandmarkSlam::observeLost(double stamp, const std::vector<LabelledObservation>& observations,
+                                         const Pose2& T_base_sensor) {
+  LandmarkReport report = local_.front().observe(stamp, observations, T_base_sensor);
   std::fill(report.keys.begin(), report.keys.end(), std::nullopt);
-  report.waiting = static_cast<int>(sightings.size());
-  report.known = report.doubtful = report.nis_width = 0;
-  if (report.begun > 0 || ++looks_ % kLooks == 0)
+  report.tentative = static_cast<int>(observations.size());
+  report.associated = report.ambiguous = report.nis_dof = 0;
+  if (report.initialized > 0 || ++lost_scans_ % kMatchingInterval == 0)
     if (const auto match =
             matchLandmarks(local_.front().register_.points(), register_.points(), params_.matching))
-      join(*match);
-  report.begun = 0;
+      applyMatch(*match);
+  report.initialized = 0;
   report.lost = isLost();
   return report;
 }
 
-/// The robot is where it sees the landmarks of its own map in the other one; all that is not known of that is
-/// told to the filter at once.
-void LandmarkSlam::join(const LandmarkMatch& match) {
+/// Observes the matched landmarks of the map with the joint covariance of the local ones, in one update.
+void LandmarkSlam::applyMatch(const LandmarkMatch& match) {
   std::vector<size_t> of_local;
-  bool headings = true;  // all of them have one, in both maps
+  bool headings = true;  // whether all of them have one in both maps
   for (const auto& [own, of_map] : match.pairs) {
     of_local.push_back(own);
     headings =
         headings && local_.front().filter().landmarks()[own].heading && filter().landmarks()[of_map].heading;
   }
-  const SightingPrediction seen = local_.front().register_.filter().predicted(of_local, headings);
-  std::vector<KnownSighting> sightings;
+  const ObservationPrediction seen =
+      local_.front().register_.filter().predictObservations(of_local, headings);
+  std::vector<AssociatedObservation> observations;
   Eigen::Index at = 0;
   for (const auto& pair : match.pairs) {
-    PlaneSighting sighting{seen.positions.segment<2>(at), {}, Matrix3d::Zero()};
+    Observation2D observation{seen.positions.segment<2>(at), {}, Matrix3d::Zero()};
     at += 2;
-    if (headings) sighting.heading = seen.positions(at++);
-    sightings.push_back({pair.second, sighting});
+    if (headings) observation.heading = seen.positions(at++);
+    observations.push_back({pair.second, observation});
   }
-  const Vector3d around(0.5, 0.5, 0.3);  // metres and radians: far more than the match may be off
+  const Vector3d around(0.5, 0.5, 0.3);  // metres and radians: much larger than the error of a match
   setPose(match.T_map_local * local_.front().filter().pose(), around.cwiseAbs2().asDiagonal());
-  register_.filter().update(sightings, seen.covariance);
+  register_.filter().update(observations, seen.covariance);
 }
 
 void LandmarkSlam::setPose(const Pose2& T_map_base, const Matrix3d& covariance) {
   register_.filter().setPose(T_map_base, covariance);
-  beginAnew();
+  clearHypotheses();
 }
 
-void LandmarkSlam::setMap(const Pose2& T_map_base, const std::vector<PlaneLandmark>& landmarks,
+void LandmarkSlam::setMap(const Pose2& T_map_base, const std::vector<Landmark2D>& landmarks,
                           const std::vector<LandmarkLabel>& labels, const MatrixXd& covariance) {
   register_.setMap(T_map_base, landmarks, labels, covariance);
-  beginAnew();
+  clearHypotheses();
 }
 
-void LandmarkSlam::beginAnew() {
+void LandmarkSlam::clearHypotheses() {
   candidates_.clear();
   local_.clear();
   trusted_.reset();
-  fresh_ = 0;
-  watch_ = LostWatch(params_.lost_after);
-  watch_.join(register_.nextKey());
+  matched_size_ = 0;
+  kidnap_detector_ = KidnapDetector(params_.lost_after);
+  kidnap_detector_.confirm(register_.nextKey());
 }
 
 }  // namespace sextant

@@ -7,17 +7,18 @@
 namespace sextant {
 namespace {
 
-constexpr double kSettled = 1.5;  // lags after which a time without sightings is gone through
-constexpr size_t kMostWaiting = 100;
-constexpr double kLeap = 1.0, kFastest = 20.0;  // m and m/s
-constexpr double kKept = 4;                     // states in a lag: a large map's takes 32 MB
+constexpr double kSettled = 1.5;  // lags without scans after which the state is predicted
+constexpr size_t kMaxWaiting = 100;
+constexpr double kJump = 1.0, kMaxSpeed = 20.0;  // m and m/s
+constexpr double kStatesPerLag = 4;              // stored states per lag: one of a large map takes 32 MB
 
 }  // namespace
 
 ParamList LandmarkTimelineParams::fields() {
   const ParamList own = {
-      {"lag", &lag, Range::openLow(0, 60), "s", "how late sightings may come"},
-      {"clock_offset", &clock_offset, Range::closed(-10, 10), "s", "that is added to the sightings' stamps"},
+      {"lag", &lag, Range::openLow(0, 60), "s", "maximum delay of observations; later ones are dropped"},
+      {"clock_offset", &clock_offset, Range::closed(-10, 10), "s",
+       "offset that is added to the stamps of observations"},
   };
   return joined({odometry.fields(), own});
 }
@@ -29,98 +30,99 @@ LandmarkTimeline::LandmarkTimeline(const LandmarkTimelineParams& params, const L
 
 bool LandmarkTimeline::odometry(double stamp, const Pose2& T_odom_base) {
   applied_.clear();
-  if (isLeap(stamp, T_odom_base)) beginElsewhere();
+  if (isJump(stamp, T_odom_base)) restartLost();
   if (history_.empty()) base_.stamp = stamp;
   if (!history_.add(stamp, T_odom_base)) return false;
-  const auto end = std::find_if(waiting_.begin(), waiting_.end(),
-                                [&](const Moment& moment) { return moment.stamp > stamp; });
-  const std::vector<Moment> ready(std::make_move_iterator(waiting_.begin()), std::make_move_iterator(end));
+  const auto end =
+      std::find_if(waiting_.begin(), waiting_.end(), [&](const Scan& scan) { return scan.stamp > stamp; });
+  const std::vector<Scan> ready(std::make_move_iterator(waiting_.begin()), std::make_move_iterator(end));
   waiting_.erase(waiting_.begin(), end);
-  for (const Moment& moment : ready) apply(moment);
-  settle();
+  for (const Scan& scan : ready) apply(scan);
+  removeSettled();
   return true;
 }
 
-Arrival LandmarkTimeline::see(double stamp, const std::vector<LabelledSighting>& sightings,
-                              const Pose2& T_base_sensor) {
-  const double moment = stamp + params_.clock_offset + newest().slam.filter().clockOffset();
-  const auto is_same = [&](const Moment& other) {
-    return other.heard == stamp && other.T_base_sensor == T_base_sensor && other.sightings == sightings;
+Arrival LandmarkTimeline::observe(double stamp, const std::vector<LabelledObservation>& observations,
+                                  const Pose2& T_base_sensor) {
+  const double corrected = stamp + params_.clock_offset + newest().slam.filter().clockOffset();
+  const auto is_same = [&](const Scan& other) {
+    return other.received_stamp == stamp && other.T_base_sensor == T_base_sensor &&
+           other.observations == observations;
   };
   applied_.clear();
-  if (std::any_of(moments_.begin(), moments_.end(), is_same) ||
+  if (std::any_of(scans_.begin(), scans_.end(), is_same) ||
       std::any_of(waiting_.begin(), waiting_.end(), is_same))
     return Arrival::duplicate;
-  if (history_.empty() || moment > history_.last()) {
-    wait({moment, stamp, sightings, T_base_sensor});
+  if (history_.empty() || corrected > history_.last()) {
+    wait({corrected, stamp, observations, T_base_sensor});
     return Arrival::waiting;
   }
-  if (moment < std::max(base_.stamp, history_.last() - params_.lag)) return Arrival::too_late;
-  apply({moment, stamp, sightings, T_base_sensor});
-  return Arrival::taken;
+  if (corrected < std::max(base_.stamp, history_.last() - params_.lag)) return Arrival::too_late;
+  apply({corrected, stamp, observations, T_base_sensor});
+  return Arrival::applied;
 }
 
-/// By stamp. Of too many those that would wait the longest are dropped.
-void LandmarkTimeline::wait(const Moment& moment) {
-  waiting_.insert(std::upper_bound(waiting_.begin(), waiting_.end(), moment, isBefore), moment);
-  if (waiting_.size() > kMostWaiting) waiting_.pop_back();
+/// Inserts by stamp; drops the newest one if there are too many.
+void LandmarkTimeline::wait(const Scan& scan) {
+  waiting_.insert(std::upper_bound(waiting_.begin(), waiting_.end(), scan, isBefore), scan);
+  if (waiting_.size() > kMaxWaiting) waiting_.pop_back();
 }
 
-/// Whether nothing drives so far so fast: odometry began anew, or somebody put the robot elsewhere.
-bool LandmarkTimeline::isLeap(double stamp, const Pose2& T_odom_base) const {
+/// Whether no robot drives this far this fast: odometry restarted, or the robot was carried.
+bool LandmarkTimeline::isJump(double stamp, const Pose2& T_odom_base) const {
   if (history_.empty() || stamp <= history_.last()) return false;
-  const double way = (T_odom_base.position - history_.at(history_.last())->position).norm();
-  return way > kLeap && way > kFastest * (stamp - history_.last());
+  const double distance = (T_odom_base.position - history_.at(history_.last())->position).norm();
+  return distance > kJump && distance > kMaxSpeed * (stamp - history_.last());
 }
 
-/// Where is not known.
-void LandmarkTimeline::beginElsewhere() {
-  ++leaps_;
+/// Restarts odometry at an unknown pose.
+void LandmarkTimeline::restartLost() {
+  ++jumps_;
   restart();
-  base_.slam.lose();
+  base_.slam.relocalize();
 }
 
-/// At its place among the others; those after it are gone through again.
-void LandmarkTimeline::apply(Moment moment) {
-  if (moment.stamp < base_.stamp) return;
-  const auto at = std::upper_bound(moments_.begin(), moments_.end(), moment, isBefore);
-  auto each = afterKnown(moments_.insert(at, std::move(moment)));
-  State state = takenBefore(each);
-  for (; each != moments_.end(); ++each) {
-    state = advanced(std::move(state), each->stamp);
-    const LandmarkReport report = state.slam.see(each->stamp, each->sightings, each->T_base_sensor);
-    if (!each->is_told) applied_.push_back({each->heard, report});
-    each->is_told = true;
-    each->after.reset();
-    if (isKept(each) && std::next(each) != moments_.end()) each->after = state;
+/// Inserts a scan by stamp, and applies it and all later ones.
+void LandmarkTimeline::apply(Scan added) {
+  if (added.stamp < base_.stamp) return;
+  const auto at = std::upper_bound(scans_.begin(), scans_.end(), added, isBefore);
+  auto scan = firstToReplay(scans_.insert(at, std::move(added)));
+  State state = stateBefore(scan);
+  for (; scan != scans_.end(); ++scan) {
+    state = advanced(std::move(state), scan->stamp);
+    const LandmarkReport report = state.slam.observe(scan->stamp, scan->observations, scan->T_base_sensor);
+    if (!scan->is_reported) applied_.push_back({scan->received_stamp, report});
+    scan->is_reported = true;
+    scan->after.reset();
+    if (isKept(scan) && std::next(scan) != scans_.end()) scan->after = state;
   }
-  moments_.back().after = std::move(state);
+  scans_.back().after = std::move(state);
 }
 
-/// Of the last moment, but where going through the moments threw.
+/// State after the newest scan that has one: replaying may have thrown before the end.
 const LandmarkTimeline::State& LandmarkTimeline::newest() const {
-  const auto known = std::find_if(moments_.rbegin(), moments_.rend(),
-                                  [](const Moment& each) { return each.after.has_value(); });
-  return known == moments_.rend() ? base_ : *known->after;
+  const auto known =
+      std::find_if(scans_.rbegin(), scans_.rend(), [](const Scan& scan) { return scan.after.has_value(); });
+  return known == scans_.rend() ? base_ : *known->after;
 }
 
-/// The first moment from which on to go through all before this one: what was before it is known.
-LandmarkTimeline::Moments::iterator LandmarkTimeline::afterKnown(Moments::iterator each) {
-  while (each != moments_.begin() && !std::prev(each)->after) --each;
-  return each;
+/// First scan to replay up to this one: the state before it is stored.
+LandmarkTimeline::Scans::iterator LandmarkTimeline::firstToReplay(Scans::iterator scan) {
+  while (scan != scans_.begin() && !std::prev(scan)->after) --scan;
+  return scan;
 }
 
-/// Whether what was after a moment is kept when another one comes.
-bool LandmarkTimeline::isKept(Moments::iterator each) {
-  const auto first = afterKnown(each);
-  const double known = first == moments_.begin() ? base_.stamp : std::prev(first)->stamp;
-  return each->stamp - known >= params_.lag / kKept;
+/// Whether the state after a scan stays stored when the next one is applied.
+bool LandmarkTimeline::isKept(Scans::iterator scan) {
+  const auto first = firstToReplay(scan);
+  const double known = first == scans_.begin() ? base_.stamp : std::prev(first)->stamp;
+  return scan->stamp - known >= params_.lag / kStatesPerLag;
 }
 
-LandmarkTimeline::State LandmarkTimeline::takenBefore(Moments::iterator each) {
-  if (each == moments_.begin()) return base_;
-  std::optional<State>& known = std::prev(each)->after;
-  if (isKept(std::prev(each))) return *known;
+LandmarkTimeline::State LandmarkTimeline::stateBefore(Scans::iterator scan) {
+  if (scan == scans_.begin()) return base_;
+  std::optional<State>& known = std::prev(scan)->after;
+  if (isKept(std::prev(scan))) return *known;
   State state = std::move(*known);
   known.reset();
   return state;
@@ -133,17 +135,17 @@ LandmarkTimeline::State LandmarkTimeline::advanced(State state, double stamp) co
   return state;
 }
 
-/// Moments that nothing can come before any more are done with.
-void LandmarkTimeline::settle() {
+/// Removes the scans before which no other one can be inserted any more.
+void LandmarkTimeline::removeSettled() {
   const double until = history_.last() - params_.lag;
   const auto done =
-      afterKnown(std::lower_bound(moments_.begin(), moments_.end(), until,
-                                  [](const Moment& moment, double stamp) { return moment.stamp < stamp; }));
-  if (done != moments_.begin()) {
+      firstToReplay(std::lower_bound(scans_.begin(), scans_.end(), until,
+                                     [](const Scan& scan, double stamp) { return scan.stamp < stamp; }));
+  if (done != scans_.begin()) {
     base_ = std::move(*std::prev(done)->after);
-    moments_.erase(moments_.begin(), done);
+    scans_.erase(scans_.begin(), done);
   }
-  if (base_.stamp < history_.last() - kSettled * params_.lag && moments_.empty())
+  if (base_.stamp < history_.last() - kSettled * params_.lag && scans_.empty())
     base_ = advanced(base_, until);
 }
 
@@ -152,19 +154,19 @@ std::optional<LandmarkTimeline::Now> LandmarkTimeline::now() const {
   const auto T_odom_base = history_.at(history_.last());
   const auto step = history_.between(newest().stamp, history_.last());
   if (!step) return {};
-  const PlanePoseEstimate ahead = newest().slam.filter().ahead(*step);
-  return Now{history_.last(), ahead.pose, ahead.covariance, ahead.pose * T_odom_base->inverse()};
+  const PoseEstimate2D predicted = newest().slam.filter().predictPose(*step);
+  return Now{history_.last(), predicted.pose, predicted.covariance, predicted.pose * T_odom_base->inverse()};
 }
 
-void LandmarkTimeline::begin(const State& state) {
+void LandmarkTimeline::reset(const State& state) {
   base_ = state;
-  moments_.clear();
+  scans_.clear();
   waiting_.clear();
   applied_.clear();
 }
 
 void LandmarkTimeline::restart() {
-  begin(newest());
+  reset(newest());
   history_.clear();
 }
 

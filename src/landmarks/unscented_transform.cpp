@@ -12,8 +12,9 @@ using Eigen::VectorXd;
 
 namespace {
 
-constexpr double kAlpha = 0.1;  // spread: sqrt(3) alpha deviations
-constexpr double kBeta = 2.0;   // as of a normal variable; at least alpha^2: then no covariance is indefinite
+constexpr double kAlpha = 0.1;  // spread of the sigma points: sqrt(3) alpha standard deviations
+constexpr double kBeta =
+    2.0;  // optimal for a normal variable; at least alpha^2, so that covariances are positive definite
 
 }  // namespace
 
@@ -27,7 +28,7 @@ UnscentedMoments unscentedTransform(const MatrixXd& L,
   const double centre_covariance = centre_mean + 1 - kAlpha * kAlpha + kBeta;
 
   const VectorXd centre = function(VectorXd::Zero(L.rows()));
-  MatrixXd above(centre.size(), n), below(centre.size(), n);  // of the centre
+  MatrixXd above(centre.size(), n), below(centre.size(), n);  // sigma points less the centre
   for (Index i = 0; i < n; ++i) {
     above.col(i) = function(spread * L.col(i)) - centre;
     below.col(i) = function(-spread * L.col(i)) - centre;

@@ -10,11 +10,11 @@
 namespace sextant {
 namespace {
 
-constexpr size_t kNoiseImages = 25;  // images before which nothing is said
-constexpr size_t kMemory = 200;      // images after which the past is forgotten
-constexpr double kOutside = 1.0 / 400;
-constexpr double kMany = 1e6;  // degrees of freedom of what is a Gaussian
-constexpr double kLeastNoise = 0.05, kMostNoise = 10.0;
+constexpr size_t kMinImages = 25;               // number of images before the first estimate
+constexpr size_t kMaxImages = 200;              // number of images from which the noise is estimated
+constexpr double kTailProbability = 1.0 / 400;  // of positions outside the region that is matched
+constexpr double kGaussianDegrees = 1e6;        // degrees of freedom above which Student's t is Gaussian
+constexpr double kMinScale = 0.05, kMaxScale = 10.0;  // range of factors on corner_sigma
 
 double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<long>(values.size() / 2);
@@ -22,27 +22,31 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-// Of the logarithm of a chi-square variable over its degrees of freedom: median (Wilson and Hilferty 1931),
-// and variance, psi'(n / 2).
-double medianLogarithm(double freedoms) { return 3 * std::log(1 - 2 / (9 * freedoms)); }
-double varianceOfLogarithm(double freedoms) { return 2 / freedoms + 2 / (freedoms * freedoms); }
-double freedomsOf(double variance) {
-  return variance > 0 ? std::min((1 + std::sqrt(1 + 2 * variance)) / variance, kMany) : kMany;
+// Median (Wilson and Hilferty 1931) and variance (approximation of the trigamma function psi'(n / 2)) of
+// log(x / n), where x is a chi-square variable with n degrees of freedom.
+double medianLogarithm(double degrees_of_freedom) { return 3 * std::log(1 - 2 / (9 * degrees_of_freedom)); }
+double varianceOfLogarithm(double degrees_of_freedom) {
+  return 2 / degrees_of_freedom + 2 / (degrees_of_freedom * degrees_of_freedom);
+}
+// Inverts varianceOfLogarithm().
+double degreesOfFreedom(double variance) {
+  return variance > 0 ? std::min((1 + std::sqrt(1 + 2 * variance)) / variance, kGaussianDegrees)
+                      : kGaussianDegrees;
 }
 
-// What the variance that such a scatter of n values tells reaches by chance: two of its deviations more.
-double upper(double variance, size_t n) { return variance * (1 + 4.6 / std::sqrt(n)); }
+// Upper bound of a variance estimated from n values: two standard deviations above its expectation.
+double upperBound(double variance, size_t n) { return variance * (1 + 4.6 / std::sqrt(n)); }
 
-// By how much a Gaussian's variance must exceed the square of the scale of Student's t so that one position
-// of 400 lies beyond the bound that chi-square gives.
-double tail(double freedoms) {
-  if (freedoms >= kMany) return 1.0;
-  const boost::math::fisher_f t(3, freedoms);
+// Ratio of a Gaussian's variance to the squared scale of a Student's t distribution (3 dimensions), such that
+// both have the probability kTailProbability outside the same region.
+double tailFactor(double degrees_of_freedom) {
+  if (degrees_of_freedom >= kGaussianDegrees) return 1.0;
+  const boost::math::fisher_f t(3, degrees_of_freedom);
   const boost::math::chi_squared gaussian(3);
-  return 3 * quantile(complement(t, kOutside)) / quantile(complement(gaussian, kOutside));
+  return 3 * quantile(complement(t, kTailProbability)) / quantile(complement(gaussian, kTailProbability));
 }
 
-double limited(double variance) { return std::clamp(std::sqrt(variance), kLeastNoise, kMostNoise); }
+double limitedScale(double variance) { return std::clamp(std::sqrt(variance), kMinScale, kMaxScale); }
 
 }  // namespace
 
@@ -55,7 +59,7 @@ std::vector<ImageNoise> imageNoise(const LocatedPose& pose) {
     if (marker.camera_index >= cameras.size()) cameras.resize(marker.camera_index + 1);
     ImageNoise& image = cameras[marker.camera_index];
     image.squares += marker.squared_distance * marker.noise_scale * marker.noise_scale;
-    image.freedoms += 8 - 6 / n;
+    image.degrees_of_freedom += 8 - 6 / n;
   }
   return cameras;
 }
@@ -67,34 +71,37 @@ void CornerNoise::add(const LocatedPose& pose) {
 
 void CornerNoise::add(size_t index, const ImageNoise& image) {
   if (index >= cameras_.size()) cameras_.resize(index + 1);
-  if (image.freedoms == 0) return;
+  if (image.degrees_of_freedom == 0) return;
   Camera& camera = cameras_[index];
-  if (camera.logarithms.size() < kMemory) {
-    camera.logarithms.push_back(0);
-    camera.freedoms.push_back(0);
+  if (camera.log_variances.size() < kMaxImages) {
+    camera.log_variances.push_back(0);
+    camera.degrees_of_freedom.push_back(0);
   }
-  camera.logarithms[camera.next] = std::log(std::max(image.squares / image.freedoms, 1e-6));
-  camera.freedoms[camera.next] = image.freedoms;
-  camera.next = (camera.next + 1) % kMemory;
-  if (camera.logarithms.size() >= kNoiseImages) learn(camera);
+  camera.log_variances[camera.next] = std::log(std::max(image.squares / image.degrees_of_freedom, 1e-6));
+  camera.degrees_of_freedom[camera.next] = image.degrees_of_freedom;
+  camera.next = (camera.next + 1) % kMaxImages;
+  if (camera.log_variances.size() >= kMinImages) fitDistribution(camera);
 }
 
-void CornerNoise::learn(Camera& camera) {
-  std::vector<double> centred, away;
-  double by_chance = 0.0;
-  for (size_t i = 0; i < camera.logarithms.size(); ++i) {
-    centred.push_back(camera.logarithms[i] - medianLogarithm(camera.freedoms[i]));
-    by_chance += varianceOfLogarithm(camera.freedoms[i]) / static_cast<double>(camera.logarithms.size());
+// The scatter of the images' log variances, minus the scatter due to the few residuals of each image, is that
+// of the distribution.
+void CornerNoise::fitDistribution(Camera& camera) {
+  std::vector<double> unbiased, deviations;
+  double sampling_variance = 0.0;
+  for (size_t i = 0; i < camera.log_variances.size(); ++i) {
+    unbiased.push_back(camera.log_variances[i] - medianLogarithm(camera.degrees_of_freedom[i]));
+    sampling_variance +=
+        varianceOfLogarithm(camera.degrees_of_freedom[i]) / static_cast<double>(camera.log_variances.size());
   }
-  const double middle = median(centred);
-  for (const double value : centred) away.push_back(std::abs(value - middle));
-  const double deviation = 1.4826 * median(away),
-               excess = deviation * deviation - upper(by_chance, away.size());
-  const double freedoms = freedomsOf(excess);
-  camera.distribution_freedoms = freedoms;
-  camera.tail = tail(freedoms);
-  camera.variance = std::clamp(std::exp(middle + medianLogarithm(freedoms)), kLeastNoise * kLeastNoise,
-                               kMostNoise * kMostNoise);
+  const double centre = median(unbiased);
+  for (const double value : unbiased) deviations.push_back(std::abs(value - centre));
+  const double sigma = 1.4826 * median(deviations),  // of a Gaussian with this median absolute deviation
+      excess = sigma * sigma - upperBound(sampling_variance, deviations.size());
+  const double degrees_of_freedom = degreesOfFreedom(excess);
+  camera.variance_degrees = degrees_of_freedom;
+  camera.tail_factor = tailFactor(degrees_of_freedom);
+  camera.variance = std::clamp(std::exp(centre + medianLogarithm(degrees_of_freedom)), kMinScale * kMinScale,
+                               kMaxScale * kMaxScale);
 }
 
 double CornerNoise::typical(size_t camera) const {
@@ -103,13 +110,14 @@ double CornerNoise::typical(size_t camera) const {
 
 double CornerNoise::scale(size_t camera) const {
   if (camera >= cameras_.size()) return 1.0;
-  return limited(cameras_[camera].variance * cameras_[camera].tail);
+  return limitedScale(cameras_[camera].variance * cameras_[camera].tail_factor);
 }
 
 double CornerNoise::scale(size_t camera, const ImageNoise& image) const {
   if (camera >= cameras_.size()) return 1.0;
-  const double own = cameras_[camera].distribution_freedoms, all = own + image.freedoms;
-  return limited((own * cameras_[camera].variance + image.squares) / all);
+  const double prior_degrees = cameras_[camera].variance_degrees;
+  return limitedScale((prior_degrees * cameras_[camera].variance + image.squares) /
+                      (prior_degrees + image.degrees_of_freedom));
 }
 
 }  // namespace sextant

@@ -10,11 +10,13 @@
 
 namespace sextant {
 
-/// A marker against the pose that the other markers give.
-/// @param T_camera_marker where the marker is by its own corners
-/// @param used whether the pose is also this marker's
-/// @return nothing where the others give no pose
-std::optional<MarkerInnovation> markerInnovation(const MarkerSighting& sighting, const Pose& T_camera_marker,
-                                                 const PoseHypothesis& pose, bool used);
+/// Computes the innovation of a marker, compared with the pose that the other markers determine.
+/// @param T_camera_marker pose of the marker, computed from its corners alone
+/// @param pose from all markers used, perhaps with this one
+/// @param used whether the marker contributed to the pose
+/// @return nothing if the other markers do not determine a pose
+std::optional<MarkerInnovation> markerInnovation(const MarkerObservation& observation,
+                                                 const Pose& T_camera_marker, const PoseHypothesis& pose,
+                                                 bool used);
 
 }  // namespace sextant

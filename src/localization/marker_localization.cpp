@@ -7,18 +7,20 @@
 namespace sextant {
 namespace {
 
-constexpr double kSameScale = 0.02;
-const std::set<MarkerKey> kNone;
+// Relative change of a noise_scale above which the image is located again.
+constexpr double kScaleTolerance = 0.02;
+const std::set<MarkerKey> kNoMarkers;
 
 }  // namespace
 
 ParamList LocalizationParams::fields() {
   const ParamList own = {
       {"estimate_noise", &estimate_noise, Allowed(), "",
-       "`corner_sigma` is where it begins; then it is estimated by the residuals of poses from two markers "
-       "or more, camera by camera, and image by image where these differ (some are blurred)"},
-      {"leave_out_moved", &leave_out_moved, Allowed(), "",
-       "markers that are found to stand elsewhere than in the map do not count, until they agree again"},
+       "in mode `joint`: estimate the corner noise of each camera, and of single images (e.g. blurred ones), "
+       "from the residuals of poses from two or more markers; initial value: `corner_sigma`"},
+      {"exclude_moved_markers", &exclude_moved_markers, Allowed(), "",
+       "in mode `joint`: ignore markers that were moved from their position in the map, until they are "
+       "consistent with it again"},
   };
   return joined({locator.fields(), own, prefixed("odometry_", odometry.fields())});
 }
@@ -37,13 +39,13 @@ LocatorResult MarkerLocalization::locate(const MarkerMap& map, std::vector<Marke
                                          const std::optional<Pose>& T_odom_base) {
   const auto prior = T_odom_base ? correction_.predict(*T_odom_base) : std::nullopt;
   LocatorResult result = locateWithNoise(map, views, prior);
-  // Where the prior fits none of the poses that the markers leave it is not asked: it may be wrong itself.
+  // If the prior contradicts every pose that the markers allow, it may be wrong itself: locate without it.
   if (prior && result.pose &&
       correction_.contradicts(*T_odom_base, result.pose->T_map_base, result.pose->covariance))
     result = locateWithNoise(map, views, std::nullopt);
-  if (result.pose && T_odom_base) result = judged(result, *T_odom_base);
+  if (result.pose && T_odom_base) result = gatedByOdometry(result, *T_odom_base);
   if (!result.pose) return result;
-  watch_.add(*result.pose, map);
+  moved_markers_.add(*result.pose, map);
   if (estimatesNoise()) noise_.add(*result.pose);
   return result;
 }
@@ -52,45 +54,46 @@ bool MarkerLocalization::estimatesNoise() const {
   return params_.estimate_noise && params_.locator.mode == "joint";
 }
 
-// First with what is known of the camera's noise, then with what the image itself says of it.
+// Locates with the noise of each camera, then again with the noise of each image, if that differs.
 LocatorResult MarkerLocalization::locateWithNoise(const MarkerMap& map, std::vector<MarkerView>& views,
                                                   const std::optional<PosePrior>& prior) {
-  const auto& distrusted = params_.leave_out_moved ? watch_.distrusted() : kNone;
+  const auto& ignored = params_.exclude_moved_markers ? moved_markers_.keys() : kNoMarkers;
   if (estimatesNoise())
     for (MarkerView& view : views) view.noise_scale = noise_.scale(view.camera_index);
-  LocatorResult result = locator_.locate(map, views, prior, distrusted);
+  LocatorResult result = locator_.locate(map, views, prior, ignored);
   if (!estimatesNoise() || !result.pose) return result;
-  const auto images = imageNoise(*result.pose);
+  const auto image_noise = imageNoise(*result.pose);
   bool differs = false;
   for (MarkerView& view : views) {
-    if (view.camera_index >= images.size()) continue;
-    const double scale = noise_.scale(view.camera_index, images[view.camera_index]);
-    differs |= std::abs(scale / view.noise_scale - 1) > kSameScale;
+    if (view.camera_index >= image_noise.size()) continue;
+    const double scale = noise_.scale(view.camera_index, image_noise[view.camera_index]);
+    differs |= std::abs(scale / view.noise_scale - 1) > kScaleTolerance;
     view.noise_scale = scale;
   }
-  return differs ? locator_.locate(map, views, prior, distrusted) : result;
+  return differs ? locator_.locate(map, views, prior, ignored) : result;
 }
 
-// An undecided pose neither corrects nor refutes, but it is better than none to begin with.
-LocatorResult MarkerLocalization::judged(LocatorResult result, const Pose& T_odom_base) {
+// Corrects T_map_odom with the pose, or drops the pose if it contradicts odometry. An ambiguous pose is only
+// used to initialize T_map_odom.
+LocatorResult MarkerLocalization::gatedByOdometry(LocatorResult result, const Pose& T_odom_base) {
   const LocatedPose& pose = *result.pose;
-  const bool certain = pose.probability >= params_.locator.decided;
-  if (!certain && correction_.transform()) return result;
+  const bool unambiguous = pose.probability >= params_.locator.min_probability;
+  if (!unambiguous && correction_.transform()) return result;
   if (correction_.update(T_odom_base, pose.T_map_base, pose.covariance) !=
-      OdometryCorrection::Verdict::contradicts)
+      OdometryCorrection::Verdict::rejected)
     return result;
   result.pose.reset();
   result.reason = "the markers contradict the odometry";
   return result;
 }
 
-void MarkerLocalization::forgetMap() {
+void MarkerLocalization::resetMap() {
   correction_.reset();
-  watch_.reset();
+  moved_markers_.reset();
 }
 
 void MarkerLocalization::reset() {
-  forgetMap();
+  resetMap();
   noise_.reset();
 }
 

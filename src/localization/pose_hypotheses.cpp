@@ -10,38 +10,43 @@
 namespace sextant {
 namespace {
 
-constexpr size_t kMaxRefined = 6;  // starts, the best by robust cost
-constexpr int kGateRounds = 4;
-// What a marker costs that is left out. More than the gate: two that agree are to win against one that leaves
-// much open, whose covariance speaks for it.
-constexpr double kLeftOut = 100.0;
-constexpr double kSameDistance = 1e-3;  // squared Mahalanobis distance of two fits that are one minimum
+constexpr size_t kMaxRefined = 6;  // number of starts that are minimized: those with the lowest robust cost
+constexpr int kGateRounds = 4;     // maximum number of minimizations until the set of markers is stable
+// Cost of an outlier. Larger than the default gate, so that two consistent markers win against a single one,
+// whose large covariance raises its evidence.
+constexpr double kOutlierCost = 100.0;
+// Maximum squared Mahalanobis distance between two fits of the same minimum.
+constexpr double kSameMinimum = 1e-3;
+constexpr double kNotRobust = 1e9;  // width of the Huber loss, standard deviations
 
 Matrix6d symmetricInverse(const Matrix6d& matrix) {
   const Matrix6d inverse = matrix.ldlt().solve(Matrix6d::Identity());
   return 0.5 * (inverse + inverse.transpose());
 }
 
+// Squared Mahalanobis distance.
 double squaredDistance(const Pose& a, const Pose& b, const Matrix6d& covariance) {
   const Vector6d xi = poseError(a, b);
   return xi.dot(covariance.ldlt().solve(xi));
 }
 
-double robustCost(const std::vector<MarkerSighting>& sightings, const Pose& pose,
+// Floor prior and Huber loss of all markers.
+double robustCost(const std::vector<MarkerObservation>& observations, const Pose& pose,
                   const HypothesesParams& params) {
   double cost = params.floor ? squaredMahalanobis(*params.floor, pose) : 0.0;
-  for (const MarkerSighting& sighting : sightings) {
-    const double s = squaredMahalanobis(sighting, pose), w = params.robust_width;
+  for (const MarkerObservation& observation : observations) {
+    const double s = squaredMahalanobis(observation, pose), w = params.robust_width;
     cost += s <= w * w ? s : 2 * w * std::sqrt(std::min(s, 1e6)) - w * w;
   }
   return cost;
 }
 
-std::vector<PoseStart> bestStarts(const std::vector<MarkerSighting>& sightings,
+// The starts with the lowest robust cost.
+std::vector<PoseStart> bestStarts(const std::vector<MarkerObservation>& observations,
                                   const std::vector<PoseStart>& starts, const HypothesesParams& params) {
   std::vector<std::pair<double, size_t>> scored;
   for (size_t i = 0; i < starts.size(); ++i)
-    scored.emplace_back(robustCost(sightings, starts[i].T_map_base, params), i);
+    scored.emplace_back(robustCost(observations, starts[i].T_map_base, params), i);
   std::sort(scored.begin(), scored.end());
   if (scored.size() > kMaxRefined) scored.resize(kMaxRefined);
   std::vector<PoseStart> best;
@@ -49,145 +54,156 @@ std::vector<PoseStart> bestStarts(const std::vector<MarkerSighting>& sightings,
   return best;
 }
 
-std::vector<size_t> withinGate(const std::vector<MarkerSighting>& sightings, const Pose& pose, double gate) {
+// Indices of the observations within the gate.
+std::vector<size_t> withinGate(const std::vector<MarkerObservation>& observations, const Pose& pose,
+                               double gate) {
   std::vector<size_t> used;
-  for (size_t i = 0; i < sightings.size(); ++i)
-    if (squaredMahalanobis(sightings[i], pose) <= gate) used.push_back(i);
+  for (size_t i = 0; i < observations.size(); ++i)
+    if (squaredMahalanobis(observations[i], pose) <= gate) used.push_back(i);
   return used;
 }
 
-PoseHypothesis hypothesis(const ReprojectionFit& fit, const std::vector<size_t>& used, double left_out_cost) {
+PoseHypothesis makeHypothesis(const ReprojectionFit& fit, const std::vector<size_t>& used,
+                              double outlier_cost) {
   return {
-      fit.T_map_base, symmetricInverse(fit.information), fit.cost + left_out_cost, fit.rms, used, 0.0, 0.0};
+      fit.T_map_base, symmetricInverse(fit.information), fit.cost + outlier_cost, fit.rms, used, 0.0, 0.0};
 }
 
-std::vector<MarkerSighting> chosen(const std::vector<MarkerSighting>& sightings,
-                                   const std::vector<size_t>& indices) {
-  std::vector<MarkerSighting> some;
-  for (const size_t i : indices) some.push_back(sightings[i]);
-  return some;
+std::vector<MarkerObservation> selected(const std::vector<MarkerObservation>& observations,
+                                        const std::vector<size_t>& indices) {
+  std::vector<MarkerObservation> selection;
+  for (const size_t i : indices) selection.push_back(observations[i]);
+  return selection;
 }
 
-// Plain searches with the markers inside the gate, until these stay the same.
-std::optional<PoseHypothesis> settled(const std::vector<MarkerSighting>& sightings, const Pose& start,
-                                      std::vector<size_t> used, const HypothesesParams& params) {
+// Minimizes with the markers within the gate until the set of these markers is stable; nothing if it is not.
+std::optional<PoseHypothesis> minimizeWithinGate(const std::vector<MarkerObservation>& observations,
+                                                 const Pose& start, std::vector<size_t> used,
+                                                 const HypothesesParams& params) {
   Pose pose = start;
   for (int round = 0; round < kGateRounds && !used.empty(); ++round) {
-    const auto fit = minimizeReprojection(chosen(sightings, used), pose, {1e9, params.floor});
+    const auto fit = minimizeReprojection(selected(observations, used), pose, {kNotRobust, params.floor});
     if (!fit) return std::nullopt;
-    const auto now = withinGate(sightings, fit->T_map_base, params.gate);
-    if (now == used)
-      return hypothesis(*fit, used, kLeftOut * static_cast<double>(sightings.size() - used.size()));
-    used = now;
+    const auto fitting = withinGate(observations, fit->T_map_base, params.gate);
+    if (fitting == used)
+      return makeHypothesis(*fit, used,
+                            kOutlierCost * static_cast<double>(observations.size() - used.size()));
+    used = fitting;
     pose = fit->T_map_base;
   }
   return std::nullopt;
 }
 
-// The minimum to which a robust search with all markers leads.
-std::optional<PoseHypothesis> together(const std::vector<MarkerSighting>& sightings, const PoseStart& start,
-                                       const HypothesesParams& params) {
-  const auto fit = minimizeReprojection(sightings, start.T_map_base, {params.robust_width, params.floor});
+// Minimizes robustly with all markers, then with those within the gate.
+std::optional<PoseHypothesis> fromAllMarkers(const std::vector<MarkerObservation>& observations,
+                                             const PoseStart& start, const HypothesesParams& params) {
+  const auto fit = minimizeReprojection(observations, start.T_map_base, {params.robust_width, params.floor});
   if (!fit) return std::nullopt;
-  return settled(sightings, fit->T_map_base, withinGate(sightings, fit->T_map_base, params.gate), params);
+  return minimizeWithinGate(observations, fit->T_map_base,
+                            withinGate(observations, fit->T_map_base, params.gate), params);
 }
 
-// By how much the cost would rise if the pose had to explain this marker too: its squared Mahalanobis
-// distance with the pose's own uncertainty added, r' (I + J P J')^-1 r.
-double rise(const MarkerSighting& sighting, const ReprojectionFit& fit) {
-  const ReprojectionModel model = reprojectionModel({sighting}, fit.T_map_base, {});
+// Increase of the cost if this marker is added to the fit: its squared Mahalanobis distance including the
+// uncertainty of the pose, r' (I + J P J')^-1 r.
+double costIncrease(const MarkerObservation& observation, const ReprojectionFit& fit) {
+  const ReprojectionModel model = reprojectionModel({observation}, fit.T_map_base, {});
   return model.cost - model.g.dot((fit.information + model.H).ldlt().solve(model.g));
 }
 
-// The marker, outside of those used, that agrees best with the fit.
-std::optional<size_t> nextToAgree(const std::vector<MarkerSighting>& sightings, const ReprojectionFit& fit,
-                                  const std::vector<size_t>& used, double gate) {
+// The unused marker that is most consistent with the fit; nothing if all are outside the gate.
+std::optional<size_t> mostConsistentUnused(const std::vector<MarkerObservation>& observations,
+                                           const ReprojectionFit& fit, const std::vector<size_t>& used,
+                                           double gate) {
   std::optional<size_t> best;
-  for (size_t i = 0; i < sightings.size(); ++i) {
+  double least = gate;
+  for (size_t i = 0; i < observations.size(); ++i) {
     if (std::find(used.begin(), used.end(), i) != used.end()) continue;
-    const double cost = rise(sightings[i], fit);
-    if (!(cost <= gate)) continue;
-    gate = cost;
+    const double cost = costIncrease(observations[i], fit);
+    if (!(cost <= least)) continue;
+    least = cost;
     best = i;
   }
   return best;
 }
 
-// One marker, and one after another those that agree with all before: where markers contradict each other, a
-// search with all of them ends between two poses.
-std::optional<PoseHypothesis> grown(const std::vector<MarkerSighting>& sightings, const PoseStart& start,
-                                    const HypothesesParams& params) {
+// Starts with one marker and adds consistent ones: if markers contradict each other, a minimization with all
+// of them ends between two poses.
+std::optional<PoseHypothesis> fromOneMarker(const std::vector<MarkerObservation>& observations,
+                                            const PoseStart& start, const HypothesesParams& params) {
   Pose pose = start.T_map_base;
-  for (std::vector<size_t> used{start.sighting};;) {
-    const auto fit = minimizeReprojection(chosen(sightings, used), pose, {1e9, params.floor});
+  for (std::vector<size_t> used{start.observation};;) {
+    const auto fit = minimizeReprojection(selected(observations, used), pose, {kNotRobust, params.floor});
     if (!fit) return std::nullopt;
-    const auto next = nextToAgree(sightings, *fit, used, params.gate);
-    if (!next) return settled(sightings, fit->T_map_base, used, params);
+    const auto next = mostConsistentUnused(observations, *fit, used, params.gate);
+    if (!next) return minimizeWithinGate(observations, fit->T_map_base, used, params);
     used.push_back(*next);
     std::sort(used.begin(), used.end());
     pose = fit->T_map_base;
   }
 }
 
-bool explained(size_t sighting, const std::vector<PoseHypothesis>& all) {
-  return std::any_of(all.begin(), all.end(), [&](const PoseHypothesis& found) {
-    return std::find(found.used.begin(), found.used.end(), sighting) != found.used.end();
+bool isExplained(size_t observation, const std::vector<PoseHypothesis>& hypotheses) {
+  return std::any_of(hypotheses.begin(), hypotheses.end(), [&](const PoseHypothesis& hypothesis) {
+    return std::find(hypothesis.used.begin(), hypothesis.used.end(), observation) != hypothesis.used.end();
   });
 }
 
-void addIfNew(const PoseHypothesis& found, std::vector<PoseHypothesis>& all) {
-  for (PoseHypothesis& other : all) {
-    if (squaredDistance(found.T_map_base, other.T_map_base, other.covariance) > kSameDistance) continue;
-    if (found.cost < other.cost) other = found;
+// Of two fits of the same minimum, keeps the one with the lower cost.
+void addIfNew(const PoseHypothesis& hypothesis, std::vector<PoseHypothesis>& hypotheses) {
+  for (PoseHypothesis& other : hypotheses) {
+    if (squaredDistance(hypothesis.T_map_base, other.T_map_base, other.covariance) > kSameMinimum) continue;
+    if (hypothesis.cost < other.cost) other = hypothesis;
     return;
   }
-  all.push_back(found);
+  hypotheses.push_back(hypothesis);
 }
 
-// Logarithm of the density at which the prior, blurred by the hypothesis's own covariance, has its pose.
-double logPrior(const PoseHypothesis& found, const PosePrior& prior) {
-  const Matrix6d both = found.covariance + prior.covariance;
-  return -0.5 * squaredDistance(found.T_map_base, prior.T_map_base, both) -
-         0.5 * std::log(both.determinant());
+// Log density of the prior, convolved with the hypothesis's covariance, at the hypothesis's pose.
+double logPrior(const PoseHypothesis& hypothesis, const PosePrior& prior) {
+  const Matrix6d covariance = hypothesis.covariance + prior.covariance;
+  return -0.5 * squaredDistance(hypothesis.T_map_base, prior.T_map_base, covariance) -
+         0.5 * std::log(covariance.determinant());
 }
 
-// Laplace's approximation of the probability that a minimum holds, up to a factor; its logarithm.
-double logEvidence(const PoseHypothesis& found) {
-  return -0.5 * found.cost + 0.5 * std::log(found.covariance.determinant()) + found.log_prior;
+// Logarithm of the probability mass of a minimum (Laplace's approximation), up to a constant.
+double logEvidence(const PoseHypothesis& hypothesis) {
+  return -0.5 * hypothesis.cost + 0.5 * std::log(hypothesis.covariance.determinant()) + hypothesis.log_prior;
 }
 
-void weigh(std::vector<PoseHypothesis>& all, const std::optional<PosePrior>& prior) {
+// Computes the weights and sorts by them.
+void computeWeights(std::vector<PoseHypothesis>& hypotheses, const std::optional<PosePrior>& prior) {
   double largest = -std::numeric_limits<double>::infinity(), sum = 0.0;
-  for (PoseHypothesis& found : all) {
-    if (prior) found.log_prior = logPrior(found, *prior);
-    largest = std::max(largest, found.weight = logEvidence(found));
+  for (PoseHypothesis& each : hypotheses) {
+    if (prior) each.log_prior = logPrior(each, *prior);
+    largest = std::max(largest, each.weight = logEvidence(each));
   }
-  for (PoseHypothesis& found : all) sum += found.weight = std::exp(found.weight - largest);
-  for (PoseHypothesis& found : all) found.weight /= sum;
-  std::sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.weight > b.weight; });
+  for (PoseHypothesis& each : hypotheses) sum += each.weight = std::exp(each.weight - largest);
+  for (PoseHypothesis& each : hypotheses) each.weight /= sum;
+  std::sort(hypotheses.begin(), hypotheses.end(),
+            [](const auto& a, const auto& b) { return a.weight > b.weight; });
 }
 
 }  // namespace
 
-std::vector<PoseHypothesis> poseHypotheses(const std::vector<MarkerSighting>& sightings,
+std::vector<PoseHypothesis> poseHypotheses(const std::vector<MarkerObservation>& observations,
                                            const std::vector<PoseStart>& starts,
                                            const HypothesesParams& params,
                                            const std::optional<PosePrior>& prior) {
-  std::vector<PoseHypothesis> all;
-  for (const PoseStart& start : bestStarts(sightings, starts, params)) {
-    const auto found = together(sightings, start, params);
-    if (found) addIfNew(*found, all);
-    if (found && found->used.size() == sightings.size()) continue;
-    if (const auto other = grown(sightings, start, params)) addIfNew(*other, all);
+  std::vector<PoseHypothesis> hypotheses;
+  for (const PoseStart& start : bestStarts(observations, starts, params)) {
+    const auto from_all = fromAllMarkers(observations, start, params);
+    if (from_all) addIfNew(*from_all, hypotheses);
+    if (from_all && from_all->used.size() == observations.size()) continue;
+    if (const auto from_one = fromOneMarker(observations, start, params)) addIfNew(*from_one, hypotheses);
   }
-  // Markers that contradict the others may be the ones that are right.
+  // A marker that contradicts all others may be the right one.
   for (const PoseStart& start : starts) {
-    if (explained(start.sighting, all)) continue;
-    if (const auto found = settled(sightings, start.T_map_base, {start.sighting}, params))
-      addIfNew(*found, all);
+    if (isExplained(start.observation, hypotheses)) continue;
+    if (const auto alone = minimizeWithinGate(observations, start.T_map_base, {start.observation}, params))
+      addIfNew(*alone, hypotheses);
   }
-  weigh(all, prior);
-  return all;
+  computeWeights(hypotheses, prior);
+  return hypotheses;
 }
 
 }  // namespace sextant

@@ -18,25 +18,31 @@ using Vector4d = Eigen::Vector4d;
 using Matrix4d = Eigen::Matrix4d;
 using Matrix64d = Eigen::Matrix<double, 6, 4>;
 
-constexpr double kDepth = 30.0;      // cost above the least at which the lattice ends
-constexpr double kSpacing = 0.8;     // deviations; sums over a Gaussian are exact to 1e-6 up to 1
-constexpr double kMaxSpacing = 0.1;  // radians
-constexpr size_t kMaxCells = 1800;
-constexpr double kBridge = 12.0;  // a saddle this far above the higher of two minima parts them
+constexpr double kDepth = 30.0;  // cost above the minimum at which the lattice ends
+// Distance of the cells, standard deviations; up to 1, a sum over a Gaussian is exact to 1e-6.
+constexpr double kSpacing = 0.8;
+constexpr double kMaxSpacing = 0.1;  // maximum distance of the cells, radians
+constexpr size_t kMaxCells = 1800;   // cells after which the lattice is not grown any more
+constexpr double kBarrier = 12.0;    // cost of a saddle above the higher of two separate minima
 
-using Place = std::pair<int, int>;
+using CellIndex = std::pair<int, int>;  // along the two least certain axes, from the first minimum
 
-struct Grown {
-  Place place;
-  Pose pose;
-  size_t hypothesis;
+// A cell to be computed.
+struct QueuedCell {
+  CellIndex index;
+  Pose start;         // of the minimization, with the cell's tilt
+  size_t hypothesis;  // index of the minimum from which it was reached
 };
 
-class Lattice {
+// Grows the lattice by flood fill.
+class LatticeGrowth {
  public:
-  Lattice(const std::vector<MarkerSighting>& sightings, const std::vector<PoseHypothesis>& minima,
-          const std::optional<FloorPrior>& floor)
-      : sightings_(sightings), minima_(minima.size()), pivot_(sightings), origin_(minima[0].T_map_base) {
+  LatticeGrowth(const std::vector<MarkerObservation>& observations, const std::vector<PoseHypothesis>& minima,
+                const std::optional<FloorPrior>& floor)
+      : observations_(observations),
+        minima_count_(minima.size()),
+        pivot_(observations),
+        origin_(minima[0].T_map_base) {
     params_.floor = floor;
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> rotation(
         minima[0].covariance.bottomRightCorner<3, 3>());
@@ -49,48 +55,52 @@ class Lattice {
 
   TiltLattice grow() {
     for (size_t next = 0; next < queue_.size() && cells_.size() < kMaxCells; ++next) {
-      const Grown grown = queue_[next];
-      const auto cell = minimized(grown);
+      const QueuedCell queued = queue_[next];
+      const auto cell = minimized(queued);
       if (!cell) continue;
-      visited_[grown.place] = static_cast<int>(cells_.size());
+      visited_[queued.index] = static_cast<int>(cells_.size());
       cells_.push_back(*cell);
-      for (const auto& [i, j] : {Place{1, 0}, Place{-1, 0}, Place{0, 1}, Place{0, -1}})
-        visit({grown.place.first + i, grown.place.second + j}, tilt(grown.place), cell->T_map_base,
-              grown.hypothesis);
+      for (const auto& [i, j] : {CellIndex{1, 0}, CellIndex{-1, 0}, CellIndex{0, 1}, CellIndex{0, -1}})
+        enqueue({queued.index.first + i, queued.index.second + j}, tilt(queued.index), cell->T_map_base,
+                queued.hypothesis);
     }
-    auto groups = connected();
+    auto groups = connectedMinima();
     return {std::move(cells_), std::move(groups)};
   }
 
  private:
-  Eigen::Matrix3d tilt(const Place& place) const {
-    return expSO3(axes_.leftCols<2>() * spacing_.cwiseProduct(Eigen::Vector2d(place.first, place.second)));
+  // Rotation of a cell from the first minimum.
+  Eigen::Matrix3d tilt(const CellIndex& index) const {
+    return expSO3(axes_.leftCols<2>() * spacing_.cwiseProduct(Eigen::Vector2d(index.first, index.second)));
   }
 
-  // The rotation from the origin is a tilt after a twist about the third axis.
+  // Enqueues the cell of a minimum, whose rotation from the first minimum is a tilt after a twist about the
+  // third axis.
   void seed(const Pose& pose, size_t hypothesis) {
     Eigen::Quaterniond q(
         Eigen::Matrix3d(axes_.transpose() * pose.linear() * origin_.linear().transpose() * axes_));
     const Eigen::Quaterniond twist = Eigen::Quaterniond(q.w(), 0, 0, q.z()).normalized();
     const Eigen::Vector3d t = logSO3((q * twist.conjugate()).toRotationMatrix());
-    const Place place{static_cast<int>(std::lround(t.x() / spacing_.x())),
-                      static_cast<int>(std::lround(t.y() / spacing_.y()))};
-    visit(place, expSO3(axes_ * Eigen::Vector3d(t.x(), t.y(), 0)), pose, hypothesis);
+    const CellIndex index{static_cast<int>(std::lround(t.x() / spacing_.x())),
+                          static_cast<int>(std::lround(t.y() / spacing_.y()))};
+    enqueue(index, expSO3(axes_ * Eigen::Vector3d(t.x(), t.y(), 0)), pose, hypothesis);
   }
 
-  void visit(const Place& place, const Eigen::Matrix3d& from, const Pose& pose, size_t hypothesis) {
-    if (!visited_.insert({place, kEmpty}).second) return;
-    Vector6d turn = Vector6d::Zero();
-    turn.tail<3>() = logSO3(tilt(place) * from.transpose());
-    queue_.push_back({place, pivot_.moved(pose, turn), hypothesis});
+  // Enqueues a new cell, to start from a pose with another tilt.
+  void enqueue(const CellIndex& index, const Eigen::Matrix3d& tilt_of_pose, const Pose& pose,
+               size_t hypothesis) {
+    if (!visited_.insert({index, kEmpty}).second) return;
+    Vector6d step = Vector6d::Zero();
+    step.tail<3>() = logSO3(tilt(index) * tilt_of_pose.transpose());
+    queue_.push_back({index, pivot_.moved(pose, step), hypothesis});
   }
 
-  // Gauss-Newton over shift and twist; nothing where the cost is too high.
-  std::optional<TiltCell> minimized(const Grown& grown) {
-    const Eigen::Vector3d axis = tilt(grown.place) * axes_.col(2);
-    Pose pose = grown.pose;
+  // Minimizes over translation and twist (Gauss-Newton); nothing if the cost is too high.
+  std::optional<TiltCell> minimized(const QueuedCell& queued) {
+    const Eigen::Vector3d axis = tilt(queued.index) * axes_.col(2);
+    Pose pose = queued.start;
     for (int round = 0; round < kRounds; ++round) {
-      const ReprojectionModel model = reprojectionModel(sightings_, pose, params_);
+      const ReprojectionModel model = reprojectionModel(observations_, pose, params_);
       Matrix64d basis = Matrix64d::Zero();
       basis.topLeftCorner<3, 3>().setIdentity();
       basis.col(3) << 0, 0, 0, axis;
@@ -101,57 +111,60 @@ class Lattice {
       const double cost = model.cost + gradient.dot(step);
       pose = pivot_.moved(pose, basis * step);
       if (round + 1 < kRounds) continue;
-      if (!(cost - least_ < kDepth)) return std::nullopt;
-      least_ = std::min(least_, cost);
+      if (!(cost - least_cost_ < kDepth)) return std::nullopt;
+      least_cost_ = std::min(least_cost_, cost);
       const Matrix64d root = cholesky.matrixU().solve<Eigen::OnTheRight>(G);
       const double log_determinant = 2 * cholesky.matrixLLT().diagonal().array().log().sum();
-      return TiltCell{pose, root * root.transpose(), -0.5 * (cost + log_determinant), cost, grown.hypothesis};
+      return TiltCell{pose, root * root.transpose(), -0.5 * (cost + log_determinant), cost,
+                      queued.hypothesis};
     }
     return std::nullopt;
   }
 
-  // Minima between which no barrier stands are one group.
-  std::vector<size_t> connected() const {
-    std::vector<double> depth(minima_, std::numeric_limits<double>::infinity());
-    for (const TiltCell& cell : cells_) depth[cell.hypothesis] = std::min(depth[cell.hypothesis], cell.cost);
-    std::vector<size_t> group(minima_);
+  // Groups minima that are connected without a barrier between them.
+  std::vector<size_t> connectedMinima() const {
+    std::vector<double> least(minima_count_, std::numeric_limits<double>::infinity());
+    for (const TiltCell& cell : cells_) least[cell.hypothesis] = std::min(least[cell.hypothesis], cell.cost);
+    std::vector<size_t> group(minima_count_);
     std::iota(group.begin(), group.end(), size_t{0});
-    for (const auto& [place, index] : visited_)
-      for (const Place& next : {Place{place.first + 1, place.second}, Place{place.first, place.second + 1}}) {
-        const TiltCell *a = cellAt(place), *b = cellAt(next);
+    for (const auto& entry : visited_) {
+      const auto& [i, j] = entry.first;
+      for (const CellIndex& neighbour : {CellIndex{i + 1, j}, CellIndex{i, j + 1}}) {
+        const TiltCell *a = cellAt(entry.first), *b = cellAt(neighbour);
         if (!a || !b || group[a->hypothesis] == group[b->hypothesis]) continue;
-        if (std::max(a->cost, b->cost) - std::max(depth[a->hypothesis], depth[b->hypothesis]) < kBridge)
+        if (std::max(a->cost, b->cost) - std::max(least[a->hypothesis], least[b->hypothesis]) < kBarrier)
           std::replace(group.begin(), group.end(), size_t{group[b->hypothesis]},
                        size_t{group[a->hypothesis]});
       }
+    }
     return group;
   }
 
-  const TiltCell* cellAt(const Place& place) const {
-    const auto found = visited_.find(place);
+  const TiltCell* cellAt(const CellIndex& index) const {
+    const auto found = visited_.find(index);
     return found == visited_.end() || found->second == kEmpty ? nullptr : &cells_[found->second];
   }
 
-  static constexpr int kRounds = 2;
-  static constexpr int kEmpty = -1;
-  const std::vector<MarkerSighting>& sightings_;
-  size_t minima_;
+  static constexpr int kRounds = 2;  // Gauss-Newton steps
+  static constexpr int kEmpty = -1;  // index of cells that are not in cells_
+  const std::vector<MarkerObservation>& observations_;
+  size_t minima_count_;
   ReprojectionParams params_;
   Pivot pivot_;
-  Pose origin_;
-  Eigen::Matrix3d axes_;  // columns: the two weakest rotations, and the third
-  Eigen::Vector2d spacing_;
-  double least_ = std::numeric_limits<double>::infinity();
-  std::map<Place, int> visited_;  // index of the cell
-  std::vector<Grown> queue_;
+  Pose origin_;              // the first minimum
+  Eigen::Matrix3d axes_;     // columns: axes of the two least certain rotations, and the third
+  Eigen::Vector2d spacing_;  // radians
+  double least_cost_ = std::numeric_limits<double>::infinity();
+  std::map<CellIndex, int> visited_;  // index in cells_, or kEmpty
+  std::vector<QueuedCell> queue_;
   std::vector<TiltCell> cells_;
 };
 
 }  // namespace
 
-TiltLattice tiltLattice(const std::vector<MarkerSighting>& sightings,
+TiltLattice tiltLattice(const std::vector<MarkerObservation>& observations,
                         const std::vector<PoseHypothesis>& minima, const std::optional<FloorPrior>& floor) {
-  return Lattice(sightings, minima, floor).grow();
+  return LatticeGrowth(observations, minima, floor).grow();
 }
 
 }  // namespace sextant

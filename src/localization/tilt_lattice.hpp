@@ -11,28 +11,30 @@
 
 namespace sextant {
 
-/// A piece of the distribution of poses: the best pose of one tilt, and how the rest scatters about it.
+/// A cell of the lattice: the best pose with one tilt (rotation about the two least certain axes), and the
+/// distribution of the other four degrees of freedom.
 struct TiltCell {
   Pose T_map_base;
-  Matrix6d
-      covariance;      ///< of the other four degrees of freedom: position, rotation in the map's axes; rank 4
-  double log_density;  ///< up to a common constant
-  double cost;         ///< of the minimum, squared deviations
-  size_t hypothesis;   ///< whose minimum it belongs to
+  Matrix6d covariance;  ///< of position, rotation in the map's axes with this tilt: rank 4
+  double log_density;   ///< log of the cell's probability mass, up to a common constant
+  double cost;          ///< minimum of the cost with this tilt
+  size_t hypothesis;    ///< index of the minimum from which the cell was reached
 };
 
+/// A distribution of poses as a sum over cells.
 struct TiltLattice {
   std::vector<TiltCell> cells;
-  std::vector<size_t> group;  ///< of each minimum: those that no barrier parts have the same
+  std::vector<size_t> group;  ///< group of each minimum; equal for minima without a cost barrier between them
 };
 
-/// The distribution of a pose that one plane of markers leaves, for which an ellipsoid is no picture: from
-/// afar the base lies on an arc about the markers, or on two, one for each planar solution. Over a lattice of
-/// the two weakest rotations, grown from the minima down to exp(-kDepth / 2) of the peak, the other four
-/// degrees of freedom are minimized and taken as Gaussian.
-/// @param minima of the sightings' cost, the first gives the lattice; all explain the same markers
-/// @return without cells where the lattice finds no density
-TiltLattice tiltLattice(const std::vector<MarkerSighting>& sightings,
+/// Computes the distribution of the base pose from markers in one plane. It is not Gaussian: far from the
+/// markers the base is on an arc about them, or on two arcs, one for each planar solution. The cells are a
+/// lattice of rotations about the two least certain axes. It is grown from the minima down to exp(-15) of the
+/// peak; in each cell, the cost is minimized over the other four degrees of freedom, which are taken as
+/// Gaussian.
+/// @param minima minima of the observations' cost, all with the same markers; the first defines the axes
+/// @return no cells if the minimization fails
+TiltLattice tiltLattice(const std::vector<MarkerObservation>& observations,
                         const std::vector<PoseHypothesis>& minima, const std::optional<FloorPrior>& floor);
 
 }  // namespace sextant

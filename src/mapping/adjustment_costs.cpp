@@ -24,7 +24,7 @@ struct BlockView {
   Eigen::Map<const Eigen::Quaternion<T>> q;
 };
 
-// The camera's own projection with its own derivatives.
+// CameraModel::projectWithJacobian() for Ceres.
 class Lens : public ceres::SizedCostFunction<2, 3> {
  public:
   explicit Lens(const CameraModel* camera) : camera_(camera) {}
@@ -72,7 +72,7 @@ struct CornersError {
   CornerSigmas sigmas;
 };
 
-// Of a pose (p, q) against what is known of it, see poseError().
+// Error of a pose (p, q) against a prior, see poseError().
 template <typename T>
 void whitenedError(const PosePrior& known, const Matrix6d& whitening, const Vector3<T>& p,
                    const Eigen::Quaternion<T>& q, T* residuals) {
@@ -84,7 +84,7 @@ void whitenedError(const PosePrior& known, const Matrix6d& whitening, const Vect
   Eigen::Map<Eigen::Matrix<T, 6, 1>>(residuals, 6, 1) = whitening.cast<T>() * error;
 }
 
-// W with W' W the inverse of a covariance.
+// W with W' W = covariance^-1.
 Matrix6d whitening(const Matrix6d& covariance) {
   const Matrix6d L = covariance.llt().matrixL();
   return L.triangularView<Eigen::Lower>().solve(Matrix6d::Identity());

@@ -15,25 +15,26 @@
 
 namespace sextant {
 
-/// A pose as Ceres has it: x y z of the position, x y z w of the quaternion.
+/// A parameter block of Ceres: x y z of the position, x y z w of the quaternion.
 using PoseBlock = std::array<double, 7>;
 
 PoseBlock blockFromPose(const Pose& pose);
 Pose poseFromBlock(const PoseBlock& block);
 
-/// A marker's eight residuals over their deviations, from the blocks of T_map_base and T_map_marker.
+/// Cost of an observation: eight residuals over their standard deviations, as a function of T_map_base and
+/// T_map_marker.
 /// @param camera not owned
 std::unique_ptr<ceres::CostFunction> cornersCost(const CameraModel* camera, const Pose& T_camera_base,
                                                  double size, const Corners& corners,
                                                  const CornerSigmas& sigmas);
 
-/// Whitened error of T_map_a's inverse times T_map_b against what is measured of it, from both blocks.
+/// Cost of an odometry step: whitened error of T_map_a^-1 T_map_b, as a function of T_map_a and T_map_b.
 std::unique_ptr<ceres::CostFunction> stepCost(const PosePrior& T_a_b);
 
-/// Whitened error of a pose against what is known of it.
+/// Cost of a prior: whitened error of a pose.
 std::unique_ptr<ceres::CostFunction> priorCost(const PosePrior& known);
 
-/// Height, roll and pitch of a base over their deviations.
+/// Cost of the floor prior: height, roll and pitch of the base over their standard deviations.
 std::unique_ptr<ceres::CostFunction> floorCost(const FloorPrior& floor);
 
 }  // namespace sextant

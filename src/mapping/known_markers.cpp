@@ -10,41 +10,39 @@
 namespace sextant {
 namespace {
 
-constexpr double kWrong = 18.0;  // chi-square of 3 degrees of freedom that one of 2000 exceeds
-// On the variance of what a recording says: over a chain of markers errors grow that are not those of
-// corners.
+constexpr double kWrong = 18.0;  // chi-square with 3 degrees of freedom, exceeded by one of 2000
+// Factor on the covariance from the recording: over a chain of markers, errors grow more than corner noise
+// predicts.
 constexpr double kDistrust = 4.0;
-constexpr double kMedian = 2.366;   // median of the same distribution
-constexpr size_t kEnoughKnown = 8;  // from which their scatter tells their deviation
-constexpr double kUnsaid = 1e-6;    // share of a prior's variance that all else takes off if it says nothing
-constexpr double kMostScale = 1e5;
+constexpr double kMedian = 2.366;       // median of the same distribution
+constexpr size_t kEnoughKnown = 8;      // minimum number of markers to estimate a scale
+constexpr double kMinReduction = 1e-6;  // minimum reduction of a prior's variance by the recording, relative
+constexpr double kMaxScale = 1e5;
 constexpr double kLoosePosition = 0.02;  // metres
 constexpr double kLooseAngle = 0.03;     // radians
-constexpr double kExact = 1e-6;          // metres or radians, where a deviation is told as zero
-
-// What all but its prior says of three coordinates of a marker: how far off it is from what was known, and
-// how exactly it says so.
-struct Told {
-  Eigen::Vector3d offset;
-  Eigen::Matrix3d covariance;
-  Eigen::Matrix3d known;  // covariance of what was known
-
-  // Mahalanobis, with the deviations of what was known multiplied.
+constexpr double kExact = 1e-6;          // metres or radians; standard deviation of a marker given as exact
+// Position or rotation of a known marker from the recording alone.
+struct Deviation {
+  Eigen::Vector3d offset;      // from the known value
+  Eigen::Matrix3d covariance;  // of the recording
+  Eigen::Matrix3d known;       // covariance of the known value
+  // Squared Mahalanobis distance with scaled covariances.
   double squared(double scale, double distrust = 1.0) const {
     const Eigen::Matrix3d both = distrust * covariance + scale * scale * known;
     return offset.dot(both.ldlt().solve(offset));
   }
 };
 
-// From the prior's error e at the minimum and the covariance there, P = (S^-1 + R^-1)^-1, where S is the
-// prior's and R that of all else: the minimum lies between both.
-Told told(const Eigen::Vector3d& e, const Eigen::Matrix3d& P, const Eigen::Matrix3d& S,
-          const Eigen::Matrix3d& known) {
+// Removes the prior from the minimum: from the error e and the covariance P = (S^-1 + R^-1)^-1 there, with
+// the prior's covariance S, computes R and the offset of the recording alone.
+Deviation withoutPrior(const Eigen::Vector3d& e, const Eigen::Matrix3d& P, const Eigen::Matrix3d& S,
+                       const Eigen::Matrix3d& known) {
   const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::Matrix3d> solver(P, S);
   const Eigen::Matrix3d &V = solver.eigenvectors(), axes = S * V;  // V' S V = 1
   Eigen::Vector3d offset = V.transpose() * e, variances;
   for (int i = 0; i < 3; ++i) {
-    const double share = std::clamp(solver.eigenvalues()[i], 0.0, 1.0), rest = std::max(1 - share, kUnsaid);
+    const double share = std::clamp(solver.eigenvalues()[i], 0.0, 1.0),
+                 rest = std::max(1 - share, kMinReduction);
     offset[i] /= -rest;
     variances[i] = share / rest;
   }
@@ -55,15 +53,15 @@ Eigen::Matrix3d positive(const Eigen::Matrix3d& covariance) {
   return covariance + kExact * kExact * Eigen::Matrix3d::Identity();
 }
 
-struct Both {
+struct MarkerDeviation {
   MarkerKey key;
-  Told position, rotation;
+  Deviation position, rotation;
 };
 
-// Of every known marker that was seen and is not exact.
-std::vector<Both> allTold(const MarkerMap& known, const MarkerMap& held, const MarkerMap& map,
-                          const Eigen::MatrixXd& covariance) {
-  std::vector<Both> all;
+// Of every observed known marker that is not exact.
+std::vector<MarkerDeviation> deviations(const MarkerMap& known, const MarkerMap& held, const MarkerMap& map,
+                                        const Eigen::MatrixXd& covariance) {
+  std::vector<MarkerDeviation> all;
   Eigen::Index row = -6;
   for (const auto& [key, found] : map.markers()) {
     row += 6;
@@ -72,26 +70,26 @@ std::vector<Both> allTold(const MarkerMap& known, const MarkerMap& held, const M
     if (!before || !prior || before->covariance.isZero(0.0) || P.isZero(0.0)) continue;
     const Vector6d e = poseError(before->T_map_marker, found.T_map_marker);
     const auto part = [&](int i) {
-      return told(e.segment<3>(i), P.block<3, 3>(i, i), positive(prior->covariance.block<3, 3>(i, i)),
-                  positive(before->covariance.block<3, 3>(i, i)));
+      return withoutPrior(e.segment<3>(i), P.block<3, 3>(i, i), positive(prior->covariance.block<3, 3>(i, i)),
+                          positive(before->covariance.block<3, 3>(i, i)));
     };
     all.push_back({key, part(0), part(3)});
   }
   return all;
 }
 
-double medianSquare(const std::vector<Told>& all, double scale) {
+double medianSquare(const std::vector<Deviation>& all, double scale) {
   std::vector<double> squares;
-  for (const Told& each : all) squares.push_back(each.squared(scale));
+  for (const Deviation& each : all) squares.push_back(each.squared(scale));
   const auto middle = squares.begin() + static_cast<long>((squares.size() - 1) / 2);
   std::nth_element(squares.begin(), middle, squares.end());
   return *middle;
 }
 
-// By bisection: the median falls as the scale grows.
-double scaleOf(const std::vector<Told>& all) {
+// By bisection, because the median decreases with the scale.
+double scaleOf(const std::vector<Deviation>& all) {
   if (all.size() < kEnoughKnown || medianSquare(all, 1) <= kMedian) return 1.0;
-  double low = 1, high = kMostScale;
+  double low = 1, high = kMaxScale;
   while (high / low > 1.001) {
     const double middle = std::sqrt(low * high);
     (medianSquare(all, middle) > kMedian ? low : high) = middle;
@@ -104,7 +102,7 @@ double scaleOf(const std::vector<Told>& all) {
 std::vector<KnownMarkerCheck> checkKnown(const MarkerMap& held, const MarkerMap& map,
                                          const Eigen::MatrixXd& covariance) {
   std::vector<KnownMarkerCheck> checks;
-  for (const Both& each : allTold(held, held, map, covariance)) {
+  for (const MarkerDeviation& each : deviations(held, held, map, covariance)) {
     KnownMarkerCheck check{each.key,
                            {},
                            std::max(each.position.squared(1, kDistrust), each.rotation.squared(1, kDistrust)),
@@ -118,8 +116,8 @@ std::vector<KnownMarkerCheck> checkKnown(const MarkerMap& held, const MarkerMap&
 
 KnownScales knownScales(const MarkerMap& known, const MarkerMap& held, const MarkerMap& map,
                         const Eigen::MatrixXd& covariance) {
-  std::vector<Told> positions, rotations;
-  for (const Both& each : allTold(known, held, map, covariance)) {
+  std::vector<Deviation> positions, rotations;
+  for (const MarkerDeviation& each : deviations(known, held, map, covariance)) {
     positions.push_back(each.position);
     rotations.push_back(each.rotation);
   }

@@ -4,9 +4,7 @@
 
 #include <ceres/covariance.h>
 #include <ceres/loss_function.h>
-#include <ceres/manifold.h>
 #include <ceres/problem.h>
-#include <ceres/product_manifold.h>
 #include <ceres/solver.h>
 
 #include <cmath>
@@ -16,20 +14,20 @@
 #include <set>
 
 #include "adjustment_costs.hpp"
+#include "pose_manifold.hpp"
 
 namespace sextant {
 namespace {
 
 constexpr int kMaxIterations = 100;
-constexpr double kRobustOdometry = 4.0;  // sigma beyond which wheels are taken to have slipped
-// Wheels that stand still know that no better than so.
+constexpr double kRobustOdometry = 4.0;  // width of the odometry's robust loss, against slipping wheels
+// Minimum standard deviations of an odometry step, for a robot at rest.
 constexpr double kStandingPosition = 5e-4;  // metres
 constexpr double kStandingAngle = 5e-4;     // radians
-constexpr double kSmallestSigma = 1e-6;     // metres or radians, of a known marker along an exact axis
+constexpr double kExtraSigma =
+    1e-6;  // metres or radians, added to known markers: their covariance may be singular
 
-using PoseManifold = ceres::ProductManifold<ceres::EuclideanManifold<3>, ceres::EigenQuaternionManifold>;
-
-// What odometry says of the way from one instant to another; nothing where it has a gap.
+// The odometry step from one instant to another; nothing if odometry has a gap.
 std::optional<PosePrior> odometryBetween(const MarkerRecording& recording, size_t from, size_t to,
                                          const OdometryParams& params) {
   Matrix6d standing = Matrix6d::Zero();
@@ -47,10 +45,10 @@ std::optional<PosePrior> odometryBetween(const MarkerRecording& recording, size_
 
 class AdjustmentProblem {
  public:
-  AdjustmentProblem(const MarkerRecording& recording, const std::vector<RecordedSighting>& used,
+  AdjustmentProblem(const MarkerRecording& recording, const std::vector<RecordedObservation>& used,
                     const MarkerMap& known, const MapEstimate& estimate, const AdjustmentParams& params)
       : recording_(recording), params_(params), problem_(options()) {
-    for (const RecordedSighting& sighting : used) addSighting(sighting, estimate);
+    for (const RecordedObservation& observation : used) addObservation(observation, estimate);
     for (const auto& entry : known.markers()) addKnown(entry.second);
     addOdometry();
     if (params_.floor) addFloor();
@@ -88,19 +86,19 @@ class AdjustmentProblem {
     const auto size = static_cast<Eigen::Index>(6 * blocks.size());
     RowMajor adjusted(size, size);
     if (!covariance.GetCovarianceMatrixInTangentSpace(blocks, adjusted.data())) return std::nullopt;
-    // The manifold's rotations are halves of ours.
+    // Ceres's quaternion manifold uses half the rotation angles.
     for (Eigen::Index i = 0; i < size; ++i) {
       if (i % 6 < 3) continue;
       adjusted.row(i) *= 2;
       adjusted.col(i) *= 2;
     }
-    return amongAll(adjusted, map);
+    return expandedToMap(adjusted, map);
   }
 
  private:
   static ceres::Problem::Options options() {
     ceres::Problem::Options options;
-    options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+    keepManifolds(options);
     options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
     return options;
   }
@@ -117,18 +115,18 @@ class AdjustmentProblem {
     return add(blocks.emplace(key, blockFromPose(pose)).first->second);
   }
 
-  void addSighting(const RecordedSighting& sighting, const MapEstimate& estimate) {
-    const MarkerView& view = recording_[sighting.instant].views[sighting.view];
-    const Detection& detection = view.detections[sighting.detection];
+  void addObservation(const RecordedObservation& observation, const MapEstimate& estimate) {
+    const MarkerView& view = recording_[observation.instant].views[observation.view];
+    const Detection& detection = view.detections[observation.detection];
     const MappedMarker& marker = *estimate.map.find(detection.key);
-    double* base = blockOf(bases_, sighting.instant, *estimate.T_map_base[sighting.instant]);
-    double* place = blockOf(markers_, detection.key, marker.T_map_marker);
+    double* base = blockOf(bases_, observation.instant, *estimate.T_map_base[observation.instant]);
+    double* marker_pose = blockOf(markers_, detection.key, marker.T_map_marker);
     CornerSigmas sigmas = cornerSigmas(view, detection, params_.corner_sigma);
     for (double& sigma : sigmas) sigma *= std::sqrt(params_.correlated_images);
     auto cost =
         cornersCost(&view.camera, view.T_base_camera.inverse(), marker.size, detection.corners, sigmas);
-    problem_.AddResidualBlock(cost.release(), params_.robust_width > 0 ? &corners_loss_ : nullptr, base,
-                              place);
+    problem_.AddResidualBlock(cost.release(), params_.robust_width > 0 ? &marker_loss_ : nullptr, base,
+                              marker_pose);
   }
 
   void addKnown(const MappedMarker& known) {
@@ -139,8 +137,8 @@ class AdjustmentProblem {
       return;
     }
     PosePrior prior{known.T_map_marker, known.covariance};
-    prior.covariance.diagonal().array() += kSmallestSigma * kSmallestSigma;
-    problem_.AddResidualBlock(priorCost(prior).release(), params_.robust_width > 0 ? &corners_loss_ : nullptr,
+    prior.covariance.diagonal().array() += kExtraSigma * kExtraSigma;
+    problem_.AddResidualBlock(priorCost(prior).release(), params_.robust_width > 0 ? &marker_loss_ : nullptr,
                               found->second.data());
   }
 
@@ -158,19 +156,19 @@ class AdjustmentProblem {
       problem_.AddResidualBlock(floorCost(*params_.floor).release(), nullptr, entry.second.data());
   }
 
-  // Zero rows and columns for markers that are not in the problem.
-  Eigen::MatrixXd amongAll(const Eigen::MatrixXd& adjusted, const MarkerMap& map) const {
+  // Adds zero rows and columns for markers that are not in the problem.
+  Eigen::MatrixXd expandedToMap(const Eigen::MatrixXd& adjusted, const MarkerMap& map) const {
     const auto size = static_cast<Eigen::Index>(6 * map.markers().size());
     Eigen::MatrixXd all = Eigen::MatrixXd::Zero(size, size);
-    std::vector<Eigen::Index> places;
-    Eigen::Index place = 0;
+    std::vector<Eigen::Index> rows;
+    Eigen::Index row = 0;
     for (const auto& entry : map.markers()) {
-      if (markers_.count(entry.first) != 0) places.push_back(place);
-      place += 6;
+      if (markers_.count(entry.first) != 0) rows.push_back(row);
+      row += 6;
     }
-    for (size_t i = 0; i < places.size(); ++i)
-      for (size_t j = 0; j < places.size(); ++j)
-        all.block<6, 6>(places[i], places[j]) =
+    for (size_t i = 0; i < rows.size(); ++i)
+      for (size_t j = 0; j < rows.size(); ++j)
+        all.block<6, 6>(rows[i], rows[j]) =
             adjusted.block<6, 6>(static_cast<Eigen::Index>(6 * i), static_cast<Eigen::Index>(6 * j));
     return all;
   }
@@ -178,7 +176,7 @@ class AdjustmentProblem {
   const MarkerRecording& recording_;
   const AdjustmentParams& params_;
   PoseManifold manifold_;
-  ceres::HuberLoss corners_loss_{params_.robust_width};
+  ceres::HuberLoss marker_loss_{params_.robust_width};
   ceres::HuberLoss odometry_loss_{kRobustOdometry};
   std::map<MarkerKey, PoseBlock> markers_;
   std::map<size_t, PoseBlock> bases_;
@@ -188,7 +186,7 @@ class AdjustmentProblem {
 }  // namespace
 
 std::optional<MapEstimate> adjustMap(const MarkerRecording& recording,
-                                     const std::vector<RecordedSighting>& used, const MarkerMap& known,
+                                     const std::vector<RecordedObservation>& used, const MarkerMap& known,
                                      const MapEstimate& start, const AdjustmentParams& params) {
   if (used.empty()) return std::nullopt;
   AdjustmentProblem problem(recording, used, known, start, params);
@@ -199,7 +197,7 @@ std::optional<MapEstimate> adjustMap(const MarkerRecording& recording,
 }
 
 std::optional<Eigen::MatrixXd> mapCovariance(const MarkerRecording& recording,
-                                             const std::vector<RecordedSighting>& used,
+                                             const std::vector<RecordedObservation>& used,
                                              const MarkerMap& known, const MapEstimate& estimate,
                                              const AdjustmentParams& params) {
   if (used.empty()) return std::nullopt;

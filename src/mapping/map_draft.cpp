@@ -24,9 +24,9 @@ bool areClose(const Pose& a, const Pose& b) {
   return logSO3(a.linear().transpose() * b.linear()).norm() < kSameBranch;
 }
 
-size_t imagesOf(const std::vector<SecondPlace>& places) {
+size_t imagesOf(const std::vector<ConflictingPose>& places) {
   size_t images = 0;
-  for (const SecondPlace& place : places) images += place.images;
+  for (const ConflictingPose& place : places) images += place.images;
   return images;
 }
 
@@ -45,11 +45,11 @@ MapDraft::MapDraft(MarkerRecording recording, const MarkerSizes& sizes, const Ma
 void MapDraft::make() {
   draft();
   findContradictions();
-  while (leaveOutWhatIsTwice()) continue;
+  while (excludeInconsistent()) continue;
 }
 
 void MapDraft::draft() {
-  fit.begin(twice);
+  fit.begin(inconsistent);
   grow();
   for (int round = 0; round < kRobustRounds; ++round) {
     adjust(useful(fit.placed()), params_->robust_width);
@@ -59,27 +59,29 @@ void MapDraft::draft() {
 }
 
 void MapDraft::grow() {
-  if (frameless_) known = firstMarker(fit.recording(), *sizes_, twice);
+  if (frameless_) known = firstMarker(known.frame(), fit.recording(), *sizes_, inconsistent);
   held = loosenedKnown(known);
-  GrownMap grown = growMap(fit.recording(), *sizes_, held, path(frameless_ ? std::nullopt : floor_), twice);
+  GrownMap grown =
+      growMap(fit.recording(), *sizes_, held, path(frameless_ ? std::nullopt : floor_), inconsistent);
   fit.estimate = std::move(grown.estimate);
   ambiguous = std::move(grown.ambiguous);
   if (frameless_ && floor_) held = known = putOnFloor(known.markers().begin()->first, fit.estimate);
   if (useful(fit.placed()).empty())
     throw std::runtime_error(
-        "no image connects two markers, of which one is known: are the known markers those of the "
-        "recording, with the right family and size?");
+        "no image contains a known and another marker: check that the known markers are in the recording, "
+        "with "
+        "the right family and size");
 }
 
-// A marker that is in two places spoils those around it. Which of those that contradict each other it is
-// shows when each of them is left out: the rest must agree. Whether there was one.
-bool MapDraft::leaveOutWhatIsTwice() {
-  auto least = std::make_pair(imagesOf(second_places) / 2 + 1, size_t{0});
+// A marker with two poses also corrupts those around it. Tries to exclude each of the contradicting markers,
+// so that the rest is consistent. Returns whether one was excluded.
+bool MapDraft::excludeInconsistent() {
+  auto least = std::make_pair(imagesOf(conflicting_poses) / 2 + 1, size_t{0});
   std::optional<MapDraft> best;
   for (const MarkerKey& key : suspects()) {
     MapDraft without = *this;
     if (!without.draftWithout(key)) continue;
-    const auto rest = std::make_pair(imagesOf(without.second_places), without.fit.unexplained());
+    const auto rest = std::make_pair(imagesOf(without.conflicting_poses), without.fit.unexplained());
     if (!(rest < least)) continue;
     least = rest;
     best.emplace(std::move(without));
@@ -88,9 +90,9 @@ bool MapDraft::leaveOutWhatIsTwice() {
   return best.has_value();
 }
 
-// Whether anything is left.
+// Returns whether any marker is left.
 bool MapDraft::draftWithout(const MarkerKey& key) {
-  twice.insert(key);
+  inconsistent.insert(key);
   try {
     draft();
   } catch (const std::runtime_error&) {
@@ -101,17 +103,17 @@ bool MapDraft::draftWithout(const MarkerKey& key) {
 }
 
 void MapDraft::findContradictions() {
-  second_places = secondPlaces(fit.recording(), fit.estimate.map, fit.explained(), path(floor_));
+  conflicting_poses = conflictingPoses(fit.recording(), fit.estimate.map, fit.explained(), path(floor_));
 }
 
 std::vector<MarkerKey> MapDraft::suspects() const {
   std::vector<MarkerKey> all;
   const auto add = [&](const MarkerKey& key) {
-    const bool told = !frameless_ && known.find(key);
-    if (!told && std::find(all.begin(), all.end(), key) == all.end()) all.push_back(key);
+    const bool is_known = !frameless_ && known.find(key);
+    if (!is_known && std::find(all.begin(), all.end(), key) == all.end()) all.push_back(key);
   };
-  for (const SecondPlace& place : second_places) add(place.key);
-  for (const SecondPlace& place : second_places)
+  for (const ConflictingPose& place : conflicting_poses) add(place.key);
+  for (const ConflictingPose& place : conflicting_poses)
     for (const MarkerKey& key : place.witnesses) add(key);
   if (all.size() > kMaxSuspects) all.resize(kMaxSuspects);
   return all;
@@ -121,7 +123,7 @@ PathParams MapDraft::path(const std::optional<FloorPrior>& floor) const {
   return {params_->corner_sigma,
           {params_->robust_width, params_->gate, floor},
           params_->odometry,
-          params_->decided};
+          params_->min_probability};
 }
 
 AdjustmentParams MapDraft::adjustment(double robust_width) const {
@@ -129,26 +131,25 @@ AdjustmentParams MapDraft::adjustment(double robust_width) const {
           params_->odometry,     params_->threads};
 }
 
-// An instant with one marker says nothing of the map, unless it is bound to others or to the floor.
-std::vector<RecordedSighting> MapDraft::useful(const std::vector<RecordedSighting>& all) const {
+std::vector<RecordedObservation> MapDraft::useful(const std::vector<RecordedObservation>& all) const {
   std::map<size_t, int> markers;
-  for (const RecordedSighting& each : all) ++markers[each.instant];
-  std::vector<RecordedSighting> some;
-  for (const RecordedSighting& each : all)
+  for (const RecordedObservation& each : all) ++markers[each.instant];
+  std::vector<RecordedObservation> some;
+  for (const RecordedObservation& each : all)
     if (markers[each.instant] > 1 || fit.recording()[each.instant].T_odom_base || floor_)
       some.push_back(each);
   return some;
 }
 
-void MapDraft::adjust(const std::vector<RecordedSighting>& used, double robust_width) {
+void MapDraft::adjust(const std::vector<RecordedObservation>& used, double robust_width) {
   if (used.empty()) return;
   const auto found = adjustMap(fit.recording(), used, held, fit.estimate, adjustment(robust_width));
   if (!found)
-    throw std::runtime_error("the adjustment of the map found no minimum: what was seen contradicts itself");
+    throw std::runtime_error("the adjustment of the map found no minimum: the observations are inconsistent");
   fit.estimate = *found;
 }
 
-void MapDraft::locateOthers(const std::vector<RecordedSighting>& used) {
+void MapDraft::locateOthers(const std::vector<RecordedObservation>& used) {
   const auto adjusted = fit.posesOf(used);
   const auto found = locateRecording(fit.recording(), fit.estimate.map, path(floor_), adjusted);
   for (size_t i = 0; i < found.size(); ++i) {
@@ -158,30 +159,32 @@ void MapDraft::locateOthers(const std::vector<RecordedSighting>& used) {
   }
 }
 
-// Markers and instants that the adjusted map puts elsewhere: wrong branches of their ambiguity.
+// Corrects markers and instants that were put on the wrong solution of their ambiguity.
 bool MapDraft::mendBranches() {
   const auto found = locateRecording(fit.recording(), fit.estimate.map, path(floor_), fit.explained());
   bool any = false;
   for (size_t i = 0; i < found.size(); ++i) any |= mend(fit.estimate.T_map_base[i], found[i]);
-  for (const auto& entry : fit.sightings()) any |= mendMarker(entry.first, entry.second, found);
+  for (const auto& entry : fit.observations()) any |= mendMarker(entry.first, entry.second, found);
   return any;
 }
 
 bool MapDraft::mend(std::optional<Pose>& pose, const InstantHypotheses& found) const {
-  if (!isUsable(found, params_->decided) || (pose && areClose(*pose, found[0].T_map_base))) return false;
+  if (!isUsable(found, params_->min_probability) || (pose && areClose(*pose, found[0].T_map_base)))
+    return false;
   pose = found[0].T_map_base;
   return true;
 }
 
-bool MapDraft::mendMarker(const MarkerKey& key, const std::vector<RecordedSighting>& sightings,
+bool MapDraft::mendMarker(const MarkerKey& key, const std::vector<RecordedObservation>& observations,
                           const std::vector<InstantHypotheses>& bases) {
   const MappedMarker *marker = fit.estimate.map.find(key), *holding = held.find(key);
-  const bool doubtful = std::any_of(sightings.begin(), sightings.end(), [&](const RecordedSighting& each) {
-    return marker && fit.estimate.T_map_base[each.instant] && !fit.fits(each);
-  });
+  const bool doubtful =
+      std::any_of(observations.begin(), observations.end(), [&](const RecordedObservation& each) {
+        return marker && fit.estimate.T_map_base[each.instant] && !fit.fits(each);
+      });
   if (!doubtful || (holding && holding->covariance.isZero(0.0))) return false;
-  const auto places = placeMarker(fit.recording(), sightings, bases, marker->size, path(floor_));
-  if (places.empty() || places[0].weight < params_->decided ||
+  const auto places = placeMarker(fit.recording(), observations, bases, marker->size, path(floor_));
+  if (places.empty() || places[0].weight < params_->min_probability ||
       areClose(marker->T_map_marker, places[0].T_map_marker))
     return false;
   MappedMarker moved = *marker;

@@ -14,49 +14,49 @@
 
 namespace sextant {
 
-/// A map in which every marker is on the right branch and no false one is left: what is to be adjusted. Then
-/// it is adjusted step by step.
+/// A draft of the map, in which all ambiguities are resolved and inconsistent markers are excluded, and its
+/// stepwise adjustment.
 class MapDraft {
  public:
   MapDraft(MarkerRecording recording, const MarkerSizes& sizes, const MarkerMap& known,
            const MappingParams& params);
 
-  /// Grows the map from the known markers, adjusts it with a robust loss, and leaves out markers that are in
-  /// two places. @throws std::runtime_error when nothing is connected
+  /// Grows the map from the known markers, adjusts it with a robust loss, and excludes inconsistent markers.
+  /// @throws std::runtime_error if nothing is connected
   void make();
 
-  /// @param robust_width 0: all sightings count as they are
-  /// @throws std::runtime_error when the search fails
-  void adjust(const std::vector<RecordedSighting>& used, double robust_width);
-  /// Locates the instants of which none of these sightings is.
-  void locateOthers(const std::vector<RecordedSighting>& used);
-  /// Those that say something of the map: an instant with one marker does not, unless it is bound to others
-  /// or to the floor.
-  std::vector<RecordedSighting> useful(const std::vector<RecordedSighting>& all) const;
+  /// Adjusts the map. @param robust_width 0: no robust loss
+  /// @throws std::runtime_error if the minimization fails
+  void adjust(const std::vector<RecordedObservation>& used, double robust_width);
+  /// Locates the instants without any of these observations.
+  void locateOthers(const std::vector<RecordedObservation>& used);
+  /// Observations with information about the map: an instant with one marker has none, unless odometry or the
+  /// floor constrains it.
+  std::vector<RecordedObservation> useful(const std::vector<RecordedObservation>& all) const;
   AdjustmentParams adjustment(double robust_width) const;
 
   MapFit fit;
-  MarkerMap known;                 ///< what was told, or the first marker
-  MarkerMap held;                  ///< what holds the frame, as far as it is believed
-  double correlated_images = 1.0;  ///< see correlatedImages()
-  std::set<MarkerKey> ambiguous;   ///< not in the map: two places explain them
-  std::set<MarkerKey> twice;       ///< not in the map: they are in two places
-  std::vector<SecondPlace> second_places;
+  MarkerMap known;                   ///< known markers, or the first marker
+  MarkerMap held;                    ///< markers that define the frame, with scaled covariances
+  double correlated_images = 1.0;    ///< see correlatedImages()
+  std::set<MarkerKey> ambiguous;     ///< not in the map: two poses explain their observations
+  std::set<MarkerKey> inconsistent;  ///< not in the map: no single pose explains their observations
+  std::vector<ConflictingPose> conflicting_poses;
 
  private:
   void draft();
   void grow();
-  bool leaveOutWhatIsTwice();
+  bool excludeInconsistent();
   bool draftWithout(const MarkerKey& key);
   void findContradictions();
   std::vector<MarkerKey> suspects() const;
   PathParams path(const std::optional<FloorPrior>& floor) const;
   bool mendBranches();
   bool mend(std::optional<Pose>& pose, const InstantHypotheses& found) const;
-  bool mendMarker(const MarkerKey& key, const std::vector<RecordedSighting>& sightings,
+  bool mendMarker(const MarkerKey& key, const std::vector<RecordedObservation>& observations,
                   const std::vector<InstantHypotheses>& bases);
 
-  const MarkerSizes* sizes_;  // not owned; pointers, so that a better draft can take this one's place
+  const MarkerSizes* sizes_;  // not owned; pointers make drafts assignable
   const MappingParams* params_;
   bool frameless_;
   std::optional<FloorPrior> floor_;

@@ -6,14 +6,14 @@
 #include <cmath>
 #include <set>
 
-#include "sextant/localization/mapped_sighting.hpp"
+#include "sextant/localization/mapped_observation.hpp"
 #include "sextant/mapping/map_growth.hpp"
 
 namespace sextant {
 namespace {
 
-constexpr double kCertain = 1e-8;        // variance of poses that are taken as they are, m^2 and rad^2
-constexpr size_t kImagesForNoise = 200;  // that tell a camera's noise, spread over the recording
+constexpr double kCertain = 1e-8;        // variance of poses that are considered exact, m^2 and rad^2
+constexpr size_t kImagesForNoise = 200;  // images from which a camera's noise is estimated
 
 }  // namespace
 
@@ -21,11 +21,11 @@ MapFit::MapFit(MarkerRecording recording, double corner_sigma, double gate)
     : recording_(std::move(recording)),
       corner_sigma_(corner_sigma),
       gate_(gate),
-      sightings_(sightingsByMarker(recording_)) {}
+      observations_(observationsByMarker(recording_)) {}
 
-void MapFit::begin(const std::set<MarkerKey>& left_out) {
-  sightings_ = sightingsByMarker(recording_);
-  for (const MarkerKey& key : left_out) sightings_.erase(key);
+void MapFit::begin(const std::set<MarkerKey>& excluded) {
+  observations_ = observationsByMarker(recording_);
+  for (const MarkerKey& key : excluded) observations_.erase(key);
   noise_.reset();
   for (RecordedInstant& instant : recording_)
     for (MarkerView& view : instant.views) view.noise_scale = 1.0;
@@ -33,39 +33,40 @@ void MapFit::begin(const std::set<MarkerKey>& left_out) {
 
 size_t MapFit::unexplained() const {
   size_t all = 0;
-  for (const auto& entry : sightings_) all += entry.second.size();
+  for (const auto& entry : observations_) all += entry.second.size();
   return all - fitting().size();
 }
 
-bool MapFit::isPlaced(const RecordedSighting& each) const {
+bool MapFit::isPlaced(const RecordedObservation& each) const {
   return estimate.T_map_base[each.instant] && estimate.map.find(detectionOf(recording_, each).key) &&
          std::isfinite(squaredDistance(each));
 }
 
-std::vector<RecordedSighting> MapFit::placed() const {
-  std::vector<RecordedSighting> all;
-  for (const auto& entry : sightings_)
-    for (const RecordedSighting& each : entry.second)
+std::vector<RecordedObservation> MapFit::placed() const {
+  std::vector<RecordedObservation> all;
+  for (const auto& entry : observations_)
+    for (const RecordedObservation& each : entry.second)
       if (isPlaced(each)) all.push_back(each);
   return all;
 }
 
-std::vector<RecordedSighting> MapFit::fitting() const {
-  std::vector<RecordedSighting> all = placed();
+std::vector<RecordedObservation> MapFit::fitting() const {
+  std::vector<RecordedObservation> all = placed();
   all.erase(std::remove_if(all.begin(), all.end(), [&](const auto& each) { return !fits(each); }), all.end());
   return all;
 }
 
-double MapFit::squaredDistance(const RecordedSighting& each) const {
+double MapFit::squaredDistance(const RecordedObservation& each) const {
   const MarkerView& view = viewOf({each.instant, each.view});
   const Detection& detection = view.detections[each.detection];
-  MarkerSighting sighting = mappedSighting(view, detection, *estimate.map.find(detection.key), corner_sigma_);
-  sighting.map_covariance.setZero();  // the map is what is asked about
-  return squaredMahalanobis(sighting, *estimate.T_map_base[each.instant]);
+  MarkerObservation observation =
+      mappedObservation(view, detection, *estimate.map.find(detection.key), corner_sigma_);
+  observation.map_covariance.setZero();  // the map itself is estimated
+  return squaredMahalanobis(observation, *estimate.T_map_base[each.instant]);
 }
 
-// Against the noise that is usual: a blurred image's own would hide what is wrong in it.
-bool MapFit::fits(const RecordedSighting& each) const {
+// With the typical noise of the camera: a blurred image's own noise would hide outliers.
+bool MapFit::fits(const RecordedObservation& each) const {
   const MarkerView& view = viewOf({each.instant, each.view});
   const double factor = view.noise_scale / noise_.scale(view.camera_index);
   return squaredDistance(each) * factor * factor <= gate_;
@@ -77,52 +78,52 @@ InstantHypotheses MapFit::poseAt(size_t instant) const {
 
 std::vector<InstantHypotheses> MapFit::explained() const {
   std::vector<int> fitting(recording_.size()), others(recording_.size());
-  for (const RecordedSighting& each : placed()) ++(fits(each) ? fitting : others)[each.instant];
+  for (const RecordedObservation& each : placed()) ++(fits(each) ? fitting : others)[each.instant];
   std::vector<InstantHypotheses> path(recording_.size());
   for (size_t i = 0; i < path.size(); ++i)
     if (fitting[i] > 1 && others[i] == 0) path[i] = poseAt(i);
   return path;
 }
 
-std::vector<InstantHypotheses> MapFit::posesOf(const std::vector<RecordedSighting>& sightings) const {
+std::vector<InstantHypotheses> MapFit::posesOf(const std::vector<RecordedObservation>& observations) const {
   std::vector<InstantHypotheses> path(recording_.size());
-  for (const RecordedSighting& each : sightings)
+  for (const RecordedObservation& each : observations)
     if (path[each.instant].empty()) path[each.instant] = poseAt(each.instant);
   return path;
 }
 
-// A sighting has eight coordinates less its share of the poses that were fitted to it.
+// Degrees of freedom: eight coordinates minus the share of the fitted poses.
 std::map<MapFit::ImageIndex, ImageNoise> MapFit::imageNoises(
-    const std::vector<RecordedSighting>& used) const {
+    const std::vector<RecordedObservation>& used) const {
   std::map<size_t, double> of_instant;
   std::map<MarkerKey, double> of_marker;
-  for (const RecordedSighting& each : used) {
+  for (const RecordedObservation& each : used) {
     ++of_instant[each.instant];
     ++of_marker[detectionOf(recording_, each).key];
   }
   std::map<ImageIndex, ImageNoise> images;
-  for (const RecordedSighting& each : used) {
+  for (const RecordedObservation& each : used) {
     const double scale = viewOf({each.instant, each.view}).noise_scale;
     ImageNoise& image = images[{each.instant, each.view}];
     image.squares += squaredDistance(each) * scale * scale;
-    image.freedoms +=
+    image.degrees_of_freedom +=
         std::max(0.0, 8 - 6 / of_instant[each.instant] - 6 / of_marker[detectionOf(recording_, each).key]);
   }
   return images;
 }
 
-void MapFit::measureNoise(const std::vector<RecordedSighting>& used) {
+void MapFit::measureNoise(const std::vector<RecordedObservation>& used) {
   const auto images = imageNoises(used);
   noise_.reset();
   size_t count = 0;
-  for (const auto& [image, said] : images)
-    if (count++ % (1 + images.size() / kImagesForNoise) == 0) noise_.add(viewOf(image).camera_index, said);
+  for (const auto& [image, noise] : images)
+    if (count++ % (1 + images.size() / kImagesForNoise) == 0) noise_.add(viewOf(image).camera_index, noise);
   for (size_t i = 0; i < recording_.size(); ++i) {
     for (size_t v = 0; v < recording_[i].views.size(); ++v) {
       MarkerView& view = recording_[i].views[v];
-      const auto said = images.find({i, v});
-      view.noise_scale = said == images.end() ? noise_.scale(view.camera_index)
-                                              : noise_.scale(view.camera_index, said->second);
+      const auto image = images.find({i, v});
+      view.noise_scale = image == images.end() ? noise_.scale(view.camera_index)
+                                               : noise_.scale(view.camera_index, image->second);
     }
   }
 }
@@ -136,9 +137,9 @@ std::vector<double> MapFit::noiseScales() const {
   return scales;
 }
 
-double MapFit::correlation(const std::vector<RecordedSighting>& used) const {
+double MapFit::correlation(const std::vector<RecordedObservation>& used) const {
   std::map<std::pair<MarkerKey, size_t>, ResidualSeries> series;
-  for (const RecordedSighting& each : used) {
+  for (const RecordedObservation& each : used) {
     const MarkerView& view = viewOf({each.instant, each.view});
     series[{detectionOf(recording_, each).key, view.camera_index}][each.instant] =
         pixels(each) / view.noise_scale;
@@ -148,8 +149,8 @@ double MapFit::correlation(const std::vector<RecordedSighting>& used) const {
   return correlatedImages(all);
 }
 
-// Corners beyond the lens's reach are told as if they lay there.
-Eigen::Matrix<double, 8, 1> MapFit::pixels(const RecordedSighting& each) const {
+// Zero for corners that do not project into the image plane.
+Eigen::Matrix<double, 8, 1> MapFit::pixels(const RecordedObservation& each) const {
   const MarkerView& view = viewOf({each.instant, each.view});
   const Detection& detection = view.detections[each.detection];
   const MappedMarker& marker = *estimate.map.find(detection.key);
@@ -162,7 +163,7 @@ Eigen::Matrix<double, 8, 1> MapFit::pixels(const RecordedSighting& each) const {
   return offsets;
 }
 
-SightingResidual MapFit::residual(const RecordedSighting& each) const {
+ObservationResidual MapFit::residual(const RecordedObservation& each) const {
   return {each, fits(each), squaredDistance(each), std::sqrt(pixels(each).squaredNorm() / 8)};
 }
 

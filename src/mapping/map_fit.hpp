@@ -17,7 +17,7 @@
 
 namespace sextant {
 
-/// How a recording fits a map: which sightings do, and how noisy its images are.
+/// Residuals of a recording against a map estimate, and the noise of its images.
 class MapFit {
  public:
   MapFit(MarkerRecording recording, double corner_sigma, double gate);
@@ -25,31 +25,30 @@ class MapFit {
   MapEstimate estimate;
 
   const MarkerRecording& recording() const { return recording_; }
-  const std::map<MarkerKey, std::vector<RecordedSighting>>& sightings() const { return sightings_; }
-  /// Begins anew: without these markers' sightings, and with nothing known of the noise.
-  void begin(const std::set<MarkerKey>& left_out);
-
-  /// Of all markers and instants that the estimate knows and brings before the lens.
-  std::vector<RecordedSighting> placed() const;
-  /// Of all sightings, those that are not placed or do not fit.
+  const std::map<MarkerKey, std::vector<RecordedObservation>>& observations() const { return observations_; }
+  /// Restarts without the observations of these markers and without a noise estimate.
+  void begin(const std::set<MarkerKey>& excluded);
+  /// Observations whose marker and instant have a pose in the estimate and which project into the image
+  /// plane.
+  std::vector<RecordedObservation> placed() const;
+  /// Number of observations that are not placed or do not fit.
   size_t unexplained() const;
-  /// Those within the gate.
-  std::vector<RecordedSighting> fitting() const;
-  bool fits(const RecordedSighting& each) const;
-
-  /// Poses of the instants at which several markers fit, and none does not; empty at all others.
+  /// Observations within the gate.
+  std::vector<RecordedObservation> fitting() const;
+  bool fits(const RecordedObservation& each) const;  ///< whether an observation is within the gate
+  /// Poses of the instants at which several markers and all observations fit; empty at all others.
   std::vector<InstantHypotheses> explained() const;
-  /// Poses of the instants of these sightings.
-  std::vector<InstantHypotheses> posesOf(const std::vector<RecordedSighting>& sightings) const;
+  /// Poses of the instants of these observations.
+  std::vector<InstantHypotheses> posesOf(const std::vector<RecordedObservation>& observations) const;
 
-  /// What every image says of its noise, and what is usual for its camera: see CornerNoise.
-  void measureNoise(const std::vector<RecordedSighting>& used);
-  /// Factor on corner_sigma of most images, camera by camera.
+  /// Estimates the noise of every camera and image, see CornerNoise.
+  void measureNoise(const std::vector<RecordedObservation>& used);
+  /// Median factor on corner_sigma for each camera.
   std::vector<double> noiseScales() const;
   /// See correlatedImages().
-  double correlation(const std::vector<RecordedSighting>& used) const;
+  double correlation(const std::vector<RecordedObservation>& used) const;
 
-  SightingResidual residual(const RecordedSighting& each) const;
+  ObservationResidual residual(const RecordedObservation& each) const;
 
  private:
   using ImageIndex = std::pair<size_t, size_t>;  // instant, view
@@ -57,15 +56,15 @@ class MapFit {
   const MarkerView& viewOf(const ImageIndex& image) const {
     return recording_[image.first].views[image.second];
   }
-  bool isPlaced(const RecordedSighting& each) const;
-  double squaredDistance(const RecordedSighting& each) const;
-  Eigen::Matrix<double, 8, 1> pixels(const RecordedSighting& each) const;
-  std::map<ImageIndex, ImageNoise> imageNoises(const std::vector<RecordedSighting>& used) const;
+  bool isPlaced(const RecordedObservation& each) const;
+  double squaredDistance(const RecordedObservation& each) const;
+  Eigen::Matrix<double, 8, 1> pixels(const RecordedObservation& each) const;
+  std::map<ImageIndex, ImageNoise> imageNoises(const std::vector<RecordedObservation>& used) const;
   InstantHypotheses poseAt(size_t instant) const;
 
   MarkerRecording recording_;
   double corner_sigma_, gate_;
-  std::map<MarkerKey, std::vector<RecordedSighting>> sightings_;
+  std::map<MarkerKey, std::vector<RecordedObservation>> observations_;
   CornerNoise noise_;
 };
 

@@ -15,7 +15,7 @@ constexpr double kQuarterTurn = 1.5707963267948966;
 constexpr double kHeld = 1e-6;  // metres or radians
 constexpr double kFree = 10.0;
 
-// Markers that images, or the odometry of a drive, connect (union-find).
+// Groups of markers connected by images or by the odometry of a drive (union-find).
 class Islands {
  public:
   Islands(const MarkerRecording& recording, const std::set<MarkerKey>& without) {
@@ -59,10 +59,10 @@ class Islands {
 
 }  // namespace
 
-MarkerMap firstMarker(const MarkerRecording& recording, const MarkerSizes& sizes,
+MarkerMap firstMarker(const std::string& frame, const MarkerRecording& recording, const MarkerSizes& sizes,
                       const std::set<MarkerKey>& without) {
   const MarkerKey key = Islands(recording, without).firstOfLargest();
-  MarkerMap map;
+  MarkerMap map(frame);
   map.add({key, sizes.of(key), "", poseFromXyzRpy({0, 0, 0}, {kQuarterTurn, 0, 0}), Matrix6d::Zero()});
   return map;
 }

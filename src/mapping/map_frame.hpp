@@ -3,6 +3,7 @@
 #pragma once
 
 #include <set>
+#include <string>
 
 #include "sextant/mapping/map_adjustment.hpp"
 #include "sextant/mapping/marker_recording.hpp"
@@ -11,15 +12,15 @@
 
 namespace sextant {
 
-/// A map of one marker of the recording, for one that has no known marker: the first of those that most
-/// others are connected with hangs upright in the origin and looks along -y.
-/// @param without markers that cannot be it
-MarkerMap firstMarker(const MarkerRecording& recording, const MarkerSizes& sizes,
+/// Returns a map of one marker, which defines the frame of a recording without known markers: a marker that
+/// is connected to most others, upright at the origin, facing along -y.
+/// @param without markers that must not be used
+MarkerMap firstMarker(const std::string& frame, const MarkerRecording& recording, const MarkerSizes& sizes,
                       const std::set<MarkerKey>& without);
 
-/// Turns and lifts the map of firstMarker() so that the path lies on the plane z = 0; the marker stays at x =
-/// 0, y = 0 and looks along -y as seen from above.
-/// @return that marker, held in x, y and yaw
+/// Rotates and raises a map that started from firstMarker() so that the path lies on the plane z = 0. The
+/// marker stays at x = 0, y = 0 and, seen from above, faces along -y.
+/// @return that marker, fixed in x, y and yaw
 MarkerMap putOnFloor(const MarkerKey& first, MapEstimate& estimate);
 
 }  // namespace sextant

@@ -6,16 +6,16 @@
 #include <map>
 #include <utility>
 
-#include "sextant/localization/mapped_sighting.hpp"
+#include "sextant/localization/mapped_observation.hpp"
 #include "sextant/mapping/marker_placement.hpp"
 
 namespace sextant {
 namespace {
 
-// Markers that so many images place go before those that fewer do.
+// Minimum numbers of images of a marker, tried in this order.
 constexpr std::array<size_t, 3> kImages = {5, 2, 1};
 
-constexpr double kAgreement = 0.34;  // share of the images that a place must explain
+constexpr double kAgreement = 0.34;  // minimum fraction of the images that a pose must explain
 
 struct Placed {
   MarkerKey key;
@@ -30,8 +30,8 @@ class Growth {
         sizes_(sizes),
         params_(params),
         map_(start),
-        sightings_(sightingsByMarker(recording)) {
-    for (const MarkerKey& key : without) sightings_.erase(key);
+        observations_(observationsByMarker(recording)) {
+    for (const MarkerKey& key : without) observations_.erase(key);
   }
 
   GrownMap grow() {
@@ -44,38 +44,39 @@ class Growth {
 
  private:
   std::optional<Pose> bestOf(const InstantHypotheses& all) const {
-    if (!isUsable(all, params_.decided)) return std::nullopt;
+    if (!isUsable(all, params_.min_probability)) return std::nullopt;
     return all[0].T_map_base;
   }
 
-  // Whether there was one to add.
+  // Returns whether a marker was added.
   bool addRing() {
     ambiguous_.clear();
-    std::vector<Placed> decided;
-    for (const auto& [key, sightings] : sightings_) {
+    std::vector<Placed> unambiguous;
+    for (const auto& [key, observations] : observations_) {
       if (map_.find(key)) continue;
-      const auto places = placeMarker(recording_, sightings, path_, sizes_.of(key), params_);
+      const auto places = placeMarker(recording_, observations, path_, sizes_.of(key), params_);
       if (places.empty()) continue;
-      if (places[0].weight >= params_.decided && places[0].agreement > kAgreement)
-        decided.push_back({key, places[0]});
+      if (places[0].weight >= params_.min_probability && places[0].agreement > kAgreement)
+        unambiguous.push_back({key, places[0]});
       else
         ambiguous_.insert(key);
     }
     for (const size_t images : kImages)
-      if (addThose(decided, images)) return true;
+      if (addThose(unambiguous, images)) return true;
     return false;
   }
 
-  bool addThose(const std::vector<Placed>& decided, size_t images) {
+  bool addThose(const std::vector<Placed>& unambiguous, size_t images) {
     bool any = false;
-    for (const auto& [key, place] : decided) {
+    for (const auto& [key, place] : unambiguous) {
       if (place.explained.size() < images) continue;
       map_.add({key, sizes_.of(key), "", place.T_map_marker, place.covariance});
-      for (const RecordedSighting& each : sightings_.at(key)) path_[each.instant].clear();
+      for (const RecordedObservation& each : observations_.at(key)) path_[each.instant].clear();
       any = true;
     }
     for (InstantHypotheses& each : path_)
-      if (!each.empty() && each[0].used.empty()) each.clear();  // odometry knows better now
+      if (!each.empty() && each[0].used.empty())
+        each.clear();  // located by odometry only: try again with the new markers
     return any;
   }
 
@@ -83,7 +84,7 @@ class Growth {
   const MarkerSizes& sizes_;
   const PathParams& params_;
   MarkerMap map_;
-  std::map<MarkerKey, std::vector<RecordedSighting>> sightings_;
+  std::map<MarkerKey, std::vector<RecordedObservation>> observations_;
   std::vector<InstantHypotheses> path_;
   std::set<MarkerKey> ambiguous_;
 };
@@ -95,8 +96,8 @@ GrownMap growMap(const MarkerRecording& recording, const MarkerSizes& sizes, con
   return Growth(recording, sizes, start, params, without).grow();
 }
 
-std::map<MarkerKey, std::vector<RecordedSighting>> sightingsByMarker(const MarkerRecording& recording) {
-  std::map<MarkerKey, std::vector<RecordedSighting>> all;
+std::map<MarkerKey, std::vector<RecordedObservation>> observationsByMarker(const MarkerRecording& recording) {
+  std::map<MarkerKey, std::vector<RecordedObservation>> all;
   for (size_t i = 0; i < recording.size(); ++i) {
     for (size_t v = 0; v < recording[i].views.size(); ++v) {
       const MarkerView& view = recording[i].views[v];

@@ -16,9 +16,8 @@ namespace {
 
 constexpr int kPlainRounds = 6;
 constexpr int kScaleRounds = 4;
-constexpr double kSameCovariance = 0.04;  // relative
-
-// Whether both hold the same markers, about as exactly.
+constexpr double kSameCovariance = 0.04;  // relative difference
+// Whether both maps have the same markers with about the same covariances.
 bool holdAlike(const MarkerMap& a, const MarkerMap& b) {
   if (a.markers().size() != b.markers().size()) return false;
   return std::all_of(a.markers().begin(), a.markers().end(), [&](const auto& entry) {
@@ -33,15 +32,15 @@ class Making {
          const MappingParams& params)
       : params_(params), draft_(std::move(recording), sizes, known, params) {}
 
-  MadeMap make() {
+  MappingResult make() {
     draft_.make();
     settle();
-    judgeKnown();
+    checkKnownMarkers();
     return result();
   }
 
  private:
-  // Plain adjustments with what lies inside the gate, until that stays the same.
+  // Adjusts with the observations within the gate until these do not change any more.
   void settle() {
     used_ = draft_.useful(draft_.fit.fitting());
     for (int round = 0; round < kPlainRounds; ++round) {
@@ -58,14 +57,14 @@ class Making {
     dropUnused();
     const auto covariance = mapCovariance(draft_.fit.recording(), used_, draft_.held, draft_.fit.estimate,
                                           draft_.adjustment(0.0));
-    if (!covariance) throw std::runtime_error("the recording leaves a marker's pose undetermined");
+    if (!covariance) throw std::runtime_error("the recording does not determine the pose of every marker");
     covariance_ = *covariance;
   }
 
-  // Markers of which no sighting fits are not where they were taken to be.
+  // Drops markers without an observation that fits.
   void dropUnused() {
     std::set<MarkerKey> seen;
-    for (const RecordedSighting& each : used_) seen.insert(detectionOf(draft_.fit.recording(), each).key);
+    for (const RecordedObservation& each : used_) seen.insert(detectionOf(draft_.fit.recording(), each).key);
     MarkerMap map(draft_.fit.estimate.map.frame());
     for (const auto& [key, marker] : draft_.fit.estimate.map.markers()) {
       if (seen.count(key) != 0 || draft_.known.find(key))
@@ -76,8 +75,8 @@ class Making {
     draft_.fit.estimate.map = map;
   }
 
-  // One wrong one at a time: until it is left out, it speaks against those that are right.
-  void judgeKnown() {
+  // Drops one wrong marker at a time, because it also affects the others.
+  void checkKnownMarkers() {
     for (MarkerMap believed = draft_.known;;) {
       scaleKnown(believed);
       const auto checks = checkKnown(draft_.held, draft_.fit.estimate.map, covariance_);
@@ -93,7 +92,7 @@ class Making {
     }
   }
 
-  // Believes them as far as their scatter allows.
+  // Scales the covariances of the known markers to their scatter.
   void scaleKnown(const MarkerMap& believed) {
     for (int round = 0; round < kScaleRounds; ++round) {
       scales_ = knownScales(believed, draft_.held, draft_.fit.estimate.map, covariance_);
@@ -104,14 +103,14 @@ class Making {
     }
   }
 
-  MadeMap result() const {
-    MadeMap made;
+  MappingResult result() const {
+    MappingResult made;
     made.map = draft_.fit.estimate.map;
     Eigen::Index row = 0;
     for (auto [key, marker] : draft_.fit.estimate.map.markers()) {
       const Matrix6d P = covariance_.block<6, 6>(row, row);
       row += 6;
-      if (draft_.known.find(key) && P.isZero(0.0)) continue;  // held, or never seen
+      if (draft_.known.find(key) && P.isZero(0.0)) continue;  // fixed, or never observed
       marker.covariance = 0.5 * (P + P.transpose());
       made.map.set(marker);
     }
@@ -121,21 +120,21 @@ class Making {
     made.correlated_images = draft_.correlated_images;
     made.known_position_scale = scales_.position;
     made.known_rotation_scale = scales_.rotation;
-    for (const RecordedSighting& each : draft_.fit.placed())
+    for (const RecordedObservation& each : draft_.fit.placed())
       made.residuals.push_back(draft_.fit.residual(each));
     made.known = checks_;
     made.ambiguous.assign(draft_.ambiguous.begin(), draft_.ambiguous.end());
-    for (const auto& entry : draft_.fit.sightings())
+    for (const auto& entry : draft_.fit.observations())
       if (!draft_.fit.estimate.map.find(entry.first) && draft_.ambiguous.count(entry.first) == 0)
         made.unconnected.push_back(entry.first);
-    made.second_places = draft_.second_places;
-    made.twice.assign(draft_.twice.begin(), draft_.twice.end());
+    made.conflicting_poses = draft_.conflicting_poses;
+    made.inconsistent.assign(draft_.inconsistent.begin(), draft_.inconsistent.end());
     return made;
   }
 
   const MappingParams& params_;
   MapDraft draft_;
-  std::vector<RecordedSighting> used_;
+  std::vector<RecordedObservation> used_;
   Eigen::MatrixXd covariance_;
   KnownScales scales_;
   std::vector<KnownMarkerCheck> checks_;
@@ -146,26 +145,26 @@ class Making {
 ParamList MappingParams::fields() {
   const ParamList own = {
       {"corner_sigma", &corner_sigma, Range::openLow(0, 10), "px",
-       "noise that all corner coordinates have in common"},
+       "standard deviation of corner coordinates, common to all corners"},
       {"estimate_noise", &estimate_noise, Allowed(), "",
-       "`corner_sigma` is scaled by what the residuals show, camera by camera"},
+       "estimate a factor on `corner_sigma` for each camera from the residuals"},
       {"robust_width", &robust_width, Range::closed(0.5, 1000), "",
-       "a marker farther off than so many deviations counts less at first"},
+       "width of the Huber loss of a marker in the first minimization, standard deviations"},
       {"gate", &gate, Range::closed(8, 1e6), "",
-       "squared Mahalanobis distance beyond which a sighting is left out"},
-      {"decided", &decided, Range::closed(0.5, 0.9999999), "",
-       "probability from which one of several poses is taken as certain"},
+       "squared Mahalanobis distance beyond which an observation is excluded"},
+      {"min_probability", &min_probability, Range::closed(0.5, 0.9999999), "",
+       "minimum probability of a pose to be considered unambiguous"},
       {"floor_height_sigma", &floor_height_sigma, Range::closed(0, 10), "m",
-       "deviation of the base from the map's plane z = 0; 0: it does not stand on it"},
+       "standard deviation of the base's height above the plane z = 0 of the map; 0: no floor"},
       {"floor_tilt_sigma", &floor_tilt_sigma, Range::openLow(0, 1), "rad",
-       "deviation of the base's roll and pitch from 0; with `floor_height_sigma`"},
-      {"threads", &threads, Range::closed(1, 64), "", "of the adjustment"},
+       "standard deviation of the base's roll and pitch, if `floor_height_sigma` is set"},
+      {"threads", &threads, Range::closed(1, 64), "", "number of threads of the bundle adjustment"},
   };
   return joined({own, prefixed("odometry_", odometry.fields())});
 }
 
-MadeMap makeMarkerMap(MarkerRecording recording, const MarkerSizes& sizes, const MarkerMap& known,
-                      const MappingParams& params) {
+MappingResult makeMarkerMap(MarkerRecording recording, const MarkerSizes& sizes, const MarkerMap& known,
+                            const MappingParams& params) {
   validate(params);
   validate(sizes);
   return Making(std::move(recording), sizes, known, params).make();

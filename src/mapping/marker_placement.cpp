@@ -14,18 +14,17 @@
 namespace sextant {
 namespace {
 
-constexpr size_t kMaxSightings = 60;   // that take part, spread over all
-constexpr size_t kMaxSuggesting = 16;  // of which the poses are tried
-constexpr size_t kMaxRefined = 4;      // places that are searched from
-constexpr double kSamePlace = 0.3;     // radians between places that are searched from but once, or sizes
-constexpr double kSameTurn = 0.15;     // radians between two minima that are one
-
-// A sighting from one of the places that the base may have had. The unknown is T_marker_map: as if a base in
-// the map's origin were located by one marker in many cameras.
+constexpr size_t kMaxObservations = 60;  // used, spread evenly over all
+constexpr size_t kMaxSuggesting = 16;    // observations whose poses are starts
+constexpr size_t kMaxRefined = 4;        // starts that are refined
+constexpr double kSamePlace = 0.3;       // radians or edge lengths between distinct starts
+constexpr double kSameTurn = 0.15;       // radians between distinct minima
+// An observation from one of the possible base poses. The unknown is T_marker_map: formally, a base at the
+// map's origin is located from one marker in many cameras.
 struct FromBase {
   Pose T_map_base;
   Matrix6d base_covariance;
-  double cost;  // of taking this one of the base's places: -2 log(probability)
+  double cost;  // of this base pose: -2 log(probability)
 };
 
 struct Seen {
@@ -37,8 +36,8 @@ struct Seen {
   std::vector<FromBase> bases;
 };
 
-// What the base's uncertainty looks like as one of the marker, in the marker's axes: with the base off by
-// (dp, dr) the marker seems to be off by -dp - dr x v and -dr.
+// The uncertainty of the base as one of the marker, in the marker's axes: an error (dp, dr) of the base looks
+// like an error -dp - dr x v, -dr of the marker.
 Matrix6d seemingCovariance(const FromBase& from, const Pose& T_map_marker) {
   const Eigen::Vector3d v = T_map_marker.translation() - from.T_map_base.translation();
   const Eigen::Matrix3d R = T_map_marker.linear().transpose();
@@ -48,7 +47,7 @@ Matrix6d seemingCovariance(const FromBase& from, const Pose& T_map_marker) {
   return 0.5 * (covariance + covariance.transpose());
 }
 
-// Of T_map_marker from that of its inverse X: both position, rotation in their parent's axes.
+// Covariance of T_map_marker from that of its inverse X; both position, rotation in the parent's axes.
 Matrix6d inverseCovariance(const Matrix6d& X_covariance, const Pose& T_map_marker) {
   const Eigen::Matrix3d& R = T_map_marker.linear();
   Matrix6d B = Matrix6d::Zero();
@@ -57,7 +56,7 @@ Matrix6d inverseCovariance(const Matrix6d& X_covariance, const Pose& T_map_marke
   return 0.5 * (covariance + covariance.transpose());
 }
 
-MarkerSighting turnedRound(const Seen& seen, const FromBase& from, double size, const Pose& T_map_marker) {
+MarkerObservation turnedRound(const Seen& seen, const FromBase& from, double size, const Pose& T_map_marker) {
   return {&seen.view->camera,
           seen.view->T_base_camera.inverse() * from.T_map_base.inverse(),
           Pose::Identity(),
@@ -67,11 +66,11 @@ MarkerSighting turnedRound(const Seen& seen, const FromBase& from, double size, 
           seemingCovariance(from, T_map_marker)};
 }
 
-std::optional<Seen> seenFrom(const MarkerRecording& recording, const RecordedSighting& sighting, size_t index,
-                             const InstantHypotheses& bases, double size, double corner_sigma) {
+std::optional<Seen> seenFrom(const MarkerRecording& recording, const RecordedObservation& observation,
+                             size_t index, const InstantHypotheses& bases, double size, double corner_sigma) {
   if (bases.empty()) return std::nullopt;
-  const MarkerView& view = recording[sighting.instant].views[sighting.view];
-  const Detection& detection = view.detections[sighting.detection];
+  const MarkerView& view = recording[observation.instant].views[observation.view];
+  const Detection& detection = view.detections[observation.detection];
   const auto poses = solveMarkerPose(view.camera, detection.corners, size);
   if (!poses) return std::nullopt;
   Seen seen{index, &view, &detection, cornerSigmas(view, detection, corner_sigma), *poses, {}};
@@ -80,7 +79,7 @@ std::optional<Seen> seenFrom(const MarkerRecording& recording, const RecordedSig
   return seen;
 }
 
-// So many of them, spread evenly.
+// At most this many elements, spread evenly.
 template <typename T>
 std::vector<T> spread(const std::vector<T>& all, size_t most) {
   if (all.size() <= most) return all;
@@ -103,10 +102,10 @@ std::vector<Pose> suggestions(const std::vector<Seen>& all) {
 
 struct Choice {
   const FromBase* from;
-  double cost;  // squared Mahalanobis distance, bounded by the gate, and the cost of the base's place
+  double cost;  // squared Mahalanobis distance, bounded by the gate, plus the cost of the base pose
 };
 
-// The place of the base from which the sighting fits best.
+// The base pose from which the observation fits best.
 Choice choose(const Seen& seen, double size, const Pose& T_map_marker, double gate) {
   Choice best{nullptr, std::numeric_limits<double>::infinity()};
   const Pose X = T_map_marker.inverse();
@@ -123,7 +122,7 @@ bool areClose(const Pose& a, const Pose& b, double size) {
          (a.translation() - b.translation()).norm() < kSamePlace * size;
 }
 
-// Those that most images agree with, no two alike.
+// The distinct suggestions with the lowest cost over all images.
 std::vector<Pose> bestSuggestions(const std::vector<Seen>& all, double size, double gate) {
   std::vector<std::pair<double, Pose>> scored;
   for (const Pose& pose : suggestions(all)) {
@@ -148,15 +147,15 @@ struct Candidate {
 
 std::optional<Candidate> refined(const std::vector<Seen>& all, double size, const Pose& T_map_marker,
                                  const PathParams& params) {
-  std::vector<MarkerSighting> sightings;
+  std::vector<MarkerObservation> observations;
   double cost = 0;
   for (const Seen& seen : all) {
     const FromBase* from = choose(seen, size, T_map_marker, params.hypotheses.gate).from;
-    sightings.push_back(turnedRound(seen, *from, size, T_map_marker));
+    observations.push_back(turnedRound(seen, *from, size, T_map_marker));
     cost += from->cost;
   }
   const HypothesesParams search{params.hypotheses.robust_width, params.hypotheses.gate, std::nullopt};
-  const auto found = poseHypotheses(sightings, {{T_map_marker.inverse(), 0}}, search, std::nullopt);
+  const auto found = poseHypotheses(observations, {{T_map_marker.inverse(), 0}}, search, std::nullopt);
   if (found.empty()) return std::nullopt;
   const PoseHypothesis& best = found[0];
   const Pose T = best.T_map_base.inverse();
@@ -167,8 +166,8 @@ std::optional<Candidate> refined(const std::vector<Seen>& all, double size, cons
   return candidate;
 }
 
-// A marker's two poses are turned against each other. Where they are not, the images chosen make the
-// difference.
+// The two planar solutions of a marker differ in rotation; otherwise both are the same minimum with different
+// images.
 bool areOne(const MarkerPlace& a, const MarkerPlace& b, double size) {
   return logSO3(a.T_map_marker.linear().transpose() * b.T_map_marker.linear()).norm() < kSameTurn &&
          (a.T_map_marker.translation() - b.T_map_marker.translation()).norm() < size;
@@ -199,25 +198,26 @@ std::vector<MarkerPlace> weighed(std::vector<Candidate> all) {
 }  // namespace
 
 std::vector<MarkerPlace> placeMarker(const MarkerRecording& recording,
-                                     const std::vector<RecordedSighting>& sightings,
+                                     const std::vector<RecordedObservation>& observations,
                                      const std::vector<InstantHypotheses>& path, double size,
                                      const PathParams& params) {
   std::vector<Seen> seen;
-  for (size_t i = 0; i < sightings.size(); ++i)
+  for (size_t i = 0; i < observations.size(); ++i)
     if (const auto found =
-            seenFrom(recording, sightings[i], i, path[sightings[i].instant], size, params.corner_sigma))
+            seenFrom(recording, observations[i], i, path[observations[i].instant], size, params.corner_sigma))
       seen.push_back(*found);
-  const auto all = spread(seen, kMaxSightings);
+  const auto all = spread(seen, kMaxObservations);
   std::vector<Candidate> candidates;
   for (const Pose& pose : bestSuggestions(all, size, params.hypotheses.gate))
     if (const auto found = refined(all, size, pose, params)) addIfNew(*found, size, candidates);
   return weighed(std::move(candidates));
 }
 
-std::optional<double> distanceFromPlace(const MarkerRecording& recording, const RecordedSighting& sighting,
+std::optional<double> distanceFromPlace(const MarkerRecording& recording,
+                                        const RecordedObservation& observation,
                                         const InstantHypotheses& bases, double size, const Pose& T_map_marker,
                                         const PathParams& params) {
-  const auto seen = seenFrom(recording, sighting, 0, bases, size, params.corner_sigma);
+  const auto seen = seenFrom(recording, observation, 0, bases, size, params.corner_sigma);
   if (!seen) return std::nullopt;
   return choose(*seen, size, T_map_marker, std::numeric_limits<double>::infinity()).cost;
 }

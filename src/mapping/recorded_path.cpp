@@ -6,28 +6,27 @@
 #include <optional>
 #include <utility>
 
-#include "sextant/localization/mapped_sighting.hpp"
+#include "sextant/localization/mapped_observation.hpp"
 
 namespace sextant {
 namespace {
 
-constexpr double kImprobable = 1e-3;    // hypotheses below are forgotten
-constexpr double kLostDeviation = 1.0;  // metres of deviation beyond which odometry tells nothing any more
-
-// What the mapped markers of an instant say.
+constexpr double kImprobable = 1e-3;    // probability below which hypotheses are dropped
+constexpr double kLostDeviation = 1.0;  // metres; maximum standard deviation of a useful prediction
+// The mapped markers of an instant.
 struct InSight {
   std::vector<MarkerKey> keys;
-  std::vector<MarkerSighting> sightings;
+  std::vector<MarkerObservation> observations;
   std::vector<PoseStart> starts;
 };
 
-void addSighting(const MarkerView& view, const Detection& detection, const MappedMarker& marker,
-                 double corner_sigma, InSight& instant) {
+void addObservation(const MarkerView& view, const Detection& detection, const MappedMarker& marker,
+                    double corner_sigma, InSight& instant) {
   const auto poses = solveMarkerPose(view.camera, detection.corners, marker.size);
   if (!poses) return;
   instant.keys.push_back(marker.key);
-  addStarts(view, marker, *poses, instant.sightings.size(), instant.starts);
-  instant.sightings.push_back(mappedSighting(view, detection, marker, corner_sigma));
+  addStarts(view, marker, *poses, instant.observations.size(), instant.starts);
+  instant.observations.push_back(mappedObservation(view, detection, marker, corner_sigma));
 }
 
 InSight seen(const RecordedInstant& recorded, const MarkerMap& map, double corner_sigma,
@@ -37,11 +36,11 @@ InSight seen(const RecordedInstant& recorded, const MarkerMap& map, double corne
     for (const Detection& detection : view.detections)
       if (const MappedMarker* marker = map.find(detection.key);
           marker && !isRepeated(view, detection.key) && without.count(detection.key) == 0)
-        addSighting(view, detection, *marker, corner_sigma, instant);
+        addObservation(view, detection, *marker, corner_sigma, instant);
   return instant;
 }
 
-// The pose at an instant from that at its neighbour, where odometry leads from one to the other.
+// Predicts the pose at an instant from that at its neighbour, if odometry connects both.
 std::optional<PosePrior> carried(const std::optional<PosePrior>& pose, const RecordedInstant& from,
                                  const RecordedInstant& to, const OdometryParams& params) {
   if (!pose || from.drive != to.drive || !from.T_odom_base || !to.T_odom_base) return std::nullopt;
@@ -50,7 +49,7 @@ std::optional<PosePrior> carried(const std::optional<PosePrior>& pose, const Rec
   return moved;
 }
 
-// What odometry says of every instant, from the last one before it (or after it) that is decided.
+// Predicts every instant by odometry from the last unambiguous one before it (or after it).
 std::vector<std::optional<PosePrior>> priors(const MarkerRecording& recording,
                                              const std::vector<InstantHypotheses>& found,
                                              const PathParams& params, bool backwards) {
@@ -60,7 +59,8 @@ std::vector<std::optional<PosePrior>> priors(const MarkerRecording& recording,
   for (size_t step = 0; step < n; ++step) {
     const size_t i = backwards ? n - 1 - step : step, before = backwards ? i + 1 : i - 1;
     if (step > 0) all[i] = last = carried(last, recording[before], recording[i], params.odometry);
-    if (isDecided(found[i], params.decided)) last = PosePrior{found[i][0].T_map_base, found[i][0].covariance};
+    if (isUnambiguous(found[i], params.min_probability))
+      last = PosePrior{found[i][0].T_map_base, found[i][0].covariance};
   }
   return all;
 }
@@ -82,19 +82,19 @@ PoseHypothesis fromOdometry(const PosePrior& prior) {
 
 }  // namespace
 
-bool isDecided(const InstantHypotheses& hypotheses, double decided) {
-  return !hypotheses.empty() && hypotheses[0].weight >= decided;
+bool isUnambiguous(const InstantHypotheses& hypotheses, double min_probability) {
+  return !hypotheses.empty() && hypotheses[0].weight >= min_probability;
 }
 
-bool isUsable(const InstantHypotheses& hypotheses, double decided) {
-  return (!hypotheses.empty() && hypotheses[0].used.size() > 1) || isDecided(hypotheses, decided);
+bool isUsable(const InstantHypotheses& hypotheses, double min_probability) {
+  return (!hypotheses.empty() && hypotheses[0].used.size() > 1) || isUnambiguous(hypotheses, min_probability);
 }
 
 InstantHypotheses locateInstant(const RecordedInstant& instant, const MarkerMap& map,
                                 const PathParams& params, const std::optional<PosePrior>& prior,
                                 const std::set<MarkerKey>& without) {
   const InSight markers = seen(instant, map, params.corner_sigma, without);
-  return probable(poseHypotheses(markers.sightings, markers.starts, params.hypotheses, prior));
+  return probable(poseHypotheses(markers.observations, markers.starts, params.hypotheses, prior));
 }
 
 std::vector<MarkerKey> markersInSight(const RecordedInstant& instant, const MarkerMap& map,
@@ -112,7 +112,7 @@ std::vector<InstantHypotheses> locateRecording(const MarkerRecording& recording,
   const auto before = priors(recording, found, params, false), after = priors(recording, found, params, true);
   for (size_t i = 0; i < recording.size(); ++i) {
     const auto& prior = closer(before[i], after[i]);
-    if (!prior || isDecided(found[i], params.decided)) continue;
+    if (!prior || isUnambiguous(found[i], params.min_probability)) continue;
     found[i] = found[i].empty() ? InstantHypotheses{fromOdometry(*prior)}
                                 : locateInstant(recording[i], map, params, prior);
   }

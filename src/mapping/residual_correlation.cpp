@@ -8,8 +8,8 @@ namespace sextant {
 namespace {
 
 constexpr size_t kMaxLag = 300;
-constexpr double kNoCorrelation = 0.05;  // correlation below which there is none
-constexpr int kFewest = 50;              // pairs that tell a correlation
+constexpr double kNoCorrelation = 0.05;  // correlation at which the sum ends
+constexpr int kMinPairs = 50;            // for a correlation
 
 struct Products {
   double sum = 0.0;
@@ -36,7 +36,7 @@ double correlatedImages(const std::vector<ResidualSeries>& all) {
   double time = 1.0;
   for (size_t lag = 1; lag <= kMaxLag; ++lag) {
     const Products products = productsAt(all, lag);
-    if (products.pairs < kFewest || !(squares.sum > 0)) break;
+    if (products.pairs < kMinPairs || !(squares.sum > 0)) break;
     const double correlation = products.sum / products.pairs / (squares.sum / squares.pairs);
     if (correlation < kNoCorrelation) break;
     time += 2 * correlation;

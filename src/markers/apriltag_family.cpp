@@ -2,15 +2,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sextant/markers/apriltag_family.hpp"
 
+extern "C" {  // the headers of libapriltag 0.10 do not declare it
 #include <apriltag/tag16h5.h>
 #include <apriltag/tag25h9.h>
-#include <apriltag/tag36h10.h>
 #include <apriltag/tag36h11.h>
 #include <apriltag/tagCircle21h7.h>
 #include <apriltag/tagCircle49h12.h>
 #include <apriltag/tagCustom48h12.h>
 #include <apriltag/tagStandard41h12.h>
 #include <apriltag/tagStandard52h13.h>
+#if __has_include(<apriltag/tag36h10.h>)  // libapriltag 0.10 of Debian 11 lacks it
+#include <apriltag/tag36h10.h>
+#define SEXTANT_TAG36H10 1
+#endif
+}
 
 #include <map>
 
@@ -26,7 +31,9 @@ const std::map<std::string, Functions>& table() {
   static const std::map<std::string, Functions> functions = {
       {"tag16h5", {tag16h5_create, tag16h5_destroy}},
       {"tag25h9", {tag25h9_create, tag25h9_destroy}},
+#ifdef SEXTANT_TAG36H10
       {"tag36h10", {tag36h10_create, tag36h10_destroy}},
+#endif
       {"tag36h11", {tag36h11_create, tag36h11_destroy}},
       {"tagCircle21h7", {tagCircle21h7_create, tagCircle21h7_destroy}},
       {"tagCircle49h12", {tagCircle49h12_create, tagCircle49h12_destroy}},

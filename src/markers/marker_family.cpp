@@ -13,7 +13,7 @@
 namespace sextant {
 namespace {
 
-// The prints that both libraries know; OpenCV's is turned by 180 degrees.
+// Families that both libraries have; OpenCV's markers are rotated by 180 degrees.
 const std::map<std::string, std::string>& sharedPrints() {
   static const std::map<std::string, std::string> names = {{"DICT_APRILTAG_16h5", "tag16h5"},
                                                            {"DICT_APRILTAG_25h9", "tag25h9"},
@@ -39,8 +39,8 @@ MarkerImage aprilTagImage(const std::string& family, int id) {
 MarkerImage arucoImage(const std::string& family, int id) {
   const auto dictionary = makeArucoDictionary(family);
   MarkerImage marker;
-  marker.border_end = dictionary->markerSize + 2;
-  dictionary->drawMarker(id, marker.border_end, marker.modules, 1);
+  marker.border_end = dictionary.markerSize + 2;
+  marker.modules = arucoModules(dictionary, id);
   return marker;
 }
 
@@ -55,19 +55,22 @@ std::vector<std::string> markerFamilies() {
 
 std::string canonicalFamily(const std::string& name) {
   const auto names = markerFamilies();
-  if (std::find(names.begin(), names.end(), name) == names.end()) {
-    std::string known;
-    for (const auto& family : names) known += " " + family;
-    throw std::invalid_argument("unknown marker family '" + name + "'; known are" + known);
+  const auto known = [&names](const std::string& family) {
+    return std::find(names.begin(), names.end(), family) != names.end();
+  };
+  if (!known(name)) {
+    std::string all;
+    for (const auto& family : names) all += " " + family;
+    throw std::invalid_argument("unknown marker family '" + name + "'; known are" + all);
   }
   const auto shared = sharedPrints().find(name);
-  return shared == sharedPrints().end() ? name : shared->second;
+  return shared == sharedPrints().end() || !known(shared->second) ? name : shared->second;
 }
 
 int familySize(const std::string& name) {
   const std::string family = canonicalFamily(name);
   if (isAprilTag(family)) return static_cast<int>(makeAprilTagFamily(family)->ncodes);
-  return makeArucoDictionary(family)->bytesList.rows;
+  return makeArucoDictionary(family).bytesList.rows;
 }
 
 MarkerImage markerImage(const std::string& name, int id) {

@@ -17,22 +17,22 @@ namespace sextant {
 namespace {
 
 bool isYaml(const std::string& path) {
-  const auto ends = [&](const std::string& ending) {
-    return path.size() >= ending.size() &&
-           path.compare(path.size() - ending.size(), ending.size(), ending) == 0;
+  const auto has = [&](const std::string& extension) {
+    return path.size() >= extension.size() &&
+           path.compare(path.size() - extension.size(), extension.size(), extension) == 0;
   };
-  return ends(".yaml") || ends(".yml");
+  return has(".yaml") || has(".yml");
 }
 
 }  // namespace
 
-MarkerMap readMarkerMap(const std::string& path, const TextMapParams& params) {
+MarkerMap readMarkerMap(const std::string& path, const TextMapParams& text) {
   std::ifstream file(path);
   std::stringstream content;
   if (file) content << std::string(std::istreambuf_iterator<char>(file), {});
   if (!file.is_open() || file.bad())
     throw std::runtime_error(path + ": cannot be read: " + std::strerror(errno));
-  return isYaml(path) ? parseYamlMap(content.str(), path) : parseTextMap(content, path, params);
+  return isYaml(path) ? parseYamlMap(content.str(), path) : parseTextMap(content, path, text);
 }
 
 void writeMarkerMap(const MarkerMap& map, const std::string& path, const TextMapParams& text) {

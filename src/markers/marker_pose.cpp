@@ -12,16 +12,16 @@
 namespace sextant {
 namespace {
 
-constexpr double kMinArea = 4.0;        // pixels^2; less is no quadrilateral
-constexpr double kSamePosition = 1e-4;  // of the distance: both starts led to one minimum
-constexpr double kSameRotation = 1e-3;  // radians
+constexpr double kMinArea = 4.0;        // pixels^2; a smaller quadrilateral is degenerate
+constexpr double kSamePosition = 1e-4;  // fraction of the distance; closer solutions are the same minimum
+constexpr double kSameRotation = 1e-3;  // radians, likewise
 
 bool isConvex(const Corners& corners) {
   double area = 0.0, smallest = 1e18;
   for (int i = 0; i < 4; ++i) {
     const Eigen::Vector2d a = corners[(i + 1) % 4] - corners[i],
                           b = corners[(i + 2) % 4] - corners[(i + 1) % 4];
-    const double cross = a.x() * b.y() - a.y() * b.x();  // clockwise on the screen is positive, y being down
+    const double cross = a.x() * b.y() - a.y() * b.x();  // positive: clockwise in the image, whose y is down
     smallest = std::min(smallest, cross);
     area += 0.25 * cross;
   }
@@ -38,8 +38,8 @@ std::optional<std::array<Eigen::Vector3d, 4>> raysTo(const CameraModel& camera, 
   return rays;
 }
 
-// Rotation of a virtual camera that looks straight at the marker, so that no lens is too wide for the plane z
-// = 1.
+// Returns the rotation to a virtual camera whose optical axis points at the marker, so that rays of wide
+// lenses also intersect the plane z = 1.
 std::optional<Eigen::Matrix3d> towardMarker(const std::array<Eigen::Vector3d, 4>& rays) {
   const Eigen::Vector3d middle = rays[0] + rays[1] + rays[2] + rays[3];
   const auto R = Eigen::Quaterniond::FromTwoVectors(middle, Eigen::Vector3d::UnitZ()).toRotationMatrix();
@@ -70,7 +70,7 @@ std::vector<Pose> ippe(const std::array<Eigen::Vector3d, 4>& rays, const Eigen::
   return poses;
 }
 
-// The optimum over T_marker_camera, as T_camera_marker; nothing for a marker seen from behind.
+// Minimizes over T_marker_camera and returns T_camera_marker; nothing for a marker behind the camera.
 std::optional<MarkerPose> refined(const CameraModel& camera, const Corners& corners, double size,
                                   const Pose& start) {
   const auto fit = minimizeReprojection({{&camera, Pose::Identity(), Pose::Identity(), size, corners}},
@@ -85,7 +85,7 @@ bool same(const Pose& a, const Pose& b) {
          difference.tail<3>().norm() < kSameRotation;
 }
 
-// The different ones, the best first.
+// Returns the distinct minima, the best first.
 std::vector<MarkerPose> localMinima(const CameraModel& camera, const Corners& corners, double size,
                                     const std::vector<Pose>& starts) {
   std::vector<MarkerPose> minima;
@@ -135,7 +135,7 @@ std::optional<Matrix6d> markerPoseCovariance(const CameraModel& camera, const Po
   if (cholesky.info() != Eigen::Success) return std::nullopt;
   const Matrix6d covariance = cholesky.solve(Matrix6d::Identity());
   if (!covariance.allFinite()) return std::nullopt;
-  return Matrix6d(0.5 * (covariance + covariance.transpose()));  // symmetric to the last bit
+  return Matrix6d(0.5 * (covariance + covariance.transpose()));  // exactly symmetric
 }
 
 }  // namespace sextant

@@ -27,13 +27,13 @@ ParamList MarkerSizes::fields() {
     for (const auto& entry : *std::get<std::map<std::string, double>*>(param.value))
       if (!namesMarker(entry.first))
         throw std::invalid_argument(param.name + ": '" + entry.first +
-                                    "' names no marker, write an id or family/id");
+                                    "' is not a marker, write an id or family/id");
     lengths.check(param);
   };
   return {
       {"size", &size, lengths, "m", "edge length of the markers"},
       {"sizes", &sizes, Allowed(lengths.text, check), "m",
-       "edge length of single markers, by `\"ID\"` or `\"FAMILY/ID\"`"},
+       "edge lengths of individual markers, by `\"ID\"` or `\"FAMILY/ID\"`"},
   };
 }
 
@@ -56,7 +56,8 @@ std::vector<ObservedMarker> observeMarkers(const CameraModel& camera,
     if (marker.poses)
       marker.covariance =
           markerPoseCovariance(camera, marker.poses->best.T_camera_marker, marker.size, sigma);
-    if (!marker.covariance) marker.poses.reset();  // a pose of unknown exactness would pass for exact
+    if (!marker.covariance)
+      marker.poses.reset();  // consumers would take a pose without a covariance as exact
     markers.push_back(std::move(marker));
   }
   return markers;

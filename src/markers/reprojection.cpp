@@ -15,59 +15,61 @@ using Vector8d = Eigen::Matrix<double, 8, 1>;
 using Matrix8d = Eigen::Matrix<double, 8, 8>;
 using Matrix86d = Eigen::Matrix<double, 8, 6>;
 
-constexpr double kUnreachable = 1e6;  // squared Mahalanobis distance of a marker out of the lens's reach
-constexpr double kUnreachablePixels = 1000.0;
+constexpr double kUnreachable = 1e6;  // squared Mahalanobis distance of a marker that does not project
+constexpr double kUnreachablePixels = 1000.0;  // residual of each coordinate of such a marker
 constexpr int kMaxIterations = 60;
-constexpr double kMinDecrease = 1e-14;  // of the cost, that a step promises
-constexpr double kMinInformationRatio = 1e-12;
+constexpr double kMinDecrease =
+    1e-14;  // of the cost, as predicted for a step; a smaller one ends the minimization
+constexpr double kMinInformationRatio = 1e-12;  // smallest over largest eigenvalue of a determined pose
 
 double square(double x) { return x * x; }
 
-// Of all eight coordinates of a marker in the mean square of residuals: a hidden corner counts little.
-double coordinateWeight(const MarkerSighting& sighting) {
+// Weight of a marker's eight coordinates in the mean square residual; small for occluded corners.
+double coordinateWeight(const MarkerObservation& observation) {
   double sum = 0;
-  for (const double sigma : sighting.sigmas) sum += 2 / square(sigma);
+  for (const double sigma : observation.sigmas) sum += 2 / square(sigma);
   return sum;
 }
 
-// A marker's residuals with their derivatives, whitened: the noise of each coordinate is 1.
+// Whitened residuals of a marker and their Jacobian with respect to the base pose.
 struct Block {
   Vector8d residual;
   Matrix86d jacobian;
-  double squares;  // of the plain residuals over their corner's deviation
+  double squares;  // sum of squared residuals over the variance of the corner noise alone
 };
 
-// With v = p_map - p: p_base = R' v, d p_base = -R' dp + R' [v]x dr. The marker's own pose moves p_map the
-// other way round.
-std::optional<Block> linearize(const MarkerSighting& sighting, const Pose& T_map_base) {
-  const Eigen::Matrix3d R_camera_map = sighting.T_camera_base.linear() * T_map_base.linear().transpose();
-  const auto points = markerCorners(sighting.size);
-  const bool exact = sighting.map_covariance.isZero(0.0);
+// A corner p_map, seen from the base at p with rotation R: with v = p_map - p, p_base = R' v and
+// d p_base = -R' dp + R' [v]x dr. The Jacobian with respect to the marker's pose has the opposite sign, and
+// the arm from the marker's centre instead of v.
+std::optional<Block> linearize(const MarkerObservation& observation, const Pose& T_map_base) {
+  const Eigen::Matrix3d R_camera_map = observation.T_camera_base.linear() * T_map_base.linear().transpose();
+  const auto points = markerCorners(observation.size);
+  const bool exact = observation.map_covariance.isZero(0.0);
   Block block;
   Matrix86d by_marker;
   for (int k = 0; k < 4; ++k) {
-    const Eigen::Vector3d arm = sighting.T_map_marker.linear() * points[k];
-    const Eigen::Vector3d v = arm + sighting.T_map_marker.translation() - T_map_base.translation();
+    const Eigen::Vector3d arm = observation.T_map_marker.linear() * points[k];
+    const Eigen::Vector3d v = arm + observation.T_map_marker.translation() - T_map_base.translation();
     const auto projection =
-        sighting.camera->projectWithJacobian(R_camera_map * v + sighting.T_camera_base.translation());
+        observation.camera->projectWithJacobian(R_camera_map * v + observation.T_camera_base.translation());
     if (!projection) return std::nullopt;
     const Eigen::Matrix<double, 2, 3> by_point = projection->jacobian * R_camera_map;
-    block.residual.segment<2>(2 * k) = projection->pixel - sighting.corners[k];
+    block.residual.segment<2>(2 * k) = projection->pixel - observation.corners[k];
     block.jacobian.block<2, 6>(2 * k, 0) << -by_point, by_point * skew(v);
     if (!exact) by_marker.block<2, 6>(2 * k, 0) << by_point, -by_point * skew(arm);
   }
   block.squares = 0;
   for (int k = 0; k < 4; ++k)
-    block.squares += block.residual.segment<2>(2 * k).squaredNorm() / square(sighting.sigmas[k]);
+    block.squares += block.residual.segment<2>(2 * k).squaredNorm() / square(observation.sigmas[k]);
   if (exact) {
     for (int k = 0; k < 4; ++k) {
-      block.residual.segment<2>(2 * k) /= sighting.sigmas[k];
-      block.jacobian.middleRows<2>(2 * k) /= sighting.sigmas[k];
+      block.residual.segment<2>(2 * k) /= observation.sigmas[k];
+      block.jacobian.middleRows<2>(2 * k) /= observation.sigmas[k];
     }
     return block;
   }
-  Matrix8d S = by_marker * sighting.map_covariance * by_marker.transpose();
-  for (int i = 0; i < 8; ++i) S(i, i) += sighting.sigmas[i / 2] * sighting.sigmas[i / 2];
+  Matrix8d S = by_marker * observation.map_covariance * by_marker.transpose();
+  for (int i = 0; i < 8; ++i) S(i, i) += observation.sigmas[i / 2] * observation.sigmas[i / 2];
   const Eigen::LLT<Matrix8d> cholesky(S);
   cholesky.matrixL().solveInPlace(block.residual);
   cholesky.matrixL().solveInPlace(block.jacobian);
@@ -79,7 +81,7 @@ struct FloorBlock {
   Eigen::Matrix<double, 3, 6> jacobian = Eigen::Matrix<double, 3, 6>::Zero();
 };
 
-// Height, and where the base's upward axis u leans: du = dr x u.
+// Residuals: height, and the horizontal part of the base's upward axis u, for which du = dr x u.
 FloorBlock linearize(const FloorPrior& floor, const Pose& T_map_base) {
   const Eigen::Vector3d up = T_map_base.linear().col(2);
   FloorBlock block;
@@ -94,19 +96,19 @@ struct Loss {
   double weight;  // d rho / d s
 };
 
-// rho(s) = s for s <= w^2, else 2 w sqrt(s) - w^2.
+// Loss of a squared norm s: rho(s) = s for s <= w^2, else 2 w sqrt(s) - w^2.
 Loss huber(double s, double width) {
   if (s <= width * width) return {s, 1.0};
   const double root = std::sqrt(s);
   return {2 * width * root - width * width, width / root};
 }
 
-void add(const MarkerSighting& sighting, const Pose& T_map_base, double robust_width,
+void add(const MarkerObservation& observation, const Pose& T_map_base, double robust_width,
          ReprojectionModel& sum) {
-  const auto block = linearize(sighting, T_map_base);
+  const auto block = linearize(observation, T_map_base);
   const Loss loss = huber(block ? block->residual.squaredNorm() : kUnreachable, robust_width);
   sum.cost += loss.rho;
-  sum.squares += block ? block->squares : square(kUnreachablePixels) * coordinateWeight(sighting);
+  sum.squares += block ? block->squares : square(kUnreachablePixels) * coordinateWeight(observation);
   if (!block) return;
   const Matrix6d JtJ = block->jacobian.transpose() * block->jacobian;
   sum.H += loss.weight * JtJ;
@@ -122,9 +124,9 @@ bool determined(const Matrix6d& information) {
 
 }  // namespace
 
-Pivot::Pivot(const std::vector<MarkerSighting>& sightings) {
-  for (const MarkerSighting& sighting : sightings) centre_ += sighting.T_map_marker.translation();
-  if (!sightings.empty()) centre_ /= static_cast<double>(sightings.size());
+Pivot::Pivot(const std::vector<MarkerObservation>& observations) {
+  for (const MarkerObservation& observation : observations) centre_ += observation.T_map_marker.translation();
+  if (!observations.empty()) centre_ /= static_cast<double>(observations.size());
 }
 
 Pose Pivot::moved(const Pose& T_map_base, const Vector6d& step) const {
@@ -141,8 +143,8 @@ Matrix6d Pivot::jacobian(const Pose& T_map_base) const {
   return M;
 }
 
-double squaredMahalanobis(const MarkerSighting& sighting, const Pose& T_map_base) {
-  const auto block = linearize(sighting, T_map_base);
+double squaredMahalanobis(const MarkerObservation& observation, const Pose& T_map_base) {
+  const auto block = linearize(observation, T_map_base);
   return block ? block->residual.squaredNorm() : std::numeric_limits<double>::infinity();
 }
 
@@ -150,10 +152,11 @@ double squaredMahalanobis(const FloorPrior& floor, const Pose& T_map_base) {
   return linearize(floor, T_map_base).residual.squaredNorm();
 }
 
-ReprojectionModel reprojectionModel(const std::vector<MarkerSighting>& sightings, const Pose& T_map_base,
-                                    const ReprojectionParams& params) {
+ReprojectionModel reprojectionModel(const std::vector<MarkerObservation>& observations,
+                                    const Pose& T_map_base, const ReprojectionParams& params) {
   ReprojectionModel sum;
-  for (const MarkerSighting& sighting : sightings) add(sighting, T_map_base, params.robust_width, sum);
+  for (const MarkerObservation& observation : observations)
+    add(observation, T_map_base, params.robust_width, sum);
   if (!params.floor) return sum;
   const FloorBlock block = linearize(*params.floor, T_map_base);
   const Matrix6d JtJ = block.jacobian.transpose() * block.jacobian;
@@ -164,11 +167,11 @@ ReprojectionModel reprojectionModel(const std::vector<MarkerSighting>& sightings
   return sum;
 }
 
-std::optional<ReprojectionFit> minimizeReprojection(const std::vector<MarkerSighting>& sightings,
+std::optional<ReprojectionFit> minimizeReprojection(const std::vector<MarkerObservation>& observations,
                                                     const Pose& start, const ReprojectionParams& params) {
-  const Pivot pivot(sightings);
+  const Pivot pivot(observations);
   Pose pose = start;
-  ReprojectionModel now = reprojectionModel(sightings, pose, params);
+  ReprojectionModel now = reprojectionModel(observations, pose, params);
   double lambda = 1e-4;
   for (int i = 0; i < kMaxIterations && lambda < 1e12; ++i) {
     const Matrix6d M = pivot.jacobian(pose);
@@ -177,7 +180,7 @@ std::optional<ReprojectionFit> minimizeReprojection(const std::vector<MarkerSigh
     const Vector6d gradient = M.transpose() * now.g, step = damped.ldlt().solve(-gradient);
     if (!step.allFinite()) return std::nullopt;
     const Pose trial = pivot.moved(pose, step);
-    const ReprojectionModel next = reprojectionModel(sightings, trial, params);
+    const ReprojectionModel next = reprojectionModel(observations, trial, params);
     const bool better = next.cost <= now.cost;
     lambda = better ? std::max(0.1 * lambda, 1e-12) : 10 * lambda;
     if (better) {
@@ -189,7 +192,7 @@ std::optional<ReprojectionFit> minimizeReprojection(const std::vector<MarkerSigh
   if (!isFinite(pose) || !determined(now.information)) return std::nullopt;
   pose.linear() = Eigen::Quaterniond(pose.linear()).normalized().toRotationMatrix();
   double weight = 0;
-  for (const MarkerSighting& sighting : sightings) weight += coordinateWeight(sighting);
+  for (const MarkerObservation& observation : observations) weight += coordinateWeight(observation);
   return ReprojectionFit{pose, now.cost, std::sqrt(now.squares / weight), now.information};
 }
 

@@ -14,9 +14,9 @@
 namespace sextant {
 namespace {
 
-constexpr size_t kFields = 7;
+constexpr size_t kFields = 7;  // in a line: name, Tx Ty Tz, Rx Ry Rz
 
-// The number that a name ends in: "7", "Id7" and "door_7" are marker 7.
+// Returns the number at the end of a name: "7", "Id7" and "door_7" are marker 7.
 std::optional<int> trailingId(const std::string& name) {
   size_t begin = name.size();
   while (begin > 0 && std::isdigit(static_cast<unsigned char>(name[begin - 1]))) --begin;
@@ -75,12 +75,13 @@ std::string formatLine(const std::string& name, const Pose& pose) {
 }
 
 [[noreturn]] void refuse(const std::string& what, const std::string& why) {
-  throw std::runtime_error("the plain text format cannot hold " + what + ": " + why + "; write a .yaml file");
+  throw std::runtime_error("the plain text format cannot represent " + what + ": " + why +
+                           "; write a .yaml file");
 }
 
 void requireTextual(const MappedMarker& marker, const TextMapParams& params) {
   const std::string what = "marker '" + marker.name + "'";
-  if (trailingId(marker.name) != marker.key.id) refuse(what, "its name does not end in its id");
+  if (trailingId(marker.name) != marker.key.id) refuse(what, "its name does not end with its id");
   if (marker.key.family != canonicalFamily(params.family))
     refuse(what, "it is of family " + marker.key.family);
   if (marker.size != sizeOf(marker.key.id, params))
@@ -92,14 +93,14 @@ void requireTextual(const MappedMarker& marker, const TextMapParams& params) {
 
 ParamList TextMapParams::fields() {
   return {
-      {"frame", &frame, notEmpty(), "", "plain text map: its frame"},
+      {"frame", &frame, notEmpty(), "", "plain text map: frame of the map"},
       {"family", &family, Allowed("[families](#marker-families)", nullptr), "",
-       "plain text map: family of every marker"},
-      {"size", &size, Range::openLow(0, 100), "m", "plain text map: edge length"},
+       "plain text map: family of all markers"},
+      {"size", &size, Range::openLow(0, 100), "m", "plain text map: edge length of the markers"},
       {"sizes", &sizes, Range::openLow(0, 100), "m",
-       "plain text map: edge length of single markers, by `\"ID\"`"},
+       "plain text map: edge lengths of individual markers, by `\"ID\"`"},
       {"parents", &parents, Allowed(), "",
-       "plain text map: parents of frames that are no markers, by name; else the map's frame"},
+       "plain text map: parents of frames that are not markers, by name; default: the frame of the map"},
   };
 }
 
@@ -121,7 +122,7 @@ MarkerMap parseTextMap(std::istream& in, const std::string& path, const TextMapP
 }
 
 std::string formatTextMap(const MarkerMap& map, const TextMapParams& params) {
-  if (map.frame() != params.frame) refuse("the map's frame", "it is '" + map.frame() + "'");
+  if (map.frame() != params.frame) refuse("the frame of the map", "it is '" + map.frame() + "'");
   std::string text =
       "# name Tx Ty Tz Rx Ry Rz: metres; roll, pitch, yaw in radians; parent " + map.frame() + "\n";
   for (const auto& entry : map.markers()) {

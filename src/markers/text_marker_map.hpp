@@ -9,9 +9,10 @@
 
 namespace sextant {
 
-/// The plain text format. @throws std::runtime_error "path:line: reason"
+/// Parses the plain text format. @throws std::runtime_error "path:line: reason"
 MarkerMap parseTextMap(std::istream& in, const std::string& path, const TextMapParams& params);
-/// @throws std::runtime_error for a map that would not come back when it is read with these parameters
+/// Formats a map as plain text.
+/// @throws std::runtime_error for a map that would change when it is read with these parameters
 std::string formatTextMap(const MarkerMap& map, const TextMapParams& params);
 
 }  // namespace sextant

@@ -8,14 +8,14 @@
 namespace sextant {
 namespace {
 
-// A deviation for all three axes, or one for each.
+// Reads one standard deviation for all three axes, or one for each axis.
 Eigen::Vector3d deviations(const YAML::Node& node) {
   Eigen::Vector3d sigma;
   if (node.IsScalar())
     sigma.setConstant(number(node));
   else
     sigma = numbers(node, 3);
-  if ((sigma.array() < 0).any()) throw YamlMistake(node.Mark(), "a standard deviation cannot be negative");
+  if ((sigma.array() < 0).any()) throw YamlError(node.Mark(), "a standard deviation cannot be negative");
   return sigma;
 }
 
@@ -28,7 +28,7 @@ Matrix6d covariance(const YAML::Node& node) {
   const YAML::Node full = node["covariance"];
   if (full) {
     if (node["sigma_position"] || node["sigma_rotation"])
-      throw YamlMistake(full.Mark(), "give either covariance or sigma_position and sigma_rotation");
+      throw YamlError(full.Mark(), "give either covariance or sigma_position and sigma_rotation");
     return Eigen::Map<const Matrix6d>(numbers(full, 36).data());
   }
   if (const YAML::Node sigma = node["sigma_position"])
@@ -41,21 +41,21 @@ Matrix6d covariance(const YAML::Node& node) {
 MappedMarker marker(const YAML::Node& node) {
   requireKeys(node, "a marker", {"family", "id", "size", "position", "rpy"},
               {"name", "sigma_position", "sigma_rotation", "covariance"});
-  return {{word(node["family"]), wholeNumber(node["id"])},
+  return {{nonEmptyText(node["family"]), wholeNumber(node["id"])},
           number(node["size"]),
-          node["name"] ? word(node["name"]) : "",
+          node["name"] ? nonEmptyText(node["name"]) : "",
           pose(node),
           covariance(node)};
 }
 
 MappedFrame frame(const YAML::Node& node) {
   requireKeys(node, "a frame", {"name", "parent", "position", "rpy"}, {});
-  return {word(node["name"]), word(node["parent"]), pose(node)};
+  return {nonEmptyText(node["name"]), nonEmptyText(node["parent"]), pose(node)};
 }
 
 MarkerMap parse(const YAML::Node& root) {
   requireKeys(root, "a marker map", {"frame", "markers"}, {"frames"});
-  MarkerMap map(word(root["frame"]));
+  MarkerMap map(nonEmptyText(root["frame"]));
   forEach(root["markers"], "markers", [&](const YAML::Node& node) { map.add(marker(node)); });
   forEach(root["frames"], "frames", [&](const YAML::Node& node) { map.addFrame(frame(node)); });
   return map;
@@ -83,8 +83,8 @@ MarkerMap parseYamlMap(const std::string& text, const std::string& path) {
 
 std::string formatYamlMap(const MarkerMap& map) {
   std::string text =
-      "# Poses take the marker's frame to the map's: metres; roll, pitch, yaw in radians.\nframe: " +
-      quotedText(map.frame()) + "\nmarkers:" + (map.markers().empty() ? " []\n" : "\n");
+      "# Poses are T_map_marker: metres; roll, pitch, yaw in radians.\nframe: " + quotedText(map.frame()) +
+      "\nmarkers:" + (map.markers().empty() ? " []\n" : "\n");
   for (const auto& entry : map.markers()) text += formatMarker(entry.second);
   if (!map.frames().empty()) text += "frames:\n";
   for (const MappedFrame& frame : map.frames())

@@ -8,8 +8,9 @@
 
 namespace sextant {
 
-/// The YAML format of doc/marker_map.md. @throws std::runtime_error "path:line: reason"
+/// Parses the YAML format of doc/reference/marker_map.md. @throws std::runtime_error "path:line: reason"
 MarkerMap parseYamlMap(const std::string& text, const std::string& path);
+/// Formats a map as YAML.
 std::string formatYamlMap(const MarkerMap& map);
 
 }  // namespace sextant

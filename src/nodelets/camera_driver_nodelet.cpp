@@ -14,12 +14,13 @@
 #include "sextant/images/camera_driver_node_params.hpp"
 #include "sextant/ros/base/param_reader.hpp"
 #include "sextant/ros/base/trouble_log.hpp"
-#include "sextant/ros/images/calibration.hpp"
+#include "sextant/ros/images/driver_calibration.hpp"
 #include "sextant/ros/images/image_player.hpp"
 
 namespace sextant {
 
-/// Publishes a camera, a video file or a folder of images with its calibration, stamped at the grab.
+/// Publishes the images of a camera, video file or folder with the calibration, stamped when they are
+/// grabbed.
 class CameraDriverNodelet : public nodelet::Nodelet {
   void onInit() override {
     trouble_ = std::make_unique<TroubleLog>(getName());
@@ -40,7 +41,7 @@ class CameraDriverNodelet : public nodelet::Nodelet {
         ImagePlayer::Outlet{
             [this] { return image_pub_.getNumSubscribers() > 0; },
             [this] { return image_pub_.getNumSubscribers() > 0 || info_pub_.getNumSubscribers() > 0; },
-            [this](const cv::Mat& picture, const ros::Time& stamp) { publish(picture, stamp); }},
+            [this](const cv::Mat& frame, const ros::Time& stamp) { publish(frame, stamp); }},
         *trouble_);
     startDiagnostics();
   }
@@ -48,11 +49,11 @@ class CameraDriverNodelet : public nodelet::Nodelet {
   void advertise(const std::string& calibration_url) {
     ros::NodeHandle& node = getNodeHandle();
     const std::string topic = node.resolveName("image_raw");
-    // set_camera_info is looked for beside the image, wherever that is.
+    // Clients expect set_camera_info in the namespace of the image topic.
     const ros::NodeHandle beside(node, ros::names::parentNamespace(topic));
     calibration_ = std::make_unique<camera_info_manager::CameraInfoManager>(beside, params_.camera_name,
                                                                             calibration_url);
-    // Two publishers, not one of image_transport's for both: a file waits for who hears its images.
+    // Not image_transport's CameraPublisher for both: a file waits for a subscriber of its images.
     image_pub_ = image_transport::ImageTransport(node).advertise("image_raw", 1);
     info_pub_ = node.advertise<sensor_msgs::CameraInfo>(image_transport::getCameraInfoTopic(topic), 1);
   }
@@ -66,18 +67,18 @@ class CameraDriverNodelet : public nodelet::Nodelet {
         ros::WallDuration(1.0), [this](const ros::WallTimerEvent&) { diagnostics_->force_update(); });
   }
 
-  // In the player's thread. A message of its own for every picture: listeners in this process keep it.
-  void publish(const cv::Mat& picture, const ros::Time& stamp) {
+  // In the player's thread. A new message for every image, because subscribers in this process may keep it.
+  void publish(const cv::Mat& frame, const ros::Time& stamp) {
     auto image = boost::make_shared<sensor_msgs::Image>();
     image->header.stamp = stamp;
     image->header.frame_id = params_.frame_id;
     image->encoding = params_.source.encoding;
-    image->width = picture.cols;
-    image->height = picture.rows;
-    image->step = picture.cols * picture.elemSize();
-    image->data.reserve(image->step * image->height);  // a size would be filled with zeros first
-    for (int row = 0; row < picture.rows; ++row)
-      image->data.insert(image->data.end(), picture.ptr(row), picture.ptr(row) + image->step);
+    image->width = frame.cols;
+    image->height = frame.rows;
+    image->step = frame.cols * frame.elemSize();
+    image->data.reserve(image->step * image->height);  // resize() would fill it with zeros first
+    for (int row = 0; row < frame.rows; ++row)
+      image->data.insert(image->data.end(), frame.ptr(row), frame.ptr(row) + image->step);
     info_pub_.publish(infoOf(*image));
     image_pub_.publish(sensor_msgs::ImageConstPtr(image));
   }
@@ -96,7 +97,7 @@ class CameraDriverNodelet : public nodelet::Nodelet {
     if (counts.finished)
       status.summary(diagnostic_msgs::DiagnosticStatus::OK, "finished");
     else if (counts.opened == 0 && status.level == diagnostic_msgs::DiagnosticStatus::OK)
-      status.message = "waits for a listener";
+      status.message = "waiting for a subscriber";
     status.add("source", params_.source.source);
     status.addf("rate", "%.1f Hz", (counts.published - published_) / (now - diagnosed_).toSec());
     status.add("published", counts.published);
@@ -112,9 +113,9 @@ class CameraDriverNodelet : public nodelet::Nodelet {
   std::unique_ptr<camera_info_manager::CameraInfoManager> calibration_;
   image_transport::Publisher image_pub_;
   ros::Publisher info_pub_;
-  unsigned long published_ = 0;  // at the last diagnosis
+  unsigned long published_ = 0;  // at the last diagnostics
   ros::SteadyTime diagnosed_ = ros::SteadyTime::now();
-  // Their threads use what is above.
+  // Last, because their threads use the members above.
   std::unique_ptr<ImagePlayer> player_;
   std::unique_ptr<diagnostic_updater::Updater> diagnostics_;
   ros::WallTimer diagnostics_timer_;

@@ -15,7 +15,7 @@
 #include "sextant/MarkerArray.h"
 #include "sextant/MarkerDetectorConfig.h"
 #include "sextant/detection/marker_detector_node_params.hpp"
-#include "sextant/markers/marker_picture.hpp"
+#include "sextant/markers/marker_drawing.hpp"
 #include "sextant/ros/base/param_config.hpp"
 #include "sextant/ros/base/param_reader.hpp"
 #include "sextant/ros/base/rate_limit.hpp"
@@ -24,12 +24,13 @@
 #include "sextant/ros/base/start_in_queue.hpp"
 #include "sextant/ros/base/trouble_log.hpp"
 #include "sextant/ros/detection/detector_report.hpp"
-#include "sextant/ros/detection/image_bridge.hpp"
+#include "sextant/ros/detection/image_conversions.hpp"
+#include "sextant/ros/geometry/camera_conversions.hpp"
 #include "sextant/ros/markers/marker_conversions.hpp"
 
 namespace sextant {
 
-/// Finds printed markers in images and tells their corners and poses in the camera frame.
+/// Detects printed markers in images and publishes their corners and poses in the camera frame.
 class MarkerDetectorNodelet : public nodelet::Nodelet {
   void onInit() override {
     trouble_ = std::make_unique<TroubleLog>(getName());
@@ -49,11 +50,10 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
 
   void advertise() {
     ros::NodeHandle& node = getNodeHandle();
-    const auto listeners = [this](const ros::SingleSubscriberPublisher&) { updateSubscription(); };
-    markers_pub_ = node.advertise<MarkerArray>("markers", 1, listeners, listeners);
-    picture_pub_ = node.advertise<sensor_msgs::Image>("markers/image", 1, listeners, listeners);
-    jpeg_pub_ =
-        node.advertise<sensor_msgs::CompressedImage>("markers/image/compressed", 1, listeners, listeners);
+    const auto update = [this](const ros::SingleSubscriberPublisher&) { updateSubscription(); };
+    markers_pub_ = node.advertise<MarkerArray>("markers", 1, update, update);
+    debug_pub_ = node.advertise<sensor_msgs::Image>("markers/image", 1, update, update);
+    jpeg_pub_ = node.advertise<sensor_msgs::CompressedImage>("markers/image/compressed", 1, update, update);
     enable_srv_ = getPrivateNodeHandle().advertiseService("enable", &MarkerDetectorNodelet::onEnable, this);
     diagnostics_ = std::make_unique<diagnostic_updater::Updater>(node, getPrivateNodeHandle(), getName());
     diagnostics_->setHardwareID("none");
@@ -66,25 +66,25 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
         node.createWallTimer(ros::WallDuration(1.0), [this](const ros::WallTimerEvent&) { everySecond(); });
   }
 
-  // In the queue of the images: between two of them. Level 1 (cfg/MarkerDetector.cfg) is the search itself,
-  // whose state begins anew.
+  // In the callback queue of the images, so between two of them. Level 1 (cfg/MarkerDetector.cfg): parameters
+  // of the detector, which is created again without its tracks.
   void reconfigure(const MarkerDetectorConfig& config, uint32_t level) {
     const MarkerDetectorNodeParams changed = withConfig(params_, config);
     if (level & 1) detector_ = makeMarkerDetector(changed.detector);
     params_ = changed;
   }
 
-  // A listener that came before the nodelet's queue was open was not told of.
+  // Connections made before the callback queue was active are not reported by a callback.
   void everySecond() {
     updateSubscription();
     diagnostics_->force_update();
   }
 
-  // No work without a listener: images are only heard while somebody hears us.
+  // Subscribes to images only while there is a subscriber of the results.
   void updateSubscription() {
-    const bool heard = params_.publish_tf || markers_pub_.getNumSubscribers() > 0 ||
-                       picture_pub_.getNumSubscribers() > 0 || jpeg_pub_.getNumSubscribers() > 0;
-    if (!enabled_ || !heard) {
+    const bool needed = params_.publish_tf || markers_pub_.getNumSubscribers() > 0 ||
+                        debug_pub_.getNumSubscribers() > 0 || jpeg_pub_.getNumSubscribers() > 0;
+    if (!enabled_ || !needed) {
       image_sub_.shutdown();
       info_sub_.shutdown();
     } else if (!image_sub_) {
@@ -102,7 +102,7 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
       image_sub_ = node.subscribe("image", 1, &MarkerDetectorNodelet::onImage, this, newest);
   }
 
-  // The sibling of the image, as image_transport has it, unless it was remapped by itself.
+  // camera_info beside the image topic, as image_transport expects it, unless it is remapped.
   std::string infoTopic() const {
     const std::string plain = getNodeHandle().resolveName("camera_info", false);
     const std::string resolved = getNodeHandle().resolveName("camera_info");
@@ -151,7 +151,7 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
       clock_.finish("marker poses");
       publish(header, markers);
       clock_.finish("publication");
-      publishPicture(header, image, markers);
+      publishDebugImage(header, image, markers);
       trouble_->succeeded();
     } catch (const std::invalid_argument& error) {
       trouble_->report("image", error.what());
@@ -162,8 +162,8 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
     }
   }
 
-  // OpenCV shares its loops among all cores, even the tiny ones of a search in small windows: to wake a
-  // thread for them costs more than it saves. Within a loop of its own it does not.
+  // OpenCV runs even tiny loops on all cores; for searches in small windows, waking the threads takes longer
+  // than the loop. Inside a parallel_for_ it does not start further threads.
   std::vector<Detection> detect(const cv::Mat& image) {
     std::vector<Detection> detections;
     const auto search = [&](const cv::Range&) { detections = detector_->detect(image, &*camera_); };
@@ -201,7 +201,8 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
     report_.published(markers, header.stamp, ros::Time::now());
     if (!params_.publish_tf) return;
     if (header.stamp.isZero() || header.frame_id.empty())
-      throw std::invalid_argument("the image's header has no stamp or no frame: tf cannot take its markers");
+      throw std::invalid_argument(
+          "the image's header has no stamp or no frame_id: cannot broadcast its markers");
     broadcast(header, markers);
   }
 
@@ -219,16 +220,16 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
     broadcaster_.sendTransform(transforms);
   }
 
-  void publishPicture(const std_msgs::Header& header, const cv::Mat& image,
-                      const std::vector<ObservedMarker>& markers) {
-    const bool raw = picture_pub_.getNumSubscribers() > 0, jpeg = jpeg_pub_.getNumSubscribers() > 0;
-    if (!(raw || jpeg) || !picture_rate_.passes(RateLimit::Clock::now(), params_.debug_rate)) return;
-    const cv::Mat picture = drawMarkers(image, *camera_, markers, params_.debug_width);
-    if (raw) picture_pub_.publish(toImageMsg(picture, header));
-    clock_.finish("picture");
+  void publishDebugImage(const std_msgs::Header& header, const cv::Mat& image,
+                         const std::vector<ObservedMarker>& markers) {
+    const bool raw = debug_pub_.getNumSubscribers() > 0, jpeg = jpeg_pub_.getNumSubscribers() > 0;
+    if (!(raw || jpeg) || !debug_rate_.passes(RateLimit::Clock::now(), params_.debug_rate)) return;
+    const cv::Mat drawing = drawMarkers(image, *camera_, markers, params_.debug_width);
+    if (raw) debug_pub_.publish(toImageMsg(drawing, header));
+    clock_.finish("debug image");
     if (!jpeg) return;
-    jpeg_pub_.publish(toJpegMsg(picture, header, params_.debug_quality));
-    clock_.finish("picture as JPEG");
+    jpeg_pub_.publish(toJpegMsg(drawing, header, params_.debug_quality));
+    clock_.finish("debug image as JPEG");
   }
 
   bool onEnable(std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response) {
@@ -244,7 +245,7 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
     if (!enabled_)
       status.summary(diagnostic_msgs::DiagnosticStatus::OK, "switched off");
     else if (!image_sub_)
-      status.summary(diagnostic_msgs::DiagnosticStatus::OK, "nobody listens");
+      status.summary(diagnostic_msgs::DiagnosticStatus::OK, "no subscriber");
     else if (report_.images() == 0)
       status.summary(diagnostic_msgs::DiagnosticStatus::WARN, "no image on " + image_sub_.getTopic());
     report_.fill(status);
@@ -258,14 +259,14 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
   std::string camera_trouble_;
   bool enabled_ = true;
   DetectorReport report_;
-  RateLimit search_rate_, picture_rate_;
+  RateLimit search_rate_, debug_rate_;
   std::unique_ptr<TroubleLog> trouble_;
   StageClock clock_;
   tf2_ros::TransformBroadcaster broadcaster_;
   std::unique_ptr<diagnostic_updater::Updater> diagnostics_;
   std::unique_ptr<ReconfigureServer<MarkerDetectorConfig>> reconfigure_;
   ros::WallTimer start_timer_, diagnostics_timer_;
-  ros::Publisher markers_pub_, picture_pub_, jpeg_pub_;
+  ros::Publisher markers_pub_, debug_pub_, jpeg_pub_;
   ros::ServiceServer enable_srv_;
   ros::Subscriber image_sub_, info_sub_;
 };

@@ -25,31 +25,31 @@
 #include "sextant/ros/base/start_in_queue.hpp"
 #include "sextant/ros/base/trouble_log.hpp"
 #include "sextant/ros/geometry/map_transform.hpp"
-#include "sextant/ros/geometry/tf_bridge.hpp"
+#include "sextant/ros/geometry/transform_lookup.hpp"
 #include "sextant/ros/localization/locator_report.hpp"
 #include "sextant/ros/localization/locator_visualization.hpp"
 #include "sextant/ros/markers/marker_conversions.hpp"
 
 namespace sextant {
 
-/// Tells the base's pose in the map from the markers that cameras see.
+/// Publishes the pose of the base in the map, from the markers that the cameras detect.
 class MarkerLocatorNodelet : public nodelet::Nodelet {
   static constexpr size_t kMaxPending = 30;  // instants that wait for a transform
-  static constexpr double kJumpBack = 1.0;   // seconds; less is an image out of order
+  static constexpr double kJumpBack = 1.0;   // seconds; less: images out of order
 
   using Groups = StampGroups<MarkerArrayConstPtr>;
 
-  // What the cameras saw at one instant, which may wait for a transform.
+  // The markers of all cameras at one instant, which may wait for a transform.
   struct Instant {
     std::vector<Groups::Member> images;
     ros::Time stamp;  // of the newest image
     ros::SteadyTime deadline;
-    std::string missing;  // the transform, with the reason
+    std::string missing;  // the missing transform, with the reason
   };
 
-  // What tf knows of an instant.
+  // The transforms of an instant.
   struct Frames {
-    std::vector<Pose> T_base_camera;  // an image; the base is that of the instant
+    std::vector<Pose> T_base_camera;  // of each image, to the base at the instant's stamp
     std::optional<Pose> T_odom_base;
   };
 
@@ -65,14 +65,14 @@ class MarkerLocatorNodelet : public nodelet::Nodelet {
       throw;
     }
     groups_ = std::make_unique<Groups>(
-        StampGroupsParams{params_.cameras.size(), params_.camera_window, params_.camera_patience});
+        StampGroupsParams{params_.cameras.size(), params_.camera_window, params_.camera_timeout});
     newest_.resize(params_.cameras.size());
     start_timer_ = startInQueue(getNodeHandle(), [this] { advertise(), subscribe(); });
   }
 
   void advertise() {
-    // In this nodelet's queue: a thread of the listener's own wakes up a hundred times a second, and the
-    // queue of several threads does not live as long as the nodelet, which a callback may keep.
+    // In this nodelet's single-threaded queue: a dedicated thread would wake up a hundred times a second, and
+    // the multi-threaded queue may be destroyed before the nodelet, which a callback can keep alive.
     tf_listener_ = std::make_unique<tf2_ros::TransformListener>(tf_, getNodeHandle(), false);
     ros::NodeHandle& node = getNodeHandle();
     transform_ = std::make_unique<MapTransform>(tf_);
@@ -87,20 +87,20 @@ class MarkerLocatorNodelet : public nodelet::Nodelet {
     diagnostics_timer_ =
         node.createWallTimer(ros::WallDuration(1.0), [this](const ros::WallTimerEvent&) { everySecond(); });
     retry_timer_ = node.createWallTimer(
-        ros::WallDuration(0.002), [this](const ros::WallTimerEvent&) { work(); }, false, false);
+        ros::WallDuration(0.002), [this](const ros::WallTimerEvent&) { processPending(); }, false, false);
     if (params_.tf_output == "map_to_odom" && params_.tf_rate > 0)
       transform_timer_ = node.createWallTimer(ros::WallDuration(1 / params_.tf_rate),
-                                              [this](const ros::WallTimerEvent&) { keepTransform(); });
+                                              [this](const ros::WallTimerEvent&) { repeatTransform(); });
   }
 
-  // In the queue of the images: between two of them.
+  // In the callback queue of the images, so between two of them.
   void reconfigure(const MarkerLocatorConfig& config) {
     const MarkerLocatorNodeParams changed = withConfig(params_, config);
     localization_->setParams(changed.localization);
     params_ = changed;
   }
 
-  // A latched map that came before the nodelet's queue was open is lost: it is asked for again.
+  // A latched map that arrived before the callback queue was active is lost: subscribe again.
   void everySecond() {
     if (!map_) subscribeMap();
     diagnostics_->force_update();
@@ -122,7 +122,7 @@ class MarkerLocatorNodelet : public nodelet::Nodelet {
   void onMap(const MarkerMapEntriesConstPtr& msg) {
     try {
       map_ = fromMsg(*msg);
-      localization_->forgetMap();
+      localization_->resetMap();
       visualization_.clear();
     } catch (const std::exception& error) {
       trouble_->report("map", "the map on " + map_sub_.getTopic() + " is not used: " + error.what());
@@ -132,25 +132,26 @@ class MarkerLocatorNodelet : public nodelet::Nodelet {
   void onMarkers(size_t camera, const MarkerArrayConstPtr& msg) {
     report_->image();
     const ros::Time stamp = msg->header.stamp;
-    if (!stamp.isZero() && newest_[camera].toSec() - stamp.toSec() > kJumpBack) beginAnew();
+    if (!stamp.isZero() && newest_[camera].toSec() - stamp.toSec() > kJumpBack) restart();
     newest_[camera] = stamp;
     groups_->add(camera, stamp.toSec(), ros::SteadyTime::now().toSec(), msg);
-    work();
+    processPending();
   }
 
-  // A bag plays again: as long as tf has the later transforms it refuses the earlier ones.
-  void beginAnew() {
-    trouble_->report("clock", "the images' stamps jumped back: what was known is forgotten");
+  // A bag was restarted: tf rejects transforms that are older than those it has.
+  void restart() {
+    trouble_->report("clock", "the images' stamps jumped back: localization restarts");
     groups_->clear();
     pending_.clear();
     tf_.clear();
+    std::fill(newest_.begin(), newest_.end(), ros::Time());  // the other cameras' stamps jump back, too
     localization_->reset();
     transform_->reset();
     visualization_.clear();
   }
 
-  // Locates what waits, in the order of arrival; a missing transform may still come until its deadline.
-  void work() {
+  // Locates the pending instants in order of arrival; each waits for its transforms until its deadline.
+  void processPending() {
     const ros::SteadyTime now = ros::SteadyTime::now();
     while (auto images = groups_->take(now.toSec()))
       pending_.push_back(instant(std::move(*images), now + ros::WallDuration(params_.transform_timeout)));
@@ -172,42 +173,44 @@ class MarkerLocatorNodelet : public nodelet::Nodelet {
     return instant;
   }
 
-  std::optional<Pose> lookUpOrTell(const std::string& target, const std::string& source,
-                                   const ros::Time& stamp, std::string& missing) {
+  std::optional<Pose> lookUpOrExplain(const std::string& target, const std::string& source,
+                                      const ros::Time& stamp, std::string& missing) {
     const TransformLookup found = lookUp(tf_, target, source, stamp);
     missing = found.reason;
     return found.T_target_source;
   }
 
-  // With odometry, cameras that saw the same instant a little earlier were elsewhere with their base.
+  // With odometry, an image with an earlier stamp than the instant's is corrected for the motion in between.
   std::optional<Frames> lookUpFrames(Instant& instant) {
     Frames frames;
     const bool with_odometry = params_.needsOdometry();
     if (with_odometry) {
       frames.T_odom_base =
-          lookUpOrTell(params_.odom_frame, params_.base_frame, instant.stamp, instant.missing);
+          lookUpOrExplain(params_.odom_frame, params_.base_frame, instant.stamp, instant.missing);
       if (!frames.T_odom_base) return std::nullopt;
     }
     for (const auto& image : instant.images) {
       const std_msgs::Header& header = image.item->header;
       frames.T_base_camera.push_back(Pose::Identity());
       if (params_.base_frame.empty()) continue;
-      const auto mount = lookUpOrTell(params_.base_frame, header.frame_id, header.stamp, instant.missing);
+      const auto mount = lookUpOrExplain(params_.base_frame, header.frame_id, header.stamp, instant.missing);
       if (!mount) return std::nullopt;
       frames.T_base_camera.back() = *mount;
       if (!with_odometry || header.stamp == instant.stamp) continue;
-      const auto then = lookUpOrTell(params_.odom_frame, params_.base_frame, header.stamp, instant.missing);
+      const auto then =
+          lookUpOrExplain(params_.odom_frame, params_.base_frame, header.stamp, instant.missing);
       if (!then) return std::nullopt;
       frames.T_base_camera.back() = frames.T_odom_base->inverse() * *then * *mount;
     }
     return frames;
   }
 
-  // False: a transform is missing.
+  // Returns whether the instant is done: false only while a transform is missing.
   bool tryLocate(Instant& instant) {
     if (!map_) {
-      trouble_->report("map", "no marker map yet: set ~map_file, or start marker_broadcaster (" +
-                                  map_sub_.getTopic() + ")");
+      trouble_->report("map",
+                       "no marker map yet: set ~map_file, or start marker_broadcaster, which publishes " +
+                           map_sub_.getTopic());
       return true;
     }
     clock_.start();
@@ -260,9 +263,8 @@ class MarkerLocatorNodelet : public nodelet::Nodelet {
     if (!why_not.empty()) trouble_->report("tf", "tf_output " + params_.tf_output + ": " + why_not);
   }
 
-  // As long as odometry comes, so does map -> odom: whoever asks for a frame in the map finds it at every
-  // stamp that odometry has.
-  void keepTransform() {
+  // Repeats map -> odom for new odometry, so that lookups in the map succeed at every stamp of the odometry.
+  void repeatTransform() {
     const auto T_map_odom = localization_->correction().transform();
     if (!map_ || !T_map_odom) return;
     const ros::Time newest = newestCommonTime(tf_, params_.odom_frame, params_.base_frame);
@@ -279,7 +281,7 @@ class MarkerLocatorNodelet : public nodelet::Nodelet {
   std::optional<MarkerMap> map_;
   std::unique_ptr<Groups> groups_;
   std::deque<Instant> pending_;
-  std::vector<ros::Time> newest_;  // stamp a camera
+  std::vector<ros::Time> newest_;  // newest stamp of each camera
   LocatorVisualization visualization_;
   std::unique_ptr<TroubleLog> trouble_;
   std::unique_ptr<LocatorReport> report_;

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: Sextant authors
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// A nodelet as a node of its own: CMakeLists.txt builds this file once for each, with its NODE and NODELET.
+// Runs a nodelet as a node: CMakeLists.txt builds this file once for each nodelet, with its NODE and NODELET.
 #include <nodelet/loader.h>
 #include <ros/ros.h>
 

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: Sextant authors
 // SPDX-License-Identifier: BSD-3-Clause
+#ifdef SEXTANT_FAISS
 #include "faiss_index.hpp"
 
 #include <faiss/IndexBinaryIVF.h>
@@ -23,41 +24,41 @@ namespace sextant {
 namespace {
 
 using faiss::Index;
-using Id = faiss::Index::idx_t;
+using Id = decltype(faiss::Index::ntotal);  // faiss::Index::idx_t, later faiss::idx_t
 
-constexpr int kReducedWidth = 64;   // of descriptors with more numbers
-constexpr int kEnoughSamples = 10;  // times the width, to learn from how to reduce them
-constexpr int64_t kMany = 2000000;  // descriptors from which on reduced ones are stored in half of the bytes
-constexpr int kPointsPerList = 39;  // that k-means wants at least, by faiss
-constexpr int kProbes = 8, kMostProbes = 16;    // lists that are looked into
-constexpr int kListsPerProbe = 64;              // for each that is looked into, between the two
-constexpr int kRounds = 10, kRoundsOfMany = 4;  // of k-means
+constexpr int kReducedWidth = 64;       // PCA reduces wider descriptors to it
+constexpr int kSamplesPerColumn = 10;   // minimum for training the PCA
+constexpr int64_t kMany = 2000000;      // descriptors from which on product quantization halves the memory
+constexpr int kPointsPerCentroid = 39;  // minimum that faiss recommends for k-means
+constexpr int kMinProbes = 8, kMaxProbes = 16;          // inverted lists searched per query
+constexpr int kListsPerProbe = 64;                      // searched lists grow with the number of lists
+constexpr int kIterations = 10, kIterationsOfMany = 4;  // of k-means
 
-Id firstId(Id owner) { return owner * DescriptorIndex::kMaxRows; }
+Id firstId(Id image_id) { return image_id * DescriptorIndex::kMaxRows; }
 
 int listCount(int64_t expected, int samples) {
   const auto wanted = static_cast<int64_t>(2 * std::sqrt(static_cast<double>(expected)));
-  return static_cast<int>(std::clamp<int64_t>(wanted, 1, std::max(1, samples / kPointsPerList)));
+  return static_cast<int>(std::clamp<int64_t>(wanted, 1, std::max(1, samples / kPointsPerCentroid)));
 }
 
 int probeCount(size_t lists) {
-  return std::clamp(static_cast<int>(lists / kListsPerProbe), kProbes, kMostProbes);
+  return std::clamp(static_cast<int>(lists / kListsPerProbe), kMinProbes, kMaxProbes);
 }
 
 std::string description(int width, int samples, int64_t expected) {
   const std::string lists = "IVF" + std::to_string(listCount(expected, samples));
-  if (width <= kReducedWidth || samples < kEnoughSamples * width) return lists + ",SQ8";
+  if (width <= kReducedWidth || samples < kSamplesPerColumn * width) return lists + ",SQ8";
   const std::string reduced = "PCA" + std::to_string(kReducedWidth) + "," + lists;
-  // Not polysemous: what that trains for minutes, no search uses.
+  // Without polysemous codes, whose training takes minutes and which no search here uses.
   return reduced + (expected < kMany ? ",SQ8" : "_HNSW32,PQ32np");
 }
 
-/// A table for every list takes more memory than the lists themselves.
-void leaveOutTables(Index* lists) {
+/// The precomputed tables take more memory than the lists.
+void disablePrecomputedTables(Index* lists) {
   if (auto* products = dynamic_cast<faiss::IndexIVFPQ*>(lists)) products->use_precomputed_table = -1;
 }
 
-/// What float and binary indexes differ in, and faiss has no common base for.
+/// Traits of real-valued indexes; faiss has no common base of these and binary ones.
 struct Floats {
   using Base = Index;
   using Lists = faiss::IndexIVF;
@@ -68,7 +69,7 @@ struct Floats {
   static std::unique_ptr<Base> make(const cv::Mat& samples, int64_t expected) {
     const std::string text = description(samples.cols, samples.rows, expected);
     std::unique_ptr<Base> index(faiss::index_factory(samples.cols, text.c_str()));
-    leaveOutTables(lists(index.get()));
+    disablePrecomputedTables(lists(index.get()));
     return index;
   }
   static Lists* lists(Base* index) {
@@ -82,6 +83,7 @@ struct Floats {
   static void write(const Base* index, faiss::IOWriter* writer) { faiss::write_index(index, writer); }
 };
 
+/// Traits of binary indexes.
 struct Bits {
   using Base = faiss::IndexBinary;
   using Lists = faiss::IndexBinaryIVF;
@@ -100,30 +102,31 @@ struct Bits {
   static void write(const Base* index, faiss::IOWriter* writer) { faiss::write_index_binary(index, writer); }
 };
 
+/// Index by faiss' inverted files.
 template <class Kind>
 class FaissIndex : public DescriptorIndex {
  public:
   using Base = typename Kind::Base;
 
-  /// @param samples not empty and without gaps
+  /// @param samples not empty, continuous
   FaissIndex(const cv::Mat& samples, int64_t expected)
       : DescriptorIndex(Kind::kType, samples.cols), index_(Kind::make(samples, expected)) {
-    lists().cp.min_points_per_centroid = 1;  // few pictures make few points: no reason for a warning
-    lists().cp.niter = expected < kMany ? kRounds : kRoundsOfMany;
+    lists().cp.min_points_per_centroid = 1;  // no warning for small maps
+    lists().cp.niter = expected < kMany ? kIterations : kIterationsOfMany;
     index_->train(samples.rows, values(samples));
     lists().nprobe = probeCount(lists().nlist);
   }
 
-  /// @param index as faiss read it, with its lists mapped; not null
+  /// @param index not null; as read by faiss, with memory-mapped lists
   explicit FaissIndex(std::unique_ptr<Base> index)
       : DescriptorIndex(Kind::kType, Kind::width(*index)), index_(std::move(index)), mapped_(true) {
-    if (!Kind::lists(index_.get())) throw std::runtime_error("no inverted lists in it");
+    if (!Kind::lists(index_.get())) throw std::runtime_error("it has no inverted lists");
     lists().nprobe = probeCount(lists().nlist);
   }
 
-  void remove(int32_t owner) override {
+  void remove(int32_t image_id) override {
     ownLists();
-    index_->remove_ids(faiss::IDSelectorRange(firstId(owner), firstId(Id{owner} + 1)));
+    index_->remove_ids(faiss::IDSelectorRange(firstId(image_id), firstId(Id{image_id} + 1)));
   }
 
   int64_t size() const override { return index_->ntotal; }
@@ -135,7 +138,7 @@ class FaissIndex : public DescriptorIndex {
   }
 
   void append(const std::string& path) override {
-    ownLists();  // of mapped ones faiss writes where they are, not what is in them
+    ownLists();  // faiss writes the file name of mapped lists instead of their content
     std::unique_ptr<FILE, int (*)(FILE*)> file(std::fopen(path.c_str(), "ab"), std::fclose);
     if (!file) throw std::runtime_error(path + ": cannot be written to");
     faiss::FileIOWriter writer(file.get());
@@ -154,27 +157,27 @@ class FaissIndex : public DescriptorIndex {
 
   typename Kind::Lists& lists() { return *Kind::lists(index_.get()); }
 
-  void addChecked(int32_t owner, const cv::Mat& descriptors) override {
+  void addChecked(int32_t image_id, const cv::Mat& descriptors) override {
     std::vector<Id> ids(descriptors.rows);
-    std::iota(ids.begin(), ids.end(), firstId(owner));
+    std::iota(ids.begin(), ids.end(), firstId(image_id));
     ownLists();
     index_->add_with_ids(descriptors.rows, values(descriptors), ids.data());
   }
 
   void searchChecked(const cv::Mat& descriptors, Neighbours& found) const override {
-    const size_t count = found.owners.size();
+    const size_t count = found.image_ids.size();
     std::vector<typename Kind::Distance> distances(count);
     std::vector<Id> ids(count);
     index_->search(descriptors.rows, values(descriptors), found.k, distances.data(), ids.data());
     for (size_t i = 0; i < count; ++i) {
       if (ids[i] < 0) continue;
       found.distances[i] = Kind::distance(distances[i]);
-      found.owners[i] = static_cast<int32_t>(ids[i] / kMaxRows);
+      found.image_ids[i] = static_cast<int32_t>(ids[i] / kMaxRows);
       found.rows[i] = static_cast<int32_t>(ids[i] % kMaxRows);
     }
   }
 
-  /// What lies in a file cannot be changed there.
+  /// Copies mapped lists into memory: mapped ones are read-only.
   void ownLists() {
     if (!mapped_) return;
     const faiss::InvertedLists& old = *lists().invlists;
@@ -196,9 +199,9 @@ template <class Kind>
 std::unique_ptr<DescriptorIndex> readKind(FILE* file) {
   faiss::FileIOReader reader(file);
   auto index = std::make_unique<FaissIndex<Kind>>(std::unique_ptr<typename Kind::Base>(Kind::read(&reader)));
-  // faiss maps lists without a look whether they are there; a search in lacking ones would end the process.
+  // faiss maps lists without checking the file's size; a search beyond its end would crash the process.
   const long end = std::ftell(file);
-  if (std::fseek(file, 0, SEEK_END) || std::ftell(file) < end) throw std::runtime_error("it is cut short");
+  if (std::fseek(file, 0, SEEK_END) || std::ftell(file) < end) throw std::runtime_error("it is truncated");
   return index;
 }
 
@@ -212,15 +215,16 @@ std::unique_ptr<DescriptorIndex> makeFaissIndex(const cv::Mat& samples, int64_t 
 std::unique_ptr<DescriptorIndex> readFaissIndex(const std::string& path, int64_t offset) {
   std::unique_ptr<FILE, int (*)(FILE*)> file(std::fopen(path.c_str(), "rb"), std::fclose);
   if (!file) throw std::runtime_error(path + ": cannot be read");
-  char begin[2] = {};  // of the names of faiss's binary indexes: IB
+  char begin[2] = {};  // IB: type names of faiss' binary indexes
   if (std::fseek(file.get(), offset, SEEK_SET) || std::fread(begin, 1, 2, file.get()) != 2 ||
       std::fseek(file.get(), offset, SEEK_SET))
     throw std::runtime_error(path + ": is too short");
   try {
     return begin[0] == 'I' && begin[1] == 'B' ? readKind<Bits>(file.get()) : readKind<Floats>(file.get());
   } catch (const std::exception& error) {
-    throw std::runtime_error(path + ": no index can be read: " + error.what());
+    throw std::runtime_error(path + ": the index cannot be read: " + error.what());
   }
 }
 
 }  // namespace sextant
+#endif  // SEXTANT_FAISS

@@ -9,12 +9,13 @@
 
 namespace sextant {
 
-/// Inverted lists: numbers as a byte each, of wide descriptors with samples enough at most 64; bits as they
-/// are.
-/// @param samples CV_32F or CV_8U, not empty, without gaps
+/// Creates an inverted file. Real values are quantized to a byte each, after a PCA to 64 dimensions if there
+/// are enough samples; binary descriptors are stored unmodified.
+/// @param samples training descriptors, CV_32F or CV_8U, not empty, continuous
+/// @param expected expected number of descriptors
 std::unique_ptr<DescriptorIndex> makeFaissIndex(const cv::Mat& samples, int64_t expected);
 
-/// See readDescriptorIndex().
+/// Reads an index, see readDescriptorIndex().
 std::unique_ptr<DescriptorIndex> readFaissIndex(const std::string& path, int64_t offset);
 
 }  // namespace sextant

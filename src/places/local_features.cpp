@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 #include <set>
 #include <stdexcept>
+#include <string_view>
 #include <tuple>
 
 #include "surf.hpp"
@@ -18,17 +19,17 @@ namespace {
 
 using KeyPoints = std::vector<cv::KeyPoint>;
 
-constexpr int kLeastSide = 8;  // pixels; nothing is seen in less, and OpenCV's AKAZE throws
+constexpr int kMinSide = 8;  // pixels; OpenCV's AKAZE throws for smaller images
 
 // OpenCV's ORB
 constexpr int kOrbFeatures = 500, kOrbLevels = 8, kOrbPatch = 31;
 constexpr float kOrbScale = 1.2F;
 
 // OpenCV's SIFT
-constexpr double kSiftSigma = 1.6;  // of an octave's first layer
-constexpr int kSiftLayers = 3;      // an octave
-constexpr double kSiftEdge = 10;    // ratio of curvatures from which on a keypoint lies on an edge
-constexpr float kSiftUnit = 512;    // of a descriptor of length 1
+constexpr double kSiftSigma = 1.6;  // of the first layer of an octave
+constexpr int kSiftLayers = 3;      // per octave
+constexpr double kSiftEdge = 10;    // minimum ratio of principal curvatures of an edge
+constexpr float kSiftUnit = 512;    // integer value of 1 in a unit descriptor
 
 cv::Ptr<cv::Feature2D> sift(const FeatureParams& params) {
   return cv::SIFT::create(0, kSiftLayers, params.sift_contrast, kSiftEdge, kSiftSigma);
@@ -55,13 +56,12 @@ KeyPoints detectBySurf(const FeatureParams& params, const cv::Mat& image) {
   return detectSurf(image, params.surf_threshold, params.upright);
 }
 
-/// The smallest octave of SIFT's pyramid that still shows something.
+/// The coarsest octave of SIFT's pyramid that has at least kMinSide pixels.
 int topOctave(const cv::Mat& image) {
-  return static_cast<int>(std::log2(std::min(image.rows, image.cols) / kLeastSide));
+  return static_cast<int>(std::log2(std::min(image.rows, image.cols) / kMinSide));
 }
 
-/// The octave and layer of SIFT's pyramid where a neighbourhood of this size is described, packed as OpenCV
-/// does.
+/// The octave and layer of SIFT's pyramid for a keypoint size in pixels, packed as OpenCV does.
 int siftOctave(double size, int top) {
   const double level = std::log2(size / (2 * kSiftSigma));
   const int octave = std::clamp(static_cast<int>(std::ceil(level)) - 1, -1, top);
@@ -69,28 +69,28 @@ int siftOctave(double size, int top) {
   return (octave & 255) | (layer << 8);
 }
 
-/// A neighbourhood that is larger by a factor of two or more is described one octave up: as much is seen of
-/// it, in a quarter of the time.
-void goUp(cv::KeyPoint& point, int top) {
+/// Describes a keypoint one octave up: with twice the support region the sampling density stays the same, at
+/// a quarter of the cost.
+void moveOctaveUp(cv::KeyPoint& point, int top) {
   const int octave = static_cast<int8_t>(point.octave & 255);
   if (octave < top) point.octave = (point.octave & ~255) | ((octave + 1) & 255);
 }
 
 cv::Mat describeBySift(const FeatureParams& params, const cv::Mat& image, KeyPoints& keypoints) {
   const int top = topOctave(image);
-  // SIFT's lowest octave is the picture enlarged twice: it takes the most time, and a small picture needs it.
+  // SIFT's lowest octave is the image at double size: the most expensive one, needed by small images only.
   const bool up =
-      params.support >= 2 && params.max_side && 2 * std::max(image.cols, image.rows) > params.max_side;
+      params.support_scale >= 2 && params.max_side && 2 * std::max(image.cols, image.rows) > params.max_side;
   for (cv::KeyPoint& point : keypoints) {
-    if (params.detector != "SIFT") point.octave = siftOctave(point.size / params.support, top);
-    if (up) goUp(point, top);
+    if (params.detector != "SIFT") point.octave = siftOctave(point.size / params.support_scale, top);
+    if (up) moveOctaveUp(point, top);
   }
   cv::Mat descriptors;
   sift(params)->compute(image, keypoints, descriptors);
-  if (params.root)
+  if (params.root_sift)
     for (int i = 0; i < descriptors.rows; ++i) {
       cv::Mat row = descriptors.row(i);
-      cv::sqrt(row / std::max(cv::norm(row, cv::NORM_L1), 1e-9), row);  // Arandjelovic, Zisserman 2012
+      cv::sqrt(row / std::max(cv::norm(row, cv::NORM_L1), 1e-9), row);  // Arandjelovic, Zisserman, CVPR 2012
       for (float& value : cv::Mat_<float>(row)) value = std::min(std::round(kSiftUnit * value), 255.0F);
     }
   return descriptors;
@@ -119,11 +119,11 @@ cv::Mat describeByAkaze(const FeatureParams& params, const cv::Mat& image, KeyPo
 
 struct Method {
   KeyPoints (*detect)(const FeatureParams&, const cv::Mat&);
-  // Takes out keypoints that it cannot describe.
+  // Removes keypoints that it cannot describe.
   cv::Mat (*describe)(const FeatureParams&, const cv::Mat&, KeyPoints&);
   bool binary;
   int descriptor_width;
-  bool scalable;  // whether the neighbourhood that is described follows the keypoint's size
+  bool scalable;  // whether the support region follows the keypoint's size
 };
 
 const std::map<std::string, Method>& methods() {
@@ -136,12 +136,12 @@ const std::map<std::string, Method>& methods() {
   return all;
 }
 
-const Method& method(const std::string& what, const std::string& name) {
+const Method& method(std::string_view what, const std::string& name) {
   const auto found = methods().find(name);
   if (found != methods().end()) return found->second;
   std::string names;
-  for (const std::string& each : featureNames()) names += (names.empty() ? "" : ", ") + each;
-  throw std::invalid_argument(what + " is '" + name + "', it must be one of " + names);
+  for (const std::string& known : featureNames()) names += (names.empty() ? "" : ", ") + known;
+  throw std::invalid_argument(std::string(what) + " is '" + name + "', it must be one of " + names);
 }
 
 cv::Mat reduced(const cv::Mat& image, int max_side) {
@@ -156,7 +156,7 @@ cv::Mat reduced(const cv::Mat& image, int max_side) {
   return smaller;
 }
 
-/// Where a keypoint has several orientations, it is there several times: one remains.
+/// Detectors repeat a keypoint for each of its orientations; keeps the first.
 void makeUpright(KeyPoints& keypoints) {
   std::set<std::tuple<float, float, float>> seen;
   KeyPoints kept;
@@ -179,17 +179,17 @@ void scaleSizes(KeyPoints& keypoints, double factor) {
   for (cv::KeyPoint& point : keypoints) point.size *= static_cast<float>(factor);
 }
 
-/// From pixels of a picture to those of a larger one of the same, whose sides are rounded to whole pixels.
+/// Converts keypoints from a reduced image to the original; the scales differ as sides are rounded to pixels.
 void enlarge(KeyPoints& keypoints, const cv::Size& from, const cv::Size& to) {
   const double x = static_cast<double>(to.width) / from.width,
                y = static_cast<double>(to.height) / from.height;
-  for (cv::KeyPoint& point : keypoints)  // 0 is the middle of the first pixel
+  for (cv::KeyPoint& point : keypoints)  // 0 is the centre of the first pixel
     point.pt = cv::Point2d((point.pt.x + 0.5) * x - 0.5, (point.pt.y + 0.5) * y - 0.5);
   scaleSizes(keypoints, std::sqrt(x * y));
 }
 
 KeyPoints detect(const FeatureParams& params, const cv::Mat& image) {
-  if (std::min(image.rows, image.cols) < kLeastSide) return {};
+  if (std::min(image.rows, image.cols) < kMinSide) return {};
   KeyPoints keypoints = method("detector", params.detector).detect(params, image);
   if (params.upright) makeUpright(keypoints);
   if (params.max_features) keepStrongest(keypoints, params.max_features);
@@ -205,8 +205,8 @@ FeatureParams FeatureParams::plain(const std::string& detector, const std::strin
   params.max_side = 0;
   params.max_features = 0;
   params.upright = false;
-  params.root = false;
-  params.support = 1;
+  params.root_sift = false;
+  params.support_scale = 1;
   params.sift_contrast = 0.04;
   return params;
 }
@@ -216,27 +216,29 @@ ParamList FeatureParams::fields() {
   const auto fits = [this](const Param& param) {
     method(param.name, extractor);
     if (extractor == "AKAZE" && detector != "AKAZE")
-      throw std::invalid_argument("extractor AKAZE describes keypoints of detector AKAZE only, not of " +
-                                  detector);
+      throw std::invalid_argument("extractor AKAZE needs detector AKAZE, it is " + detector);
   };
   return {
       {"detector", &detector, Allowed("AKAZE, ORB, SIFT, SURF", is_method), "",
-       "of keypoints; SURF is dlib's"},
+       "keypoint detector; SURF is dlib's"},
       {"extractor", &extractor, Allowed("AKAZE, ORB, SIFT, SURF", fits), "",
-       "of descriptors; AKAZE describes AKAZE's keypoints only"},
-      {"max_side", &max_side, Range::closed(0, 16384), "px", "larger pictures are reduced to it; 0: none is"},
+       "descriptor extractor; AKAZE needs keypoints of AKAZE"},
+      {"max_side", &max_side, Range::closed(0, 16384), "px",
+       "longer side to which images are reduced; 0: no limit"},
       {"max_features", &max_features, Range::closed(0, 1000000), "",
-       "the strongest of a picture; 0: all (ORB: its 500)"},
-      {"upright", &upright, Allowed(), "", "descriptors are not turned with the picture"},
-      {"root", &root, Allowed(), "", "SIFT: RootSIFT"},
-      {"support", &support, Range::openLow(0, 16), "",
-       "SIFT and SURF describe a neighbourhood larger by this factor"},
+       "maximum number of keypoints per image, the strongest ones; 0: all (ORB: 500)"},
+      {"upright", &upright, Allowed(), "", "ignore keypoint orientation"},
+      {"root_sift", &root_sift, Allowed(), "", "SIFT: use RootSIFT descriptors"},
+      {"support_scale", &support_scale, Range::openLow(0, 16), "",
+       "SIFT, SURF: size of the described region relative to the usual one"},
       {"sift_contrast", &sift_contrast, Range::openLow(0, 1), "",
-       "less is no keypoint; OpenCV's own default is 0.04"},
-      {"surf_threshold", &surf_threshold, Range::openLow(0, 1e6), "", "dlib's measure, not OpenCV's"},
-      {"akaze_threshold", &akaze_threshold, Range::openLow(0, 1), "", "less is no keypoint"},
+       "SIFT: minimum contrast of a keypoint; OpenCV's default is 0.04"},
+      {"surf_threshold", &surf_threshold, Range::openLow(0, 1e6), "",
+       "SURF: minimum score of a keypoint, on dlib's scale"},
+      {"akaze_threshold", &akaze_threshold, Range::openLow(0, 1), "",
+       "AKAZE: minimum detector response of a keypoint"},
       {"orb_wta_k", &orb_wta_k, Range::closed(2, 4), "",
-       "points that decide a bit; 3 and 4 are for BruteForce-Hamming(2)"},
+       "ORB: points compared per descriptor element; 3 and 4 need BruteForce-Hamming(2)"},
   };
 }
 
@@ -254,16 +256,16 @@ LocalFeatures FeatureExtractor::extract(const cv::Mat& image) const {
   if (image.type() != CV_8UC1 || image.empty())
     throw std::invalid_argument("FeatureExtractor: the image must be 8-bit grey and not empty");
   const Method& extractor = method("extractor", params_.extractor);
-  const cv::Mat picture = reduced(image, params_.max_side);
-  KeyPoints keypoints = detect(params_, picture);
-  const double support = extractor.scalable ? params_.support : 1;
+  const cv::Mat small = reduced(image, params_.max_side);
+  KeyPoints keypoints = detect(params_, small);
+  const double support = extractor.scalable ? params_.support_scale : 1;
   scaleSizes(keypoints, support);
   LocalFeatures features{image.size(), {}, cv::Mat()};
-  if (!keypoints.empty()) features.descriptors = extractor.describe(params_, picture, keypoints);
+  if (!keypoints.empty()) features.descriptors = extractor.describe(params_, small, keypoints);
   if (features.descriptors.empty())
     features.descriptors.create(0, extractor.descriptor_width, extractor.binary ? CV_8U : CV_32F);
   scaleSizes(keypoints, 1 / support);
-  enlarge(keypoints, picture.size(), image.size());
+  enlarge(keypoints, small.size(), image.size());
   features.keypoints = std::move(keypoints);
   return features;
 }

@@ -12,21 +12,20 @@
 namespace sextant {
 namespace {
 
-// Octaves, intervals and first step of the pyramid of dlib's own get_surf_points().
+// Pyramid of dlib's get_surf_points().
 constexpr long kOctaves = 4, kIntervals = 6, kFirstStep = 2;
-constexpr double kExtent = 32;       // scales; of the square that dlib asks for to describe a keypoint
-constexpr double kAngleExtent = 17;  // and to find its angle
+constexpr double kExtent = 32;       // side of the support region of dlib's descriptor, in scales
+constexpr double kAngleExtent = 17;  // side of the region for the dominant angle, in scales
 
-/// Sums of the picture over rectangles; dlib's own can neither be copied nor moved.
+/// Integral image; dlib's can neither be copied nor moved.
 struct Integral : dlib::integral_image {
   explicit Integral(const cv::Mat& image) { load(dlib::cv_image<unsigned char>(image)); }
 };
 
-/// At which a keypoint is described. At less than one, dlib's boxes have no width, or lie outside the
-/// picture.
+/// Scale at which a keypoint is described, at least 1: below, dlib's boxes are empty or outside the image.
 double describedScale(const cv::KeyPoint& point) { return std::max(point.size / 2.0, 1.0); }
 
-/// How far what dlib describes the keypoints by goes over the picture's border, pixels.
+/// How far the support regions extend beyond the image border, pixels.
 int overhang(const cv::Size& size, const std::vector<cv::KeyPoint>& keypoints) {
   double most = 0;
   for (const cv::KeyPoint& point : keypoints) {

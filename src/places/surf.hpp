@@ -8,13 +8,15 @@
 
 namespace sextant {
 
-/// SURF by dlib (OpenCV's is not free). A keypoint's size is twice its scale, as SIFT's is; its angle is in
-/// degrees, clockwise in the picture, 0 where upright; where not, those too near to the border to have one
-/// are left out.
+/// Detects SURF keypoints with dlib (OpenCV's SURF is not free software). A keypoint's size is twice its
+/// scale, as with SIFT; its angle is in degrees, clockwise in the image, and 0 if upright.
+/// @param image 8-bit grey
+/// @param threshold minimum score, on dlib's scale
+/// @param upright no orientation; otherwise keypoints too close to the border for one are left out
 std::vector<cv::KeyPoint> detectSurf(const cv::Mat& image, double threshold, bool upright);
 
-/// Rows of 64 of the keypoints. What they see beyond the picture is like its border; those that see farther
-/// than the picture is long are taken out.
+/// Computes SURF descriptors, CV_32F, n x 64. The image is extended by its border pixels; keypoints whose
+/// support region extends farther than the image's longer side are removed.
 cv::Mat describeSurf(const cv::Mat& image, std::vector<cv::KeyPoint>& keypoints);
 
 }  // namespace sextant

@@ -16,11 +16,11 @@ namespace {
 using Eigen::Vector3f;
 
 constexpr int kNoiseTable = 1 << 18;
-constexpr int kLevels = 4096;  // of light up to kMostLight
-constexpr float kMostLight = 2.0F;
+constexpr int kLevels = 4096;  // steps of light up to kMaxLight
+constexpr float kMaxLight = 2.0F;
 
-std::vector<SeenObject> seenIn(const cv::Mat_<std::uint16_t>& surfaces, size_t count) {
-  std::vector<SeenObject> all(count);
+std::vector<VisibleObject> visibleObjects(const cv::Mat_<std::uint16_t>& surfaces, size_t count) {
+  std::vector<VisibleObject> all(count);
   for (size_t i = 0; i < count; ++i) {
     all[i].object = static_cast<int>(i);
     all[i].low = {surfaces.cols, surfaces.rows};
@@ -29,13 +29,14 @@ std::vector<SeenObject> seenIn(const cv::Mat_<std::uint16_t>& surfaces, size_t c
     for (int x = 0; x < surfaces.cols; ++x) {
       const int surface = surfaces(y, x);
       if (surface < ArenaScene::kBackgrounds || surface == ArenaTracer::kNothing) continue;
-      SeenObject& seen = all[static_cast<size_t>(surface - ArenaScene::kBackgrounds)];
-      seen.low = seen.low.cwiseMin(Eigen::Vector2i(x, y));
-      seen.high = seen.high.cwiseMax(Eigen::Vector2i(x + 1, y + 1));
-      ++seen.pixels;
+      VisibleObject& object = all[static_cast<size_t>(surface - ArenaScene::kBackgrounds)];
+      object.low = object.low.cwiseMin(Eigen::Vector2i(x, y));
+      object.high = object.high.cwiseMax(Eigen::Vector2i(x + 1, y + 1));
+      ++object.pixels;
     }
-  all.erase(std::remove_if(all.begin(), all.end(), [](const SeenObject& each) { return each.pixels == 0; }),
-            all.end());
+  all.erase(
+      std::remove_if(all.begin(), all.end(), [](const VisibleObject& each) { return each.pixels == 0; }),
+      all.end());
   return all;
 }
 
@@ -43,14 +44,14 @@ std::vector<SeenObject> seenIn(const cv::Mat_<std::uint16_t>& surfaces, size_t c
 
 ParamList ArenaCameraParams::fields() {
   return {
-      {"supersampling", &supersampling, Range::closed(1, 8), "",
-       "n * n rays for a pixel that an edge crosses"},
-      {"blur_sigma", &blur_sigma, Range::closed(0, 20), "px", "of the lens"},
-      {"noise_sigma", &noise_sigma, Range::closed(0, 100), "levels", "of the sensor"},
+      {"supersampling", &supersampling, Range::closed(1, 8), "", "n * n rays per pixel at edges"},
+      {"blur_sigma", &blur_sigma, Range::closed(0, 20), "px", "standard deviation of the lens blur"},
+      {"noise_sigma", &noise_sigma, Range::closed(0, 100), "levels",
+       "standard deviation of the sensor noise"},
       {"white_level", &white_level, Range::openLow(0, 1000), "levels",
-       "of what reflects all light of brightness 1"},
-      {"gamma", &gamma, Range::closed(0.5, 4), "", "of the camera's curve"},
-      {"seed", &seed, Range::closed(0, std::numeric_limits<int>::max()), "", "of the noise"},
+       "grey level of a white surface in light of brightness 1"},
+      {"gamma", &gamma, Range::closed(0.5, 4), "", "gamma of the camera's response curve"},
+      {"seed", &seed, Range::closed(0, std::numeric_limits<int>::max()), "", "seed of the noise"},
   };
 }
 
@@ -61,7 +62,7 @@ ArenaCamera::ArenaCamera(const ArenaCameraParams& params, const CameraModel& cam
       noise_(arenaNoise(params.seed, kNoiseTable)) {
   validate(params);
   for (int i = 0; i < kLevels; ++i) {
-    const double light = (i + 0.5) * kMostLight / kLevels;
+    const double light = (i + 0.5) * kMaxLight / kLevels;
     levels_.push_back(
         cv::saturate_cast<std::uint8_t>(params.white_level * std::pow(light, 1 / params.gamma)));
   }
@@ -69,11 +70,10 @@ ArenaCamera::ArenaCamera(const ArenaCameraParams& params, const CameraModel& cam
 
 ArenaCamera::~ArenaCamera() = default;
 
-ArenaCamera::Picture ArenaCamera::take(const ArenaScene& scene, const Pose& T_map_camera,
-                                       std::uint64_t frame) {
+ArenaCamera::Frame ArenaCamera::take(const ArenaScene& scene, const Pose& T_map_camera, std::uint64_t frame) {
   tracer_->trace(scene, T_map_camera);
   colour(scene);
-  return {expose(frame), seenIn(tracer_->surfaces(), scene.objects().size())};
+  return {expose(frame), visibleObjects(tracer_->surfaces(), scene.objects().size())};
 }
 
 void ArenaCamera::colour(const ArenaScene& scene) {
@@ -118,7 +118,7 @@ cv::Mat ArenaCamera::expose(std::uint64_t frame) const {
   for (int y = 0; y < image.rows; ++y)
     for (int x = 0; x < image.cols; ++x)
       for (int c = 0; c < 3; ++c) {
-        const int level = static_cast<int>(light(y, x)[c] * (kLevels / kMostLight));
+        const int level = static_cast<int>(light(y, x)[c] * (kLevels / kMaxLight));
         at = at + 1 == noise_.size() ? 0 : at + 1;
         image(y, x)[c] = cv::saturate_cast<std::uint8_t>(
             static_cast<float>(levels_[static_cast<size_t>(std::clamp(level, 0, kLevels - 1))]) +

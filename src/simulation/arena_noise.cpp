@@ -4,7 +4,8 @@
 
 namespace sextant {
 
-/// SplitMix64 (Steele, Lea and Flood 2014, "Fast splittable pseudorandom number generators") makes the state.
+/// The state comes from SplitMix64 (Steele, Lea and Flood 2014, "Fast splittable pseudorandom number
+/// generators").
 cv::RNG arenaRandom(std::uint64_t seed) {
   std::uint64_t z = (seed + 1) * 0x9E3779B97F4A7C15ULL;
   z = (z ^ (z >> 30U)) * 0xBF58476D1CE4E5B9ULL;

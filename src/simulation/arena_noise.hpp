@@ -9,13 +9,13 @@
 
 namespace sextant {
 
-/// Numbers that have nothing in common with those of the next seed: cv::RNG's first ones have.
+/// A random generator whose numbers are independent for successive seeds, unlike cv::RNG's first ones.
 cv::RNG arenaRandom(std::uint64_t seed);
 
-/// Standard normal numbers: drawn once, for a camera that begins each picture elsewhere in them.
+/// A table of standard normal numbers, from which a camera takes the noise of each image at another offset.
 std::vector<float> arenaNoise(int seed, int count);
 
-/// Where in so many numbers a frame's noise begins.
+/// Offset of a frame's noise in a table of this length.
 std::size_t arenaNoiseAt(std::uint64_t frame, std::size_t count);
 
 }  // namespace sextant

@@ -17,9 +17,9 @@ using Eigen::Vector3f;
 
 enum Background { kFloor, kLeft, kRight, kFront, kBack, kCeiling };
 constexpr float kNever = std::numeric_limits<float>::max();
-constexpr float kAlmost = 1e-4F;       // metres that a point may be off
-constexpr float kContact = 0.35F;      // share of the light that is lost where a thing touches the floor
-constexpr float kContactReach = 1.5F;  // radii about it
+constexpr float kAlmost = 1e-4F;       // metres; tolerance of a point
+constexpr float kContact = 0.35F;      // fraction of the light that is lost where an object touches the floor
+constexpr float kContactReach = 1.5F;  // radius of this shadow in radii of the object
 
 void requireColour(const std::string& name, const Eigen::Vector3d& colour, double most) {
   for (int i = 0; i < 3; ++i) Range::closed(0, most).require(name, colour[i]);
@@ -32,19 +32,22 @@ ParamList ArenaLight::fields() {
     Range::openLow(0, 1e9).require(param.name + "'s length", toward.norm());
   };
   return {
-      {"brightness", &brightness, Range::closed(0, 10), "", "1: a white thing in it is white"},
-      {"direct", &direct, Range::closed(0, 1), "", "share of it that comes from one direction"},
-      {"toward", Numbers{toward.data(), 3}, Allowed("longer than 0", require_length), "", "that direction"},
-      {"tint", Numbers{tint.data(), 3}, Range::closed(0, 10), "", "of red, green and blue"},
+      {"brightness", &brightness, Range::closed(0, 10), "",
+       "brightness of the light; 1: white objects appear white"},
+      {"direct", &direct, Range::closed(0, 1), "", "fraction of directional light"},
+      {"toward", Numbers{toward.data(), 3}, Allowed("longer than 0", require_length), "",
+       "direction toward the directional light"},
+      {"tint", Numbers{tint.data(), 3}, Range::closed(0, 10), "", "red, green and blue of the light"},
   };
 }
 
 ParamList ArenaSceneParams::fields() {
   return {
       {"size", Numbers{size.data(), 2}, Range::closed(1, 100), "m",
-       "of the floor, whose middle is the origin"},
-      {"wall_height", &wall_height, Range::closed(0.1, 100), "m", "of all four walls"},
-      {"seed", &seed, Range::closed(0, std::numeric_limits<int>::max()), "", "of floor, walls and ceiling"},
+       "size of the floor; its centre is the origin"},
+      {"wall_height", &wall_height, Range::closed(0.1, 100), "m", "height of the walls"},
+      {"seed", &seed, Range::closed(0, std::numeric_limits<int>::max()), "",
+       "seed of the textures of floor, walls and ceiling"},
   };
 }
 
@@ -107,7 +110,7 @@ bool ArenaScene::meets(const Ray& ray, int object, Hit* hit) const {
 
 float ArenaScene::toSide(const Ray& ray, const Round& round) {
   const Vector3f from = ray.origin - round.position;
-  // Of a cylinder only what is seen from above counts.
+  // A cylinder is a circle as seen from above.
   const int axes = round.is_ball ? 3 : 2;
   const float a = ray.direction.head(axes).squaredNorm(), b = from.head(axes).dot(ray.direction.head(axes)),
               c = from.head(axes).squaredNorm() - round.radius * round.radius;
@@ -160,7 +163,7 @@ Vector3f ArenaScene::reflectance(const Vector3f& point, const Hit& hit, float wi
   return arenaTexel(textures_[static_cast<size_t>(hit.surface)], u, v, width);
 }
 
-/// What things leave of the light on the floor about them.
+/// Fraction of the light that reaches the floor near objects.
 float ArenaScene::shade(const Vector3f& point, int surface) const {
   if (surface != kFloor) return 1;
   float left = 1;

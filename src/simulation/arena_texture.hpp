@@ -8,19 +8,19 @@
 
 namespace sextant {
 
-/// Pictures of red, green and blue, each half as large as the one before; kArenaTexels of the first are a
-/// metre.
+/// An RGB image pyramid; the first level has kArenaTexels per metre.
 using ArenaTexture = std::vector<cv::Mat_<cv::Vec3f>>;
 constexpr double kArenaTexels = 100.0;
 
-/// Reflectance of floor, walls and ceiling, drawn anew each time. Sides in metres. @{
+/// Draw a random reflectance of a floor, wall or ceiling. Sides in metres. @{
 cv::Mat_<cv::Vec3f> arenaFloor(double width, double depth, cv::RNG& random);
 cv::Mat_<cv::Vec3f> arenaWall(double width, double height, cv::RNG& random);
 cv::Mat_<cv::Vec3f> arenaCeiling(double width, double depth, cv::RNG& random);
 /// @}
-ArenaTexture arenaPyramid(const cv::Mat_<cv::Vec3f>& picture);
+/// Builds the pyramid of a texture.
+ArenaTexture arenaPyramid(const cv::Mat_<cv::Vec3f>& texture);
 
-/// At u to the right and v down, metres. @param width of what a pixel sees, metres
+/// Reflectance at u to the right and v down, metres. @param width footprint of the pixel, metres
 Eigen::Vector3f arenaTexel(const ArenaTexture& texture, float u, float v, float width);
 
 }  // namespace sextant

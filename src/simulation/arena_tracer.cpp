@@ -11,8 +11,8 @@ namespace {
 
 using Eigen::Vector3f;
 
-constexpr double kNear = 0.02;  // metres before the camera from where on a point has a pixel
-constexpr int kMargin = 2;      // pixels about an object's box
+constexpr double kNear = 0.02;  // metres; distance of the near plane
+constexpr int kMargin = 2;      // pixels around an object's box
 
 }  // namespace
 
@@ -31,7 +31,7 @@ ArenaTracer::ArenaTracer(const CameraModel& camera)
 ArenaScene::Ray ArenaTracer::ray(int x, int y, const Eigen::Vector2f& off) const {
   const Vector3f& here = rayAt(x, y);
   Vector3f direction = here;
-  // Rays of neighbours tell how they turn within a pixel.
+  // Interpolate between the rays of neighbouring pixels.
   if (off.x() != 0 || off.y() != 0)
     direction = (here + off.x() * (rayAt(x + 1, y) - here) + off.y() * (rayAt(x, y + 1) - here)).normalized();
   return {origin_, R_map_camera_ * direction};
@@ -42,7 +42,7 @@ void ArenaTracer::trace(const ArenaScene& scene, const Pose& T_map_camera) {
   const Eigen::Vector2d half = 0.5 * scene.params().size;
   if ((at.head<2>().cwiseAbs().array() >= half.array()).any() || at.z() <= 0 ||
       at.z() >= scene.params().wall_height)
-    throw std::invalid_argument("the camera is outside of the arena");
+    throw std::invalid_argument("the camera is outside the arena");
   R_map_camera_ = T_map_camera.linear().cast<float>();
   origin_ = at.cast<float>();
   traceBackground(scene);
@@ -72,7 +72,7 @@ void ArenaTracer::traceObject(const ArenaScene& scene, int object, const cv::Rec
     }
 }
 
-/// Pixels outside of which nothing of it can be seen.
+/// Bounding box of an object in the image, pixels.
 cv::Rect ArenaTracer::boxOf(const ArenaObject& object, const Pose& T_camera_map) const {
   const bool is_ball = object.shape == ArenaObject::Shape::ball;
   const double r = object.radius;

@@ -13,17 +13,18 @@
 
 namespace sextant {
 
-/// Where the ray of every pixel ends.
+/// Intersects the ray of every pixel with the scene.
 class ArenaTracer {
  public:
   static constexpr std::uint16_t kNothing = 0xFFFF;  // the lens model has no ray there
 
   explicit ArenaTracer(const CameraModel& camera);
 
-  /// @throws std::invalid_argument for a camera outside of the room
+  /// Traces all pixels.
+  /// @throws std::invalid_argument for a camera outside the room
   void trace(const ArenaScene& scene, const Pose& T_map_camera);
 
-  /// @param off from the pixel's centre, pixels
+  /// The ray of a pixel. @param off offset from the pixel's centre, pixels
   ArenaScene::Ray ray(int x, int y, const Eigen::Vector2f& off = {0, 0}) const;
   const cv::Mat_<float>& distances() const { return distances_; }                 ///< along the ray, metres
   const cv::Mat_<std::uint16_t>& surfaces() const { return surfaces_; }           ///< as ArenaScene::Hit
@@ -41,7 +42,7 @@ class ArenaTracer {
   CameraModel camera_;
   int width_, height_;
   float pixel_angle_;
-  std::vector<Eigen::Vector3f> rays_;  // optical frame, unit; one more to the right and below; zero: none
+  std::vector<Eigen::Vector3f> rays_;  // optical frame, unit; one extra column and row; zero: no ray
   Eigen::Matrix3f R_map_camera_;
   Eigen::Vector3f origin_;
   cv::Mat_<float> distances_;

@@ -12,12 +12,11 @@
 namespace sextant {
 namespace {
 
-constexpr int kLump = 4;  // pixels: holes of a depth image are blots
-constexpr int kDepthPattern =
-    1 << 10;                // pixels of a side of the pattern of depth noise, which goes on with itself
-constexpr int kWindow = 7;  // pixels of a side of what a stereo matcher compares
-
-/// A tile of standard normal numbers that are means over a stereo matcher's window: neighbours are alike.
+constexpr int kHoleSize = 4;            // pixels
+constexpr int kDepthPattern = 1 << 10;  // side of the periodic noise tile, pixels
+constexpr int kWindow = 7;              // side of a stereo matcher's window, pixels
+/// A periodic tile of standard normal numbers, averaged over a stereo matcher's window, so that neighbours
+/// are correlated.
 std::vector<float> windowNoise(int seed) {
   std::vector<float> numbers = arenaNoise(seed, kDepthPattern * kDepthPattern);
   cv::Mat tile(kDepthPattern, kDepthPattern, CV_32F, numbers.data()), wide;
@@ -36,15 +35,16 @@ std::vector<float> windowNoise(int seed) {
 ParamList DepthCameraParams::fields() {
   return {
       {"noise", &noise, Range::closed(0, 1), "m",
-       "deviation at 1 m, growing with the square of the depth; alike in pixels beside each other"},
-      {"scale", &scale, Range::closed(0.5, 2), "", "measured depth of one metre"},
+       "standard deviation at 1 m, growing with the square of the depth; correlated between neighbouring "
+       "pixels"},
+      {"scale", &scale, Range::closed(0.5, 2), "", "scale error: measured over true depth"},
       {"baseline", &baseline, Range::closed(0, 1), "m",
-       "to its other camera: what only one of them sees has no depth"},
-      {"min_depth", &min_depth, Range::closed(0, 10), "m", "nearest that it measures"},
+       "baseline of the stereo pair: points that only one camera sees have no depth"},
+      {"min_depth", &min_depth, Range::closed(0, 10), "m", "minimum depth"},
       {"max_depth", &max_depth, Allowed(Range::openLow(min_depth, 100), "(`min_depth`, 100]"), "m",
-       "farthest that it measures"},
-      {"holes", &holes, Range::closed(0, 1), "", "share of all else that has no depth"},
-      {"seed", &seed, Range::closed(0, std::numeric_limits<int>::max()), "", "of noise and holes"},
+       "maximum depth"},
+      {"holes", &holes, Range::closed(0, 1), "", "fraction of the other pixels without depth"},
+      {"seed", &seed, Range::closed(0, std::numeric_limits<int>::max()), "", "seed of noise and holes"},
   };
 }
 
@@ -61,15 +61,15 @@ DepthCamera::~DepthCamera() = default;
 cv::Mat DepthCamera::take(const ArenaScene& scene, const Pose& T_map_camera, std::uint64_t frame) {
   tracer_->trace(scene, T_map_camera);
   const int rows = tracer_->surfaces().rows, cols = tracer_->surfaces().cols;
-  cv::Mat_<float> blots((rows + kLump - 1) / kLump, (cols + kLump - 1) / kLump);
+  cv::Mat_<float> blots((rows + kHoleSize - 1) / kHoleSize, (cols + kHoleSize - 1) / kHoleSize);
   cv::RNG random = arenaRandom(frame + (static_cast<std::uint64_t>(params_.seed) << 32U));
   random.fill(blots, cv::RNG::UNIFORM, 0.0, 1.0);
-  const auto reach = static_cast<float>(focal_length_ * params_.baseline);  // pixels times metres
+  const auto reach = static_cast<float>(focal_length_ * params_.baseline);  // disparity times depth, px m
   const size_t begin = arenaNoiseAt(frame, noise_.size());
   cv::Mat_<float> image(rows, cols, 0.0F);
   for (int y = 0; y < rows; ++y) {
     const auto noise_row = begin + static_cast<size_t>(y) * kDepthPattern;
-    // The other camera, to the right, sees a point at x - reach / depth: what is nearer hides what it covers.
+    // The right camera has a point at x - reach / depth, where nearer points occlude farther ones.
     float covered = std::numeric_limits<float>::max();
     for (int x = cols - 1; x >= 0; --x) {
       if (tracer_->surfaces()(y, x) == ArenaTracer::kNothing) continue;
@@ -77,7 +77,7 @@ cv::Mat DepthCamera::take(const ArenaScene& scene, const Pose& T_map_camera, std
       const bool is_hidden = other >= covered;
       covered = std::min(covered, other);
       if (!is_hidden && depth >= params_.min_depth && depth <= params_.max_depth &&
-          blots(y / kLump, x / kLump) >= params_.holes)
+          blots(y / kHoleSize, x / kHoleSize) >= params_.holes)
         image(y, x) = measured(depth, noise_[(noise_row + static_cast<size_t>(x)) % noise_.size()]);
     }
   }

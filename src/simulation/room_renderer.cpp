@@ -13,12 +13,12 @@ namespace sextant {
 namespace {
 
 constexpr int kRenderTile = 16;            // pixels
-constexpr int kRenderNoise = 1 << 20;      // long against a row, so that rows share no visible pattern
-constexpr std::uint16_t kFine = 1U << 15;  // marks surfaces whose details may hide between pixels
+constexpr int kRenderNoise = 1 << 20;      // much longer than a row, so that no pattern is visible
+constexpr std::uint16_t kFine = 1U << 15;  // flag of surfaces with details smaller than pixels
 constexpr float kFineDetail = 2.5F;        // pixels
 
-/// count points in a unit square, spread so that no two share a row or a column (Korobov lattice): an edge
-/// along the pixel grid is resolved as finely as any other.
+/// Points in a unit square, no two in one row or column (Korobov lattice), so that edges along the pixel grid
+/// are resolved as finely as others.
 std::vector<Eigen::Vector2f> latticePoints(int count) {
   int step = static_cast<int>(std::lround(0.618 * count));  // golden section
   while (std::max(1, step) < count && std::__gcd(step, count) != 1) ++step;
@@ -30,7 +30,7 @@ std::vector<Eigen::Vector2f> latticePoints(int count) {
   return points;
 }
 
-/// 255 where an edge passes through a pixel or beside it.
+/// 255 at pixels at or next to an edge.
 cv::Mat_<std::uint8_t> edgePixels(const cv::Mat_<std::uint16_t>& surfaces) {
   cv::Mat low, high, edges;
   cv::erode(surfaces, low, cv::Mat());
@@ -41,13 +41,13 @@ cv::Mat_<std::uint8_t> edgePixels(const cv::Mat_<std::uint16_t>& surfaces) {
 
 }  // namespace
 
-// Part of the image and what can be seen in it.
+// A part of the image and the objects in it.
 struct RoomRenderer::Tile {
   cv::Rect area;
   std::vector<int> objects;
 };
 
-// A picture while it is taken.
+// An image during rendering.
 struct RoomRenderer::Shot {
   Eigen::Isometry3f T_map_camera;
   cv::Mat_<float> light;
@@ -56,14 +56,14 @@ struct RoomRenderer::Shot {
 
 ParamList RoomRendererParams::fields() {
   return {
-      {"supersampling", &supersampling, Range::closed(1, 16), "",
-       "n * n rays for a pixel that an edge crosses"},
-      {"blur_sigma", &blur_sigma, Range::closed(0, 20), "px", "of the lens"},
-      {"noise_sigma", &noise_sigma, Range::closed(0, 100), "grey levels", "of the sensor"},
-      {"vignette", &vignette, Range::closed(0, 1), "", "share of the light that is lost in the corners"},
+      {"supersampling", &supersampling, Range::closed(1, 16), "", "n * n rays per pixel at edges"},
+      {"blur_sigma", &blur_sigma, Range::closed(0, 20), "px", "standard deviation of the lens blur"},
+      {"noise_sigma", &noise_sigma, Range::closed(0, 100), "grey levels",
+       "standard deviation of the sensor noise"},
+      {"vignette", &vignette, Range::closed(0, 1), "", "fraction of the light lost in the image corners"},
       {"white_level", &white_level, Range::openLow(0, 1000), "grey levels",
-       "of white paper in the room's mean light"},
-      {"seed", &seed, Range::closed(0, std::numeric_limits<int>::max()), "", "of the noise"},
+       "grey level of white paper in the room's mean light"},
+      {"seed", &seed, Range::closed(0, std::numeric_limits<int>::max()), "", "seed of the noise"},
   };
 }
 
@@ -111,7 +111,7 @@ cv::Mat RoomRenderer::render(const std::vector<Pose>& exposure, std::uint64_t fr
   cv::Mat_<float> light;
   for (const Pose& T_map_camera : exposure) {
     if (!isFinite(T_map_camera) || !scene_->contains(T_map_camera.translation())) {
-      throw std::invalid_argument("render: the camera is outside of the room");
+      throw std::invalid_argument("render: the camera is outside the room");
     }
     const cv::Mat_<float> instant = radiance(T_map_camera);
     light = light.empty() ? instant : cv::Mat_<float>(light + instant);
@@ -157,9 +157,9 @@ cv::Rect RoomRenderer::boundingBox(int object, const Pose& T_camera_map) const {
     if (pixel) pixels.emplace_back(static_cast<float>(pixel->x()), static_cast<float>(pixel->y()));
   }
   if (pixels.empty()) return {};
-  if (pixels.size() < points.size()) return image;  // reaches behind the camera
+  if (pixels.size() < points.size()) return image;  // partly behind the camera
   cv::Rect2f box = cv::boundingRect(pixels);
-  // between the outline's points a lens bends lines outwards
+  // Between the outline's points, lens distortion may bend lines outwards.
   const float margin = 3.0F + 0.02F * std::max(box.width, box.height);
   box += cv::Size2f(2 * margin, 2 * margin);
   box -= cv::Point2f(margin, margin);
@@ -171,8 +171,8 @@ void RoomRenderer::traceTile(const Tile& tile, Shot* shot) const {
   if (background < 0 || !tile.objects.empty()) tracePixels(tile, background, shot);
 }
 
-// A tile whose corners see one side of the room sees nothing else behind its objects. Returns that side, or
-// -1.
+// If all corners of a tile see the same side of the room, this is the only background of the tile. Returns
+// that side, or -1.
 int RoomRenderer::traceFace(const Tile& tile, Shot* shot) const {
   const cv::Rect& a = tile.area;
   RoomRay ray{shot->T_map_camera.translation(), {}};
@@ -187,7 +187,7 @@ int RoomRenderer::traceFace(const Tile& tile, Shot* shot) const {
     if (i > 0 && hit.surface != face) return -1;
     light[i] = scene_->illumination(ray.origin + hit.distance * ray.direction);
   }
-  for (int y = 0; y < a.height; ++y) {  // light changes so slowly that it is interpolated
+  for (int y = 0; y < a.height; ++y) {  // light changes slowly, so it is interpolated
     float* row = shot->light[a.y + y] + a.x;
     scene_->faceReflectance(hit.surface, shot->T_map_camera, &rayAt(a.x, a.y + y), a.width,
                             hit.distance * pixel_angle_, row);
@@ -200,7 +200,7 @@ int RoomRenderer::traceFace(const Tile& tile, Shot* shot) const {
   return hit.surface;
 }
 
-// background: a surface that is in the picture already
+// background: surface that is already rendered
 void RoomRenderer::tracePixels(const Tile& tile, int background, Shot* shot) const {
   const Eigen::Matrix3f R_map_camera = shot->T_map_camera.linear();
   RoomRay ray{shot->T_map_camera.translation(), {}};

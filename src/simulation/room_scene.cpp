@@ -16,9 +16,9 @@ namespace {
 enum BoardSurface { kBlack, kWhite, kBoardBack, kBoardSurfaces };
 constexpr float kBoardReflectance[kBoardSurfaces] = {0.06F, 1.0F, 0.4F};
 constexpr float kFaceShade[RoomScene::kFaces] = {0.85F, 0.95F, 0.8F,
-                                                 1.0F,  0.5F,  1.1F};  // tells a box's sides apart
+                                                 1.0F,  0.5F,  1.1F};  // distinguishes a box's sides
 constexpr float kNoDetail = std::numeric_limits<float>::infinity();
-// A board on a wall lies in the wall's plane: it wins by this much, metres.
+// Distance of a board from its wall, so that it is in front, metres.
 constexpr float kBoardThickness = 0.004F;
 
 void validateObstacle(const RoomObstacle& obstacle) {
@@ -29,15 +29,15 @@ void validateObstacle(const RoomObstacle& obstacle) {
   Range::closed(0, 1).require("obstacles.reflectance", obstacle.reflectance);
 }
 
-// The face's own axes: u, v and the axis across.
+// Axes u and v of a face and its normal axis.
 struct FaceAxes {
   int u, v;
 };
 constexpr FaceAxes kFaceAxes[3] = {{1, 2}, {0, 2}, {0, 1}};
-// Where the map's axis u runs to the left as one looks at the face.
+// Whether the map's axis u points left for a viewer of the face.
 bool isMirrored(int face) { return face == 1 || face == 2; }
 
-// The quiet zone around the picture is white.
+// Modules outside the image are the white quiet zone.
 bool isBlack(const cv::Mat_<std::uint8_t>& modules, const cv::Point& module) {
   return cv::Rect({}, modules.size()).contains(module) && modules(module) < 128;
 }
@@ -46,12 +46,13 @@ bool isBlack(const cv::Mat_<std::uint8_t>& modules, const cv::Point& module) {
 
 ParamList RoomSceneParams::fields() {
   return {
-      {"size", Numbers{size.data(), 3}, Range::closed(0.5, 1000), "m", "inside"},
+      {"size", Numbers{size.data(), 3}, Range::closed(0.5, 1000), "m", "inner size of the room"},
       {"floor_center", Numbers{floor_center.data(), 3}, Range::closed(-1e5, 1e5), "m",
-       "middle of the floor in the map"},
-      {"quiet_zone", &quiet_zone, Range::closed(1, 10), "modules", "white margin of a print"},
-      {"light_unevenness", &light_unevenness, Range::closed(0, 1), "", "0: the same light everywhere"},
-      {"seed", &seed, Range::closed(0, std::numeric_limits<int>::max()), "", "of the walls"},
+       "centre of the floor in the map"},
+      {"quiet_zone", &quiet_zone, Range::closed(1, 10), "modules", "white margin around a marker"},
+      {"light_unevenness", &light_unevenness, Range::closed(0, 1), "",
+       "variation of the light over the room; 0: uniform"},
+      {"seed", &seed, Range::closed(0, std::numeric_limits<int>::max()), "", "seed of the wall textures"},
   };
 }
 
@@ -78,7 +79,7 @@ RoomScene::RoomScene(const RoomSceneParams& params, const MarkerMap& map) : para
   for (const auto& [key, marker] : map.markers()) {
     if (!contains(marker.T_map_marker.translation())) {
       throw std::invalid_argument("marker " + marker.name +
-                                  " is outside of the room: make the room's size larger");
+                                  " is outside the room: increase the size of the room");
     }
     boards_.push_back(makeBoard(marker, params.quiet_zone));
   }
@@ -129,7 +130,7 @@ std::vector<Eigen::Vector3d> RoomScene::outline(int object) const {
   return points;
 }
 
-// What a ray calls is inline: in a shared library the compiler may not inline anything else.
+// Functions called for every ray are inline, because the compiler cannot inline exported ones.
 
 inline RoomHit RoomScene::hitRoom(const RoomRay& ray, const Eigen::Array3f& inverse_direction) const {
   const Eigen::Array3f wall = (inverse_direction > 0.0F).select(high_, low_);

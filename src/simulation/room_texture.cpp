@@ -11,9 +11,8 @@ namespace sextant {
 namespace {
 
 constexpr double kTexelsPerMetre = 200.0;
-constexpr double kLargestBoard = 3000.0;  // texels: a hall must not cost gigabytes
-
-/// A picture that is painted in metres.
+constexpr double kLargestBoard = 3000.0;  // texels; limits the memory for large halls
+/// An image with drawing functions in metres.
 class Canvas {
  public:
   Canvas(double width, double height, double grey, std::uint64_t seed)
@@ -22,7 +21,7 @@ class Canvas {
         scale_(std::min(kTexelsPerMetre, kLargestBoard / std::max(width, height))),
         rng(seed) {
     const cv::Size size(std::max(1, texels(width)), std::max(1, texels(height)));
-    picture_ = cv::Mat(size, CV_8U, cv::Scalar(grey));
+    image_ = cv::Mat(size, CV_8U, cv::Scalar(grey));
   }
 
   double width() const { return width_; }
@@ -30,34 +29,34 @@ class Canvas {
   double random(double low, double high) { return rng.uniform(low, high); }
 
   void rectangle(double u, double v, double width, double height, double grey) {
-    cv::rectangle(picture_, box(u, v, width, height), cv::Scalar(grey), cv::FILLED);
+    cv::rectangle(image_, box(u, v, width, height), cv::Scalar(grey), cv::FILLED);
   }
   void frame(double u, double v, double width, double height, double grey, double thickness) {
-    cv::rectangle(picture_, box(u, v, width, height), cv::Scalar(grey), line(thickness));
+    cv::rectangle(image_, box(u, v, width, height), cv::Scalar(grey), line(thickness));
   }
   void circle(double u, double v, double radius, double grey) {
-    cv::circle(picture_, point(u, v), texels(radius), cv::Scalar(grey), cv::FILLED, cv::LINE_AA);
+    cv::circle(image_, point(u, v), texels(radius), cv::Scalar(grey), cv::FILLED, cv::LINE_AA);
   }
   void stroke(double u0, double v0, double u1, double v1, double grey, double thickness) {
-    cv::line(picture_, point(u0, v0), point(u1, v1), cv::Scalar(grey), line(thickness), cv::LINE_AA);
+    cv::line(image_, point(u0, v0), point(u1, v1), cv::Scalar(grey), line(thickness), cv::LINE_AA);
   }
   void text(const std::string& words, double u, double v, double letter_height, double grey) {
     const double font_scale = letter_height * scale_ / 21.0;  // capitals of this font are 21 texels high at 1
-    cv::putText(picture_, words, point(u, v), cv::FONT_HERSHEY_SIMPLEX, font_scale, cv::Scalar(grey),
+    cv::putText(image_, words, point(u, v), cv::FONT_HERSHEY_SIMPLEX, font_scale, cv::Scalar(grey),
                 line(0.15 * letter_height), cv::LINE_AA);
   }
 
-  /// Adds clouds: smooth differences of up to about 3 * sigma grey levels over `scale` metres.
+  /// Adds smooth noise with a standard deviation of sigma grey levels and a wavelength of `scale` metres.
   void clouds(double scale, double sigma) {
     cv::Mat coarse(cv::Size(2 + static_cast<int>(width_ / scale), 2 + static_cast<int>(height_ / scale)),
                    CV_16S);
     rng.fill(coarse, cv::RNG::NORMAL, 0.0, sigma);
     cv::Mat fine;
-    cv::resize(coarse, fine, picture_.size(), 0, 0, cv::INTER_CUBIC);
-    cv::add(picture_, fine, picture_, cv::noArray(), CV_8U);
+    cv::resize(coarse, fine, image_.size(), 0, 0, cv::INTER_CUBIC);
+    cv::add(image_, fine, image_, cv::noArray(), CV_8U);
   }
 
-  RoomTexture texture() const { return RoomTexture(picture_, width_, height_); }
+  RoomTexture texture() const { return RoomTexture(image_, width_, height_); }
 
  private:
   int texels(double metres) const { return static_cast<int>(std::lround(metres * scale_)); }
@@ -70,7 +69,7 @@ class Canvas {
   double width_;
   double height_;
   double scale_;  // texels per metre
-  cv::Mat picture_;
+  cv::Mat image_;
 
  public:
   cv::RNG rng;
@@ -142,9 +141,9 @@ void paintShelves(Canvas* wall) {
 
 }  // namespace
 
-RoomTexture::RoomTexture(const cv::Mat& picture, double width, double height)
-    : texel_(static_cast<float>(width / picture.cols)) {
-  cv::Mat level = picture;
+RoomTexture::RoomTexture(const cv::Mat& image, double width, double height)
+    : texel_(static_cast<float>(width / image.cols)) {
+  cv::Mat level = image;
   while (true) {
     levels_.push_back(
         {level, static_cast<float>(level.cols / width), static_cast<float>(level.rows / height)});

@@ -36,7 +36,7 @@ inline std::vector<CameraCalibration> testCalibrations() {
   return all;
 }
 
-/// T_map_camera of one at p that looks along +x, turned by roll, pitch and yaw.
+/// T_map_camera of a camera at p that faces +x, rotated by roll, pitch and yaw.
 inline Pose cameraPose(const Eigen::Vector3d& p, const Eigen::Vector3d& rpy) {
   Pose T_mount_optical = Pose::Identity();
   T_mount_optical.linear() << 0, 0, 1, -1, 0, 0, 0, -1, 0;

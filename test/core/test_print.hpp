@@ -14,9 +14,9 @@
 
 namespace sextant {
 
-/// Reflectance, 0 to 1, of what is seen at a pixel.
+/// Reflectance, 0 to 1, of the surface at a pixel.
 using Scene = std::function<double(const Eigen::Vector2d&)>;
-/// Where a pixel meets a print's plane: (0, 0) top left and (1, 1) bottom right corner of its square.
+/// Intersection of a pixel's ray with a marker's plane: (0, 0) top left and (1, 1) bottom right corner.
 using PrintPlace = std::function<std::optional<Eigen::Vector2d>(const Eigen::Vector2d&)>;
 
 /// A tag36h11 print with two modules of white around it on a grey wall.
@@ -35,7 +35,7 @@ inline Scene printScene(const PrintPlace& place) {
   };
 }
 
-/// The same seen without a lens's distortion, with these corners.
+/// The same without lens distortion, with these corners.
 inline Scene printScene(const Corners& corners) {
   std::vector<cv::Point2f> to;
   for (const auto& corner : corners)
@@ -56,7 +56,7 @@ struct Exposure {
   int supersampling = 6;
 };
 
-/// Grey levels 40 to 193, every pixel the mean of supersampling^2 places.
+/// Grey levels 40 to 193, every pixel the mean of supersampling^2 samples.
 inline cv::Mat photograph(const Scene& scene, const Exposure& exposure) {
   const int n = exposure.supersampling;
   cv::Mat_<float> image(exposure.size, 0.0F), noise(exposure.size);

@@ -6,7 +6,7 @@
 
 namespace sextant {
 
-/// What a call that must be refused says; "accepted" where it is not.
+/// Message of the exception of a call that must fail; "accepted" if it does not throw.
 template <class Error, class Call>
 std::string refusal(const Call& call) {
   try {

@@ -11,7 +11,7 @@ namespace sextant {
 
 inline const std::string kFamily = "tag36h11";
 
-/// Three markers on the wall x = 3 that look toward -x, one on the wall y = 2.
+/// Three markers on the wall x = 3, facing -x, and one on the wall y = 2.
 inline MarkerMap room() {
   MarkerMap map;
   const Eigen::Vector3d toward_minus_x(M_PI_2, 0, -M_PI_2), toward_minus_y(M_PI_2, 0, 0);
@@ -24,7 +24,7 @@ inline MarkerMap room() {
 inline const Pose kMount = poseFromXyzRpy({0.1, 0.02, 0.9}, {-M_PI_2, 0, -M_PI_2});
 inline const Pose kTruth = poseFromXyzRpy({0.7, 0.3, 0}, {0.01, -0.02, 0.35});
 
-/// What a camera on that mount sees of all markers from a base pose, with noise of sigma pixels.
+/// Detections of all markers by a camera on that mount from a base pose, with noise of sigma pixels.
 inline MarkerView look(const MarkerMap& map, const CameraModel& camera, const Pose& T_map_base, double sigma,
                        int seed) {
   std::mt19937 random(seed);

@@ -10,8 +10,8 @@ from sextant.commands.accuracy_statistics import main
 def called(capsys, *arguments):
     """Exit code, and what went to both streams."""
     code = main([str(each) for each in arguments])
-    said = capsys.readouterr()
-    return code, said.out, said.err
+    captured = capsys.readouterr()
+    return code, captured.out, captured.err
 
 
 def refused(capsys, *arguments):

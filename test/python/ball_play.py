@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Plays the ball task on a BallGround: the robot is told the truth, with noise, of what is in its view."""
+"""Plays the ball task on a BallGround: the robot receives noisy ground truth of what is in its view."""
 
 from typing import Callable, List, NamedTuple, Optional
 
@@ -14,11 +14,11 @@ from sextant.simulation.ball_ground import BallGround, RobotParams
 from sextant.simulation.ball_world import BallWorld
 from sextant.simulation.odometry import OdometryNoise
 
-TICK = 0.05  # seconds from one odometry to the next; every second one comes with a picture
+TICK = 0.05  # seconds from one odometry to the next; every second one comes with an image
 AHEAD = 0.1  # metres from the robot's middle to its camera
 HALF_VIEW = 0.47  # radians
 NEAREST, FARTHEST, DEEPEST = 0.36, 5.0, 3.0  # metres from the camera: objects, and depth
-MISSED = 8  # pictures that should show the ball and do not, after which it is gone
+MISSED = 8  # images with the ball in view but not detected, after which it is deleted
 STEADY = RobotParams(slip=0.0, noise=OdometryNoise(0.0, 0.0, 0.0))
 HELD = RobotParams(max_speed=1e-3)  # wheels that turn the robot, and hardly move it
 
@@ -68,26 +68,26 @@ class Eyes:
 
     def __init__(self, ground: BallGround, noise: float, seed: int):
         self._ground, self._noise, self._random = ground, noise, np.random.default_rng([seed, 11])
-        self._sightings: List[List[np.ndarray]] = [[] for _ in ground.pillars]
+        self._observations: List[List[np.ndarray]] = [[] for _ in ground.pillars]
         self._ball: Optional[SeenBall] = None
         self._missed = 0
         self.grid = FloorGrid(FloorGridParams())
 
     def look(self) -> None:
-        """One picture."""
-        for pillar, sightings in zip(self._ground.pillars, self._sightings):
+        """One image."""
+        for pillar, observations in zip(self._ground.pillars, self._observations):
             away = self._distance_in_view(np.array(pillar[:2]))
             if away is not None:
-                sightings.append(np.array(pillar[:2]) + self._deviation(0.008 * away))
+                observations.append(np.array(pillar[:2]) + self._deviation(0.008 * away))
         self._look_for_ball()
-        self.grid.look(self._points(), self._pose)
+        self.grid.update(self._points(), self._pose)
 
     def view(self) -> TaskView:
         """What is known by now."""
         pillars = [
-            SeenPillar(pillar.class_name, np.mean(sightings[-20:], axis=0))
-            for pillar, sightings in zip(self._ground.pillars, self._sightings)
-            if len(sightings) >= 2
+            SeenPillar(pillar.class_name, np.mean(observations[-20:], axis=0))
+            for pillar, observations in zip(self._ground.pillars, self._observations)
+            if len(observations) >= 2
         ]
         return TaskView(
             self._ground.stamp, self._pose, pillars, self._ball, self._ground.is_bumped, self.grid
@@ -158,7 +158,7 @@ def play(
     drive: Optional[RobotParams] = None,
     meddle: Optional[Callable[[BallGround, Action], None]] = None,
 ) -> Played:
-    """Until the task ends. :param meddle: what somebody does to the world, called after each tick"""
+    """Until the task ends. :param meddle: changes the world, called after each tick"""
     ground = BallGround(world.size, world.pillars, world.ball, world.robot, drive=drive, seed=seed)
     eyes, task = Eyes(ground, noise, seed), BallTask(params or BallTaskParams())
     states, reasons, is_through = [], [], False

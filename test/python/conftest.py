@@ -27,8 +27,8 @@ def served(folder):
     """The page of a map that is begun in the folder."""
     from served_page import Served  # only here: no other test needs a server
 
-    from sextant.place_maps.map_draft import MapDraft
+    from sextant.place_maps.place_map_draft import PlaceMapDraft
 
-    served = Served(MapDraft(folder / "map.txt"))
+    served = Served(PlaceMapDraft(folder / "map.txt"))
     yield served
     served.close()

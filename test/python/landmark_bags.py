@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Bags of simulated drives among landmarks, with odometry and sightings as nodes publish them."""
+"""Bags of simulated drives among landmarks, with odometry and observations as nodes publish them."""
 
 import numpy as np
 from written_bags import WrittenBag, header
@@ -8,25 +8,25 @@ from written_bags import WrittenBag, header
 import sextant
 from sextant.commands.map_landmarks import main
 from sextant.geometry.plane_poses import composed, relative, rotation
-from sextant.msg import LandmarkSighting, LandmarkSightings
+from sextant.msg import LandmarkObservation, LandmarkObservations
 
 
-def sighting_message(class_name, position, covariance, heading=float("nan"), id=-1):
+def observation_message(class_name, position, covariance, heading=float("nan"), id=-1):
     """covariance (2, 2), or (3, 3) with a heading."""
     full = np.zeros((3, 3))
     full[: len(covariance), : len(covariance)] = covariance
-    return LandmarkSighting(class_name, id, *map(float, position), heading, full.ravel().tolist())
+    return LandmarkObservation(class_name, id, *map(float, position), heading, full.ravel().tolist())
 
 
-def sightings_message(seconds, sightings, frame="base_link"):
-    return LandmarkSightings(header(seconds, frame), sightings)
+def observations_message(seconds, observations, frame="base_link"):
+    return LandmarkObservations(header(seconds, frame), observations)
 
 
 def seen_messages(seen, T_frame_base=(0.0, 0.0, 0.0)):
-    """Of SeenLandmark of a world, in a frame that is turned and moved against the robot's."""
+    """Of SimulatedObservation of a world, in a frame that is turned and moved against the robot's."""
     turn = rotation(T_frame_base[2])
     return [
-        sighting_message(
+        observation_message(
             each.class_name, composed(np.array(T_frame_base), np.array([*each.position, 0.0]))[:2],
             turn @ each.covariance @ turn.T,
         )
@@ -39,9 +39,9 @@ def planar(pose):
 
 
 def write_world(path, world, begin=1.0, delay=0.0, frame="base_link", mount=(0.0, 0.0, 0.0), arrivals=None):
-    """A drive of LandmarkWorld; sightings come so many seconds late.
+    """A drive of LandmarkWorld; observations come so many seconds late.
 
-    :param mount: T_frame_base of the sightings' frame
+    :param mount: T_frame_base of the observations' frame
     :param arrivals: of [(arrival, message)], returns those that come instead
     :returns: {seconds: true pose (3,) where the drive begins}
     """
@@ -53,8 +53,8 @@ def write_world(path, world, begin=1.0, delay=0.0, frame="base_link", mount=(0.0
             odometry = composed(odometry, moment.step)
             bag.odometry("/odom", planar(odometry), seconds)
             truth[seconds] = relative(world.start, moment.pose)
-            if moment.look:
-                message = sightings_message(seconds, seen_messages(moment.look.sightings, mount), frame)
+            if moment.scan:
+                message = observations_message(seconds, seen_messages(moment.scan.observations, mount), frame)
                 sets.append((seconds + delay + 1e-3, message))
         for arrival, message in arrivals(sets) if arrivals else sets:
             bag.write("/landmarks", message, arrival)  # the bag's index has them in this order

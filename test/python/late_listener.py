@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Run by test_view_across_network.py on the viewing side: hears every topic once and prints what came.
+"""Run by test_view_across_network.py on the viewing side: receives every topic once and prints a summary.
 
 Arguments: topic of the pose, topic of the decompressed picture, seconds until it gives up.
 """
@@ -19,12 +19,12 @@ from visualization_msgs.msg import MarkerArray as Drawing
 from sextant.msg import MarkerArray
 
 
-class Heard:
+class Received:
     def __init__(self):
         self.frames = set()  # of /tf_static, of which every node has a message of its own
         self.messages = {}
 
-    def hear(self, name, topic, message_type):
+    def subscribe(self, name, topic, message_type):
         rospy.Subscriber(topic, message_type, lambda message: self.messages.setdefault(name, message))
 
     def complete(self):
@@ -34,30 +34,30 @@ class Heard:
 def main():
     pose, picture, seconds = sys.argv[1:]
     rospy.init_node("late_listener", anonymous=True)
-    heard = Heard()
+    received = Received()
     rospy.Subscriber(
-        "/tf_static", TFMessage, lambda all: heard.frames.update(t.child_frame_id for t in all.transforms)
+        "/tf_static", TFMessage, lambda all: received.frames.update(t.child_frame_id for t in all.transforms)
     )
-    heard.hear("pose", pose, PoseWithCovarianceStamped)
-    heard.hear("markers", "markers", MarkerArray)
-    heard.hear("boards", "marker_map", Drawing)
-    heard.hear("picture", picture, Image)
+    received.subscribe("pose", pose, PoseWithCovarianceStamped)
+    received.subscribe("markers", "markers", MarkerArray)
+    received.subscribe("boards", "marker_map", Drawing)
+    received.subscribe("picture", picture, Image)
     end = time.monotonic() + float(seconds)
-    while not heard.complete() and time.monotonic() < end:
+    while not received.complete() and time.monotonic() < end:
         time.sleep(0.1)
-    print(json.dumps(summary(heard)))
+    print(json.dumps(summary(received)))
 
 
-def summary(heard):
+def summary(received):
     _, subscribers, _ = rosgraph.Master("late_listener").getSystemState()
-    told = {
+    digests = {
         "pose": lambda message: message.header.frame_id,
         "markers": lambda message: message.header.frame_id,
         "boards": lambda message: len(message.markers),
         "picture": lambda message: [message.width, message.encoding],
     }
-    brief = {name: told[name](message) for name, message in heard.messages.items()}
-    return {**brief, "frames": sorted(heard.frames), "subscribers": dict(subscribers)}
+    brief = {name: digests[name](message) for name, message in received.messages.items()}
+    return {**brief, "frames": sorted(received.frames), "subscribers": dict(subscribers)}
 
 
 if __name__ == "__main__":

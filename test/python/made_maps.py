@@ -13,7 +13,7 @@ import numpy as np
 import sextant
 from sextant.mapping.map_links import Cut
 from sextant.mapping.map_quality import (
-    ElsewhereMarker,
+    ConflictingMarker,
     MapQuality,
     MarkerQuality,
     Unconnected,
@@ -22,9 +22,9 @@ from sextant.mapping.map_quality import (
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmark"))
 
-from simulated_sightings import FAMILY, SIZE, SimulatedCamera, wall_map  # noqa: E402
+from simulated_observations import FAMILY, SIZE, SimulatedCamera, wall_map  # noqa: E402
 
-Drive = namedtuple("Drive", "made instants seen known")
+Drive = namedtuple("Drive", "made instants known")
 
 TAPED = (0, 1, 2, 3)
 WRONG, OFFSET = 2, np.array([0.0, 0.08, 0.06])  # the entry minus where it hangs, metres
@@ -41,24 +41,20 @@ def simulated_drive():
     wall = wall_map([(3.0, y, 1.0 + 0.2 * (i % 2), np.pi) for i, y in enumerate(np.linspace(-1.5, 1.0, 6))])
     alone = sextant.MappedMarker(FAMILY, ALONE, SIZE, wall.find(FAMILY, 0).T_map_marker)
     camera = SimulatedCamera("plumb_bob 4", sigma=0.3, seed=3)
-    instants, seen = [], []
+    instants, often = [], 0
     for i, turn in enumerate(np.linspace(0.0, 2 * np.pi, 60)):
         T = sextant.pose_from_xyz_rpy(
             [0.5 * np.cos(turn), np.sin(turn), 0.0], [0.0, 0.0, 0.2 * np.cos(2 * turn)]
         )
-        often = sum(key(WEAK) in views[0] for views in seen) >= WEAK_IMAGES
-        shown = [each for each in camera.visible(T, wall) if each.id != WEAK or not often]
-        add_instant(instants, seen, camera, T, [alone] if i % 15 == 0 else shown)
-    params = sextant.MappingParams()
+        visible = camera.visible(T, wall)
+        shown = (
+            [alone] if i % 15 == 0 else [each for each in visible if each.id != WEAK or often < WEAK_IMAGES]
+        )
+        often += WEAK in [each.id for each in shown]
+        instants.append(sextant.RecordedInstant([camera.view(T, shown)]))
     known = taped(wall)
-    return Drive(
-        sextant.make_marker_map(instants, sextant.MarkerSizes(), known, params), instants, seen, known
-    )
-
-
-def add_instant(instants, seen, camera, T_map_base, markers):
-    instants.append(sextant.RecordedInstant([camera.view(T_map_base, markers)]))
-    seen.append([[(each.family, each.id) for each in markers]])
+    made = sextant.make_marker_map(instants, sextant.MarkerSizes(), known, sextant.MappingParams())
+    return Drive(made, instants, known)
 
 
 def taped(wall):
@@ -78,8 +74,8 @@ def marker_quality(id, **changes):
     plain = MarkerQuality(
         key=key(id),
         known=False,
-        holds=False,
-        sightings=50,
+        is_anchor=False,
+        observations=50,
         used_rms=np.full(50, 0.2),
         left_out_rms=np.zeros(0),
         position_sigma=0.002,
@@ -100,11 +96,11 @@ def faulty_quality():
     """A map with every kind of finding."""
     at, away = np.array([1.0, 0.0, 1.0]), np.array([4.0, 0.0, 1.0])
     markers = [
-        marker_quality(0, known=True, holds=True, images=None),
+        marker_quality(0, known=True, is_anchor=True, images=None),
         *(marker_quality(id) for id in range(1, 10)),
         marker_quality(10, left_out_rms=np.full(30, 4.0)),
         marker_quality(11, position_sigma=0.08),
-        marker_quality(12, known=True, sightings=0, used_rms=np.zeros(0), images=0),
+        marker_quality(12, known=True, observations=0, used_rms=np.zeros(0), images=0),
     ]
     return map_of(
         markers,
@@ -113,19 +109,19 @@ def faulty_quality():
         wrong=[WrongEntry(key(i), at, np.array([0.1, 0.0, -0.02]), 0.02) for i in (2, 3, 4)],
         doubtful=[WrongEntry(key(8), at, np.array([0.0, 0.03, 0.04]), 0.0)],
         swapped=[(key(3), key(4))],
-        elsewhere=[
-            ElsewhereMarker(key(5), at, away, 12, (key(0), key(1))),
-            ElsewhereMarker(key(6), at, away, 9, (key(7),)),
-            ElsewhereMarker(key(7), at, away, 9, (key(6),)),
+        conflicting=[
+            ConflictingMarker(key(5), at, away, 12, (key(0), key(1))),
+            ConflictingMarker(key(6), at, away, 9, (key(7),)),
+            ConflictingMarker(key(7), at, away, 9, (key(6),)),
         ],
-        twice=[key(20)],
+        inconsistent=[key(20)],
         ambiguous=[key(21)],
         unconnected=[Unconnected(frozenset([key(22), key(23)]), 0)],
     )
 
 
 def made_of(quality, spacing=1.0):
-    """What the pictures and tables take of a MadeMap: the markers of a quality in a row along a wall."""
+    """What plots and tables need of a MappingResult: the markers of a quality in a row along a wall."""
     made_map = sextant.MarkerMap()
     for i, each in enumerate(quality.markers):
         T = sextant.pose_from_xyz_rpy([i * spacing, 0.0, 1.0], [np.pi / 2, 0.0, 0.0])

@@ -32,7 +32,7 @@ def saved(path, nodes, weights, outputs, taken, names=None):
 
 
 def constant_network(path, answers, taken=(1, 3, 64, 64), names=None):
-    """Says these arrays of every picture."""
+    """Returns these arrays for every image."""
     nodes = [helper.make_node("GlobalAveragePool", ["images"], ["mean"])]
     weights, outputs = {}, []
     for number, answer in enumerate(answers):
@@ -51,7 +51,7 @@ def constant_network(path, answers, taken=(1, 3, 64, 64), names=None):
 
 
 class ConvolvedDetector:
-    """A few convolutions with drawn weights, which say something of any picture."""
+    """A few convolutions with drawn weights, which detect something in any image."""
 
     def __init__(self, classes, size=96, seed=1):
         self.classes, self.size = list(classes), size

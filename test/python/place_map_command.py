@@ -14,7 +14,7 @@ CORNERS = ["--north-west", "55.61,13.00", "--south-east", "55.60,13.02"]
 
 
 def refused(capsys, folder, *arguments):
-    """The one line that says why; nothing was written."""
+    """The one line with the reason; nothing was written."""
     before = {path: path.stat().st_mtime_ns for path in folder.rglob("*")}
     assert main([str(each) for each in arguments]) == 2
     captured = capsys.readouterr()
@@ -23,7 +23,7 @@ def refused(capsys, folder, *arguments):
     return captured.err
 
 
-def told(capsys, *arguments):
+def printed(capsys, *arguments):
     """The lines that a success prints."""
     assert main([str(each) for each in arguments]) == 0, capsys.readouterr().err
     return capsys.readouterr().out.splitlines()

@@ -12,8 +12,8 @@ import cv2
 from aiohttp import web
 from made_photos import picture
 
-from sextant.place_maps.map_page import ADDRESS, map_page
 from sextant.place_maps.place_map_file import read_place_map
+from sextant.place_maps.place_map_page import ADDRESS, map_page
 
 PATIENCE = 20.0  # seconds
 

@@ -6,7 +6,7 @@ import numpy as np
 from written_bags import WrittenBag
 
 import sextant
-from sextant.localization.drive_sightings import DriveCamera, DriveSightings, SeenImage
+from sextant.localization.drive_observations import DriveCamera, DriveObservations, ImageDetections
 from sextant.simulation.camera import camera_calibration
 
 CALIBRATION = camera_calibration(1280, 720)
@@ -36,13 +36,13 @@ def noisy_corners(T_marker_camera, count, sigma, seed):
     return exact_corners(T_marker_camera) + sigma * np.random.default_rng(seed).normal(size=(count, 4, 2))
 
 
-def sightings(corners, sigmas=-1.0, id=ID):
-    """DriveSightings of images with these corners (N, 4, 2); sigmas: told by each of them, pixels."""
+def observations(corners, sigmas=-1.0, id=ID):
+    """DriveObservations of images with these corners (N, 4, 2); sigmas: reported by each of them, pixels."""
     images = [
-        SeenImage(START + k * STEP, "/cam", [sextant.Detection(FAMILY, id, each, np.full(4, sigmas))])
+        ImageDetections(START + k * STEP, "/cam", [sextant.Detection(FAMILY, id, each, np.full(4, sigmas))])
         for k, each in enumerate(corners)
     ]
-    return DriveSightings("still.bag", {"/cam": DriveCamera(CALIBRATION)}, images)
+    return DriveObservations("still.bag", {"/cam": DriveCamera(CALIBRATION)}, images)
 
 
 def write_series(path, corners, sigma=-1.0):

@@ -53,7 +53,7 @@ def flat(value=128):
 
 
 class WrittenBag:
-    """A bag in a folder; a context manager. Messages are received at their stamp, if nothing else is said."""
+    """A bag in a folder; a context manager. Messages are received at their stamp by default."""
 
     def __init__(self, path, **settings):
         self.path = str(path)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""A robot that drives through a simulated plane and tells a landmark_slam what it measures, in lockstep."""
+"""A robot that drives through a simulated plane and publishes what it measures, in lockstep with the node."""
 
 import math
 
@@ -12,7 +12,7 @@ from ros_probe import Recorder, until
 
 import sextant
 from sextant.geometry.plane_poses import composed, in_frame
-from sextant.msg import LandmarkMapEntries, LandmarkSighting, LandmarkSightings
+from sextant.msg import LandmarkMapEntries, LandmarkObservation, LandmarkObservations
 from sextant.simulation.landmark_world import LandmarkWorld, LandmarkWorldParams
 
 BEGIN = 1000.0  # s
@@ -34,15 +34,15 @@ def odometry_msg(stamp, pose, robot):
     return msg
 
 
-def sightings_msg(stamp, seen, robot):
-    """Of SeenLandmark."""
-    msg = LandmarkSightings()
+def observations_msg(stamp, seen, robot):
+    """Of SimulatedObservation."""
+    msg = LandmarkObservations()
     msg.header.stamp, msg.header.frame_id = stamp, f"base_{robot}"
     for each in seen:
         covariance = np.zeros((3, 3))
         covariance[:2, :2] = each.covariance
-        msg.sightings.append(
-            LandmarkSighting(each.class_name, -1, *each.position, math.nan, covariance.ravel().tolist())
+        msg.observations.append(
+            LandmarkObservation(each.class_name, -1, *each.position, math.nan, covariance.ravel().tolist())
         )
     return msg
 
@@ -75,7 +75,7 @@ class LandmarkRobot:
         self.world = LandmarkWorld(LandmarkWorldParams(**world))
         self.places = in_frame(self.world.start, self.world.positions)  # (n, 2) of the landmarks
         self.odometry = rospy.Publisher(f"/{name}/odom", Odometry, queue_size=1000)
-        self.sightings = rospy.Publisher(f"/{name}/landmarks", LandmarkSightings, queue_size=100)
+        self.observations = rospy.Publisher(f"/{name}/landmarks", LandmarkObservations, queue_size=100)
         self.poses = Recorder(f"/{name}/pose", PoseWithCovarianceStamped)
         self.filtered = Recorder(f"/{name}/odometry/filtered", Odometry)
         self.entries = Recorder(f"/{name}/landmark_map/entries", LandmarkMapEntries)
@@ -91,7 +91,7 @@ class LandmarkRobot:
         return (
             all(each.connected() for each in (self.poses, self.filtered, self.entries))
             and until(lambda: self.odometry.get_num_connections() > 0)
-            and until(lambda: self.sightings.get_num_connections() > 0)
+            and until(lambda: self.observations.get_num_connections() > 0)
         )
 
     def begin(self):
@@ -100,10 +100,10 @@ class LandmarkRobot:
         self.pose = np.zeros(3)  # by odometry
         self.truth = {}  # pose (3,) in the map by the stamps that the sensor looked at
         self.stamp = rospy.Time.from_sec(BEGIN)
-        self.tell(self.pose)
+        self.publish_odometry(self.pose)
 
-    def tell(self, pose, stamp=None):
-        """Odometry, also to the timeline."""
+    def publish_odometry(self, pose, stamp=None):
+        """Publishes odometry and adds it to the timeline."""
         msg = odometry_msg(self.stamp if stamp is None else stamp, pose, self.name)
         self.odometry.publish(msg)
         self.timeline.odometry(seconds(msg.header.stamp), planar(msg.pose.pose))
@@ -114,27 +114,27 @@ class LandmarkRobot:
         for moment in self.moments:
             self.stamp = rospy.Time.from_sec(BEGIN + moment.stamp)
             self.pose = composed(self.pose, moment.step)
-            self.tell(self.pose)
-            if moment.look is not None and not self.look(moment):
+            self.publish_odometry(self.pose)
+            if moment.scan is not None and not self.scan(moment):
                 return False
             if done() or seconds(self.stamp) >= end - 1e-6:
                 return True
         return False
 
-    def look(self, moment):
+    def scan(self, moment):
         x, y, heading = moment.pose
         self.truth[self.stamp] = np.array(
             [*in_frame(self.world.start, moment.pose[None, :2])[0], heading - self.world.start[2]]
         )
-        msg = sightings_msg(self.stamp, moment.look.sightings, self.name)
-        self.sightings.publish(msg)
-        self.timeline.see(seconds(self.stamp), [labelled(each) for each in msg.sightings])
+        msg = observations_msg(self.stamp, moment.scan.observations, self.name)
+        self.observations.publish(msg)
+        self.timeline.observe(seconds(self.stamp), [labelled(each) for each in msg.observations])
         return self.entries.at(self.stamp) is not None
 
 
 def labelled(msg):
-    """LabelledSighting of a LandmarkSighting without a heading."""
+    """LabelledObservation of a LandmarkObservation without a heading."""
     covariance = np.reshape(msg.covariance, (3, 3))[:2, :2]
-    return sextant.LabelledSighting(
-        sextant.LandmarkLabel(msg.class_name), sextant.PlaneSighting([msg.x, msg.y], covariance)
+    return sextant.LabelledObservation(
+        sextant.LandmarkLabel(msg.class_name), sextant.Observation2D([msg.x, msg.y], covariance)
     )

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Robots on whose locators a test talks: a namespace each, whose letter their frames end in."""
+"""Robots whose locators a test publishes to: each has a namespace, and its letter ends their frames."""
 
 import unittest
 
@@ -9,7 +9,17 @@ import tf2_ros
 from geometry_msgs.msg import Point, Pose, PoseWithCovariance, PoseWithCovarianceStamped, Quaternion
 from marker_chain import deviation
 from marker_scene import FAMILY, SIZE, T_BASE_CAMERA, T_MAP_BASE, pose, turned
-from ros_probe import Diagnostics, Recorder, TransformRecorder, matrix, quaternion, stamps, transform, until
+from ros_probe import (
+    Diagnostics,
+    Recorder,
+    TransformRecorder,
+    matrix,
+    quaternion,
+    stamps,
+    subscribers_of,
+    transform,
+    until,
+)
 
 from sextant.msg import MarkerArray, MarkerMapEntries, MarkerMapEntry
 
@@ -24,14 +34,14 @@ class LocatedRobotTest(unittest.TestCase):
     def setUpClass(cls):
         cls.stamps = stamps()
         cls.diagnostics = Diagnostics()
-        cls.heard_tf = TransformRecorder()
+        cls.transforms = TransformRecorder()
         cls.fixed = tf2_ros.StaticTransformBroadcaster()
         now = rospy.Time.now()
         cls.fixed.sendTransform([transform(T_BASE_CAMERA, *frames, now) for frames in cls.MOUNTS])
         cls.moving = tf2_ros.TransformBroadcaster()
 
     def connect(self, robot, *topics):
-        """Hears its poses; returns what tells the markers on each topic. All are connected."""
+        """Subscribes to its poses; returns the publishers of markers on each topic. All are connected."""
         self.poses = Recorder(f"/{robot}/pose", PoseWithCovarianceStamped)
         self.addCleanup(self.poses.close)
         self.assertTrue(self.poses.connected())
@@ -39,10 +49,11 @@ class LocatedRobotTest(unittest.TestCase):
         for publisher in publishers:
             self.addCleanup(publisher.unregister)
             self.assertTrue(until(lambda: publisher.get_num_connections() > 0))  # noqa: B023
+        self.assertTrue(until(lambda: self.moving.pub_tf.get_num_connections() >= len(subscribers_of("/tf"))))
         return publishers
 
     def map_of(self, robot):
-        """What tells the robot a map."""
+        """The publisher of the robot's map."""
         maps = rospy.Publisher(f"/{robot}/marker_map/entries", MarkerMapEntries, queue_size=1, latch=True)
         self.addCleanup(maps.unregister)
         return maps

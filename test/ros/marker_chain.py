@@ -72,7 +72,7 @@ class ChainTest(PoseTest):
         self.assertTrue(until(lambda: self.infos.get_num_connections() > 0))
 
     def show(self, image=None):
-        """Publishes an image (default: the good one) and tells its stamp."""
+        """Publishes an image (default: the good one) and returns its stamp."""
         image = image_msg(self.picture, None) if image is None else image
         image.header.stamp = next(self.stamps)
         self.images.publish(image)

@@ -100,13 +100,13 @@ def camera_info(stamp=None, width=WIDTH, height=HEIGHT):
 
 
 def marker_msg(id, family=FAMILY, corners=None):
-    """A marker with true corners, as a detector tells it; the poses are left out."""
+    """A marker with true corners, as a detector publishes it; the poses are left out."""
     corners = corners_of(id) if corners is None else corners
     return Marker(family=family, id=id, corners=np.asarray(corners, float).ravel().tolist())
 
 
 def markers_msg(stamp, markers=None, frame=CAMERA):
-    """What a detector tells of the scene."""
+    """What a detector publishes of the scene."""
     msg = MarkerArray(camera_info=camera_info(stamp))
     msg.header.stamp, msg.header.frame_id = stamp, frame
     msg.markers = [marker_msg(3), marker_msg(5)] if markers is None else markers

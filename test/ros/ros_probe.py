@@ -17,7 +17,7 @@ from tf2_msgs.msg import TFMessage
 
 WAIT = 15.0  # s, far beyond what is needed
 
-os.environ["PYTHONUNBUFFERED"] = "1"  # of nodes that a test starts: what they say is in their log at once
+os.environ["PYTHONUNBUFFERED"] = "1"  # of nodes that a test starts: their output is in their log at once
 
 
 def matrix(msg):
@@ -89,7 +89,7 @@ class Recorder:
             self._by_stamp.clear()
 
     def connected(self):
-        """Whether a publisher, too, has the connection: what it says from now on is heard."""
+        """Whether a publisher, too, has the connection: its messages are received from now on."""
         return until(lambda: any(map(_reaches_publisher, self._subscriber.impl.get_stats_info())))
 
     def close(self):
@@ -97,7 +97,7 @@ class Recorder:
 
 
 def _reaches_publisher(connection):
-    """rospy counts a connection that it has only begun to make; the publisher tells those that it has."""
+    """rospy counts a connection that it has only begun to make; the publisher lists those that it has."""
     _, publisher, _, _, _, _, text = connection
     port = re.search(r"on port (\d+) to", text)
     rows = ServerProxy(publisher).getBusInfo("/ros_probe")[2] if port else []
@@ -162,7 +162,7 @@ def until(condition, timeout=WAIT):
 
 
 def subscribers_of(topic):
-    """Names of the nodes that the master knows to hear a topic."""
+    """Names of the nodes that subscribe to a topic, by the master."""
     _, subscribers, _ = rosgraph.Master("/ros_probe").getSystemState()
     return next((nodes for name, nodes in subscribers if name == topic), [])
 

@@ -19,14 +19,13 @@
 
 namespace sextant {
 
-/// Nodelets in this process, in a manager with several threads, while everything changes at once. Worth most
-/// under a sanitizer: tools/sanitize.sh.
+/// Stress test: nodelets in this process, in a manager with several threads, while everything changes at
+/// once. Most useful under a sanitizer: tools/sanitize.sh.
 class Storm : public ::testing::Test {
  protected:
   using Clock = std::chrono::steady_clock;
 
-  /// @param tick of /clock, which jumps back after so many of them in a storm, as of a bag that is played
-  /// anew
+  /// @param tick period of /clock; it jumps back after a number of ticks, like a restarted bag
   Storm(std::chrono::milliseconds tick, int ticks_to_jump) : tick_(tick), ticks_to_jump_(ticks_to_jump) {}
 
   void SetUp() override {
@@ -43,13 +42,13 @@ class Storm : public ::testing::Test {
     std::filesystem::remove_all(folder_);
   }
 
-  /// @param onTick happens at every tick of /clock before it is told @param number of the tick, from 1
+  /// @param onTick called before every tick of /clock is published @param number of the tick, from 1
   void begin(std::function<void(const ros::Time& now, int number)> onTick) {
     spinner_.start();
     world_ = std::thread([this, onTick = std::move(onTick)] { run(onTick); });
   }
 
-  /// As fast as it can, until calm(). @param what is told how often it happened before
+  /// Calls a function as fast as possible, until calm(). @param what receives the number of previous calls
   void repeat(std::function<void(int)> what) {
     raging_ = true;
     storm_.emplace_back([this, what = std::move(what)] {

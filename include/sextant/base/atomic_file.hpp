@@ -6,8 +6,8 @@
 
 namespace sextant {
 
-/// Replaces a file's content or leaves it as it was: temporary file beside it, fsync, rename.
-/// @throws std::runtime_error that names the path and the system's reason
+/// Replaces a file's content completely or not at all: temporary file in the same folder, fsync, rename.
+/// @throws std::runtime_error with the path and the system's error message
 void writeFileAtomically(const std::string& path, const std::string& content);
 
 /// The shortest decimal text that reads back as the same number.

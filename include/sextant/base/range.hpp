@@ -6,15 +6,15 @@
 
 namespace sextant {
 
-/// What values a number may have.
+/// An interval of real numbers.
 class Range {
  public:
   static Range closed(double low, double high) { return {low, high, '[', ']'}; }    ///< [low, high]
   static Range openLow(double low, double high) { return {low, high, '(', ']'}; }   ///< (low, high]
   static Range openHigh(double low, double high) { return {low, high, '[', ')'}; }  ///< [low, high)
 
-  /// @throws std::invalid_argument "name is value, allowed is (low, high] unit" where the value is outside or
-  /// not a number
+  /// Checks a value.
+  /// @throws std::invalid_argument "name is value, allowed is (low, high] unit" for NaN or a value outside
   void require(const std::string& name, double value, const std::string& unit = "") const;
   std::string text() const;  ///< "(low, high]"
 

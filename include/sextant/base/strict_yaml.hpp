@@ -12,51 +12,57 @@
 
 namespace sextant {
 
-/// A mistake at a place in a file.
-struct YamlMistake : std::runtime_error {
-  YamlMistake(const YAML::Mark& mark, const std::string& what)
+/// An error at a line of a YAML file.
+struct YamlError : std::runtime_error {
+  /// Error at the line of a mark.
+  YamlError(const YAML::Mark& mark, const std::string& what)
       : std::runtime_error(what), line(std::max(1, mark.line + 1)) {}
-  int line;
+  int line;  ///< line number, from 1
 };
 
-/// Each reads a node or throws YamlMistake with what is wrong.
+/// Checks and readers of a node. Each throws YamlError if the node does not have the expected form.
 /// @{
-void requireKeys(const YAML::Node& node, const std::string& what, const std::set<std::string>& needed,
+/// Checks that a node is a map that has all required keys, and no keys except required and optional ones.
+/// @param what name of the node in the error message
+void requireKeys(const YAML::Node& node, const std::string& what, const std::set<std::string>& required,
                  const std::set<std::string>& optional);
-double number(const YAML::Node& node);
+double number(const YAML::Node& node);  ///< finite
 int wholeNumber(const YAML::Node& node);
-bool truth(const YAML::Node& node);
-std::string word(const YAML::Node& node);
-Eigen::VectorXd numbers(const YAML::Node& node, size_t count);
+bool boolean(const YAML::Node& node);
+std::string nonEmptyText(const YAML::Node& node);
+Eigen::VectorXd numbers(const YAML::Node& node, size_t count);  ///< a list of count finite numbers
 /// @}
 
-/// As text that those read.
+/// Writers of text that the readers accept.
 /// @{
 std::string listText(const double* values, size_t count);
 std::string quotedText(const std::string& text);
 /// @}
 
-/// Calls add for every item of the list, so that what it refuses is told with the item's line.
+/// Calls add for every item of a list, if there is one. A std::invalid_argument from add becomes a YamlError
+/// at the item's line.
 template <typename Add>
 void forEach(const YAML::Node& list, const std::string& name, Add add) {
   if (!list) return;
-  if (!list.IsSequence()) throw YamlMistake(list.Mark(), "'" + name + "' must be a list");
+  if (!list.IsSequence()) throw YamlError(list.Mark(), "'" + name + "' must be a list");
   for (const YAML::Node& item : list) {
     try {
       add(item);
     } catch (const std::invalid_argument& error) {
-      throw YamlMistake(item.Mark(), error.what());
+      throw YamlError(item.Mark(), error.what());
     }
   }
 }
 
+/// Returns parse(root node of the text).
+/// @param path for error messages
 /// @throws std::runtime_error "path:line: reason"
 template <typename Parse>
 auto parseYaml(const std::string& text, const std::string& path, Parse parse) {
   try {
     return parse(YAML::Load(text));
-  } catch (const YamlMistake& mistake) {
-    throw std::runtime_error(path + ":" + std::to_string(mistake.line) + ": " + mistake.what());
+  } catch (const YamlError& error) {
+    throw std::runtime_error(path + ":" + std::to_string(error.line) + ": " + error.what());
   } catch (const YAML::Exception& error) {
     throw std::runtime_error(path + ":" + std::to_string(error.mark.line + 1) + ": " + error.msg);
   }

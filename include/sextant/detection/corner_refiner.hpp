@@ -9,43 +9,45 @@
 
 namespace sextant {
 
-/// The square whose corners are looked for.
+/// The outer square of a marker.
 struct BorderSquare {
-  int modules = 8;            ///< its width; an edge is searched no farther than a module to either side
+  int modules = 8;            ///< width in modules; edges are searched at most one module to either side
   bool white_inside = false;  ///< some AprilTag families are white inside their edge and black around it
-  double start_sigma = 1;     ///< of the start's coordinates where nothing hides the edges, pixels
+  double start_sigma = 1;  ///< standard deviation of the initial corner coordinates without occlusion, pixels
 };
 
+/// Refined corners of a marker.
 struct RefinedCorners {
-  Corners corners;      ///< pixels; where nothing better was found, the start's
-  CornerSigmas sigmas;  ///< of either coordinate, pixels, > 0
+  Corners corners;      ///< pixels; initial corners where the refinement failed
+  CornerSigmas sigmas;  ///< standard deviation of either coordinate, pixels, > 0
 };
 
-/// Corners at subpixel. The square's edges are found on every image line that crosses them, a line is fitted
-/// to each, neighbours are intersected.
+/// Refines corners to subpixel accuracy. The edges of the square are located on every image line that crosses
+/// them, a curve is fitted to each edge, and adjacent curves are intersected.
 ///
-/// The lens: with a camera, what is fitted is the image of a straight line in space, so that the corners are
-/// those of straight lines in the undistorted image. Without one, or where its lens model has no rays, an
-/// edge is straight, or a parabola where it is long enough to show a lens's curvature.
+/// Lens distortion: with a camera, the image of a straight line in space is fitted, so that the corners are
+/// those of straight lines in the undistorted image. Without a camera, or outside its lens model, an edge is
+/// a straight line, or a parabola if it is long enough to show the curvature.
 ///
-/// The noise: an edge's offset at its end s has the variance v = r' (X'X)^-1 r s^2, where r = (1, s[, s^2])
-/// and s^2 is the scatter of the edge's samples about its line, more where neighbours resemble each other:
-/// they then tell less than their number. The corner p of edges with unit normals a and b solves (a b)' dp =
-/// (offsets), so that
-///   covariance = N^-1 diag(v_a, v_b) N^-T, N = (a b)',
-/// and the corner's variance is half its trace, plus that of what no scatter shows: each v has (0.3 b exp(-m
-/// / 2b))^2 for the steps of neighbouring modules of m pixels under a blur of b, and the corner 0.015 px for
-/// the shape of lens and print.
+/// Noise: the offset of an edge at its end s has the variance v = r' (X'X)^-1 r sigma^2, where r = (1, s[,
+/// s^2]), the rows of X are the r of the samples, and sigma^2 is the variance of the residuals, increased if
+/// neighbours are correlated. The corner p of edges with unit normals a and b solves (a b)' dp = (offsets),
+/// so that
+///   covariance = N^-1 diag(v_a, v_b) N^-T, N = (a b)'.
+/// The variance of the corner is half its trace. Errors that residuals do not show are added: to each v, (0.3
+/// w exp(-m / 2w))^2 for the steps of adjacent modules of m pixels under a blur of w pixels; to the variance
+/// of the corner, 0.015^2 px^2 for the shape of lens and marker.
 ///
-/// What is hidden: a corner is only refined from two edges of which at least half is seen, and which lie a
-/// module away from the bits inside, as an occluder's edge does not (seen from 0.35 px and 0.12 modules
-/// on, where the code has steps near it). Where one edge is hidden and the camera is known, its corners are
-/// told by the other three: a square's pose follows from two corners and the edges through the others (see
-/// hidden_edge.hpp); first 0.15 px are added to what is seen, since what lens and print move it by is drawn
-/// out, too. Else the start's is told, with its own sigma and the edge's doubt.
+/// Occlusion: a corner is only refined from two edges that are at least half visible and one module away from
+/// the bits inside. The edge of an occluder is at another distance, which is detected from errors of 0.35 px
+/// and 0.12 modules on if the code has steps near the edge. If one edge is occluded and the camera is known,
+/// its corners follow from the other three edges: two corners and the edges through the others determine the
+/// square's pose (see hidden_edge.hpp). 0.15 px are added in quadrature to the sigmas of the visible edges
+/// and corners, because extrapolation amplifies their systematic errors. Otherwise the initial corner is
+/// returned; its sigma then contains the possible error of the edge.
 /// @param image 8-bit grey
-/// @param corners start, clockwise in the image, good to 6 px or five of its deviations, but at most to
-/// nine tenths of a module
+/// @param corners initial corners, clockwise in the image, with errors up to 6 px or five of their standard
+/// deviations, but at most nine tenths of a module
 RefinedCorners refineCorners(const cv::Mat& image, const Corners& corners, const BorderSquare& square,
                              const CameraModel* camera = nullptr);
 

@@ -13,6 +13,7 @@
 
 namespace sextant {
 
+/// Parameters of makeMarkerDetector().
 struct DetectorParams {
   std::vector<std::string> families = {"tag36h11"};
   std::string search = "full";
@@ -27,18 +28,19 @@ struct DetectorParams {
   ParamList fields();
 };
 
-/// Finds markers in a grey image. Not thread-safe: one detector a thread.
+/// Detects markers in grey images. Not thread-safe: use one detector per thread.
 class MarkerDetector {
  public:
   virtual ~MarkerDetector() = default;
 
-  /// @param image 8-bit, one channel, at least 1 x 1; not modified.
-  /// @param camera that took it: refined corners then are those of straight edges seen through its lens
-  /// @throws std::invalid_argument for any other image.
+  /// Detects all markers of an image.
+  /// @param image 8-bit, one channel, at least 1 x 1; not modified
+  /// @param camera camera of the image: refined corners then take lens distortion into account
+  /// @throws std::invalid_argument for any other image
   virtual std::vector<Detection> detect(const cv::Mat& image, const CameraModel* camera = nullptr) = 0;
 };
 
-/// The backends that the families need, behind one interface.
+/// Creates a detector with the backends that the families need.
 /// @throws std::invalid_argument as validate(DetectorParams).
 std::unique_ptr<MarkerDetector> makeMarkerDetector(const DetectorParams& params);
 

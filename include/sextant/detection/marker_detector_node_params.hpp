@@ -11,10 +11,10 @@ namespace sextant {
 
 /// Parameters of the nodelet sextant/MarkerDetector.
 struct MarkerDetectorNodeParams {
-  MarkerDetectorNodeParams() { detector.search = "tracking"; }  // images of one camera, in order
+  MarkerDetectorNodeParams() { detector.search = "tracking"; }  // the node receives the images of one camera
 
-  DetectorParams detector;
-  MarkerSizes sizes;
+  DetectorParams detector;  ///< families, search and refinement
+  MarkerSizes sizes;        ///< edge lengths of the markers, for their poses
   double corner_sigma = 0.3;
   double rate = 0.0;
   bool enabled = true;

@@ -13,9 +13,9 @@ namespace sextant {
 
 /// Parameters of the nodelet sextant/LandmarkSlam.
 struct LandmarkSlamNodeParams {
-  LandmarkSlamParams slam;
-  LandmarkTimelineParams timeline;
-  MarkerLandmarkParams markers;
+  LandmarkSlamParams slam;          ///< of filter and data association
+  LandmarkTimelineParams timeline;  ///< of the buffer of late measurements
+  MarkerLandmarkParams markers;     ///< of markers as landmarks
   std::vector<std::string> cameras;
   std::string map_file;
   std::string marker_map_file;
@@ -28,9 +28,9 @@ struct LandmarkSlamNodeParams {
   std::string tf_output = "none";
   double transform_timeout = 0.1;
 
-  ParamList fields();
-  Pose2 startPose() const;                  ///< T_map_base
-  Eigen::Matrix3d startCovariance() const;  ///< of (x, y, heading)
+  ParamList fields();                       ///< names, ranges, units and descriptions
+  Pose2 startPose() const;                  ///< T_map_base of start_pose
+  Eigen::Matrix3d startCovariance() const;  ///< of (x, y, heading), from pose_sigma
 };
 
 }  // namespace sextant

@@ -7,42 +7,46 @@
 
 #include "sextant/base/params.hpp"
 #include "sextant/geometry/pose.hpp"
-#include "sextant/landmarks/plane_sighting.hpp"
+#include "sextant/landmarks/observation_2d.hpp"
 #include "sextant/markers/marker.hpp"
 #include "sextant/markers/marker_map.hpp"
 
 namespace sextant {
 
-/// How printed markers become landmarks of the plane.
+/// Parameters of the conversion of printed markers to planar landmarks.
 struct MarkerLandmarkParams {
-  double decided = 0.9999;
+  double heading_min_probability = 0.9999;
   double corner_sigma = 0.3;
   double tilt_sigma = 0.01;
 
-  ParamList fields();
+  ParamList fields();  ///< names, ranges, units and descriptions
 };
 
-/// From a print to who reads it, seen from above, radians: across its lower edge, which is the way of its
-/// normal on a wall; where that edge is steeper than 45 degrees, the normal itself.
+/// Heading of a marker seen from above, from the print to its reader, radians: perpendicular to the lower
+/// edge, which is the normal on a wall; the normal itself if that edge is steeper than 45 degrees.
 double headingOf(const Eigen::Matrix3d& R_map_marker);
 
-/// Probability that the worse of a marker's two poses is right, which corners of this noise allow.
-/// @param error, other_error reprojection errors of both, RMS over eight coordinates
-double probabilityOfOther(double error, double other_error, double sigma);
+/// Probability that the worse one of the two poses of a marker is the true one.
+/// @param error, alternative_error reprojection errors of both poses, RMS over eight coordinates, pixels
+/// @param sigma standard deviation of a corner coordinate, pixels
+double alternativePoseProbability(double error, double alternative_error, double sigma);
 
-/// A marker that a camera sees, in the plane of the robot. Its heading is told where the planar problem has
-/// one answer; a landmark begins only with one.
+/// Converts a detected marker to a planar observation in the robot frame. It has a heading and can initialize
+/// a landmark only if the solution of its pose is unambiguous.
 /// @param covariance of T_camera_marker: position, rotation in the axes of the optical frame
-/// @param other probability that its other pose is right
-LabelledSighting markerSighting(const MarkerKey& key, const Pose& T_base_camera, const Pose& T_camera_marker,
-                                const Matrix6d& covariance, double other, const MarkerLandmarkParams& params);
+/// @param alternative_probability probability that the alternative pose is the true one
+LabelledObservation markerObservation(const MarkerKey& key, const Pose& T_base_camera,
+                                      const Pose& T_camera_marker, const Matrix6d& covariance,
+                                      double alternative_probability, const MarkerLandmarkParams& params);
 
-/// A map of markers as landmarks.
+/// The markers of a map as planar landmarks.
 struct MarkerLandmarks {
-  std::vector<PlaneLandmark> landmarks;
-  std::vector<LandmarkLabel> labels;
-  std::vector<Eigen::Matrix3d> covariances;  ///< of (x, y, heading) of each, map's axes
+  std::vector<Landmark2D> landmarks;         ///< the markers' positions in the map
+  std::vector<LandmarkLabel> labels;         ///< family and id of each
+  std::vector<Eigen::Matrix3d> covariances;  ///< of (x, y, heading) of each, in the map frame
 };
+
+/// Converts a marker map to planar landmarks.
 MarkerLandmarks landmarksOf(const MarkerMap& map);
 
 }  // namespace sextant

@@ -10,48 +10,52 @@
 
 namespace sextant {
 
-/// What a calibration says, in the fields and conventions of sensor_msgs/CameraInfo, for the image as it is
-/// published (binning and region of interest already applied to width, height, K and P).
+/// Intrinsic calibration in the fields and conventions of sensor_msgs/CameraInfo, for the image as published:
+/// binning and region of interest are already applied to width, height, K and P.
 struct CameraCalibration {
-  int width = 0;                 ///< pixels
-  int height = 0;                ///< pixels
-  std::string distortion_model;  ///< plumb_bob, rational_polynomial or equidistant
-  std::vector<double> D;         ///< coefficients in OpenCV's order
-  Eigen::Matrix3d K = Eigen::Matrix3d::Zero();
-  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
-  Eigen::Matrix<double, 3, 4> P = Eigen::Matrix<double, 3, 4>::Zero();
+  int width = 0;                                    ///< pixels
+  int height = 0;                                   ///< pixels
+  std::string distortion_model;                     ///< plumb_bob, rational_polynomial or equidistant
+  std::vector<double> D;                            ///< distortion coefficients in OpenCV's order
+  Eigen::Matrix3d K = Eigen::Matrix3d::Zero();      ///< camera matrix of the raw image, pixels
+  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();  ///< rectification rotation
+  Eigen::Matrix<double, 3, 4> P = Eigen::Matrix<double, 3, 4>::Zero();  ///< projection of the rectified image
 };
 
-/// A pixel and its derivative by the point in the camera frame.
+/// A pixel and its Jacobian with respect to the point in the camera frame.
 struct Projection {
-  Eigen::Vector2d pixel;
-  Eigen::Matrix<double, 2, 3> jacobian;
+  Eigen::Vector2d pixel;                 ///< pixels
+  Eigen::Matrix<double, 2, 3> jacobian;  ///< pixels per metre
 };
 
-/// The full projection of a calibrated camera, from the optical frame (z forward, x right, y down, metres) to
-/// pixels; (0, 0) is the centre of the first pixel. Poses are always those of the raw optical frame, so that
-/// a raw and a rectified image of one camera give the same pose.
+/// Projection of a calibrated camera with lens distortion, from the optical frame (z forward, x right, y
+/// down, metres) to pixels. (0, 0) is the centre of the first pixel. The optical frame is always that of the
+/// raw image, so the raw and the rectified image of a camera give the same pose.
 ///
 /// Formulas: OpenCV's calib3d (plumb_bob, rational_polynomial) and its fisheye module (equidistant,
 /// Kannala-Brandt).
 class CameraModel {
  public:
+  /// Image in which pixels are measured.
   enum class Image { raw, rectified };
 
-  /// @throws std::invalid_argument that names the field, its value and what is allowed.
+  /// @throws std::invalid_argument with the field, its value and the allowed values
   CameraModel(const CameraCalibration& calibration, Image image);
 
-  int width() const { return width_; }
-  int height() const { return height_; }
+  int width() const { return width_; }    ///< pixels
+  int height() const { return height_; }  ///< pixels
   /// Focal length in pixels, the mean of both axes.
   double focalLength() const { return 0.5 * (f_.x() + f_.y()); }
 
-  /// Pixel of a point in the optical frame; nothing where the lens model does not reach (behind the camera,
-  /// or beyond the radius where the distortion polynomial turns back). The pixel may lie outside the image.
+  /// Projects a point in the optical frame to a pixel, which may lie outside the image. Returns nothing
+  /// beyond the radius (or angle, equidistant) at which the distortion polynomial stops rising, and, except
+  /// for the equidistant model, for a point behind the camera.
   std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& p_camera) const;
+  /// Projects as project(), and computes the Jacobian.
   std::optional<Projection> projectWithJacobian(const Eigen::Vector3d& p_camera) const;
 
-  /// Unit vector in the optical frame toward a pixel; nothing where the lens model has no inverse.
+  /// Returns the unit vector in the optical frame toward a pixel, or nothing if the lens model has no inverse
+  /// there.
   std::optional<Eigen::Vector3d> unproject(const Eigen::Vector2d& pixel) const;
 
  private:
@@ -80,7 +84,7 @@ class CameraModel {
   Eigen::Vector2d f_;          // pixels
   Eigen::Vector2d c_;          // pixels
   double skew_ = 0.0;          // K(0, 1)
-  Eigen::Matrix3d R_model_camera_ = Eigen::Matrix3d::Identity();  // rectification, identity for a raw image
+  Eigen::Matrix3d R_model_camera_ = Eigen::Matrix3d::Identity();  // rectification; identity for a raw image
   double limit_ = 0.0;  // largest radius (polynomial) or angle (equidistant) on the rising branch
 };
 

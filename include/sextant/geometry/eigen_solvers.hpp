@@ -8,8 +8,7 @@
 
 namespace Eigen {
 
-// Solvers that many files use are compiled once, in eigen_solvers.cpp: each takes seconds of the compiler's
-// time.
+// Solvers that many files use are compiled once, in eigen_solvers.cpp: each takes seconds to compile.
 extern template LLT<Matrix<double, 6, 6>>& LLT<Matrix<double, 6, 6>>::compute(
     const EigenBase<Matrix<double, 6, 6>>&);
 extern template LDLT<Matrix<double, 6, 6>>& LDLT<Matrix<double, 6, 6>>::compute(

@@ -8,6 +8,7 @@
 
 namespace sextant {
 
+/// A device, a file or a folder, and how it is opened.
 struct ImageSourceParams {
   std::string source = "0";
   std::string encoding = "bgr8";
@@ -20,19 +21,20 @@ struct ImageSourceParams {
   ParamList fields();
 };
 
+/// How the images of a source are published.
 struct ImagePlayerParams {
-  double rate = 0.0;  ///< that of the source
+  double rate = 0.0;  ///< Hz; 0: the source's own
   bool loop = false;
   int frames = 0;
   bool wait_for_subscriber = true;
 
-  ParamList fields();  ///< all but the rate
+  ParamList fields();  ///< without the rate, which is a parameter of the source
 };
 
 /// Parameters of the nodelet sextant/CameraDriver.
 struct CameraDriverNodeParams {
   ImageSourceParams source;
-  ImagePlayerParams player;
+  ImagePlayerParams player;  ///< how they are published
   std::string camera_name = "camera";
   std::string camera_info_url;
   std::string frame_id = "camera_optical_frame";

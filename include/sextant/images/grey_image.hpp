@@ -6,7 +6,7 @@
 
 namespace sextant {
 
-/// The grey image that every detector works on, from 8-bit grey (the same memory), BGR or BGRA.
+/// Converts an 8-bit grey, BGR or BGRA image to 8-bit grey. A grey image is returned without a copy.
 /// @throws std::invalid_argument for any other type
 cv::Mat greyImage(const cv::Mat& image);
 

@@ -9,32 +9,33 @@ namespace sextant {
 
 using Indices = std::vector<Eigen::Index>;
 
-/// A symmetric matrix that grows and shrinks, of which only the lower triangle is kept. What is added to all
-/// of it waits until there is enough to go through it once: memory is slower than arithmetic.
+/// Symmetric matrix of variable size that stores its lower triangle. Low-rank updates are buffered and
+/// applied in one pass, because memory bandwidth limits the speed, not arithmetic.
 class CovarianceStore {
  public:
+  /// Copies a symmetric matrix.
   explicit CovarianceStore(const Eigen::MatrixXd& matrix = {}) { assign(matrix); }
 
-  Eigen::Index size() const { return lower_.rows(); }
-  double operator()(Eigen::Index i, Eigen::Index j) const;
+  Eigen::Index size() const { return lower_.rows(); }       ///< rows
+  double operator()(Eigen::Index i, Eigen::Index j) const;  ///< one element
 
-  Eigen::MatrixXd columns(const Indices& which) const;  ///< (size, which)
-  Eigen::MatrixXd block(const Indices& which) const;    ///< (which, which)
-  Eigen::MatrixXd full() const;
+  Eigen::MatrixXd columns(const Indices& indices) const;  ///< (size, k) for k indices
+  Eigen::MatrixXd block(const Indices& indices) const;    ///< (k, k) for k indices
+  Eigen::MatrixXd full() const;                           ///< (size, size)
 
-  void addSquare(const Eigen::MatrixXd& W, double sign = 1);  ///< sign * W W^T; W is (size, any)
-  void setColumns(const Indices& which, const Eigen::MatrixXd& columns);
-  void append(const Eigen::MatrixXd& cross, const Eigen::MatrixXd& block);  ///< cross is (added, size)
-  void erase(Eigen::Index first, Eigen::Index count);
-  void assign(const Eigen::MatrixXd& matrix);
+  void addSquare(const Eigen::MatrixXd& W, double sign = 1);  ///< adds sign * W W^T; W is (size, any)
+  void setColumns(const Indices& indices, const Eigen::MatrixXd& columns);  ///< columns are (size, k)
+  void append(const Eigen::MatrixXd& cross, const Eigen::MatrixXd& block);  ///< (added, size), (added, added)
+  void erase(Eigen::Index first, Eigen::Index count);                       ///< rows and columns
+  void assign(const Eigen::MatrixXd& matrix);                               ///< reads the lower triangle
 
  private:
-  void addPending();
+  void applyPending();
 
   Eigen::MatrixXd lower_;
-  Eigen::MatrixXd pending_;  // (size, most) columns w of which sign * w w^T is to be added
+  Eigen::MatrixXd pending_;  // (size, kMaxPending) columns w whose sign * w w^T is still to be added
   Eigen::RowVectorXd signs_;
-  Eigen::Index waiting_ = 0;  // columns
+  Eigen::Index pending_count_ = 0;  // columns
 };
 
 }  // namespace sextant

@@ -10,39 +10,41 @@
 
 namespace sextant {
 
-/// Parameters of the data association of sightings with landmarks.
+/// Parameters of the data association of observations with landmarks.
 struct AssociationParams {
   double gate = 0.999;
-  double doubt = 0.999999;
-  double margin = 6.0;
-  double density = 0.01;
-  double new_margin = 4.0;
-  int effort = 20000;
+  double new_landmark_gate = 0.999999;
+  double ambiguity_margin = 6.0;
+  double new_landmark_density = 0.01;
+  double new_landmark_margin = 4.0;
+  int max_hypotheses = 20000;
 
-  ParamList fields();
+  ParamList fields();  ///< names, ranges, units and descriptions
 };
 
-/// What a sighting is of.
-enum class Origin { known, unknown, doubtful };
+/// Result of the association of one observation: with a landmark, with none, or not to be used.
+enum class Outcome { associated, unassociated, ambiguous };
 
+/// Association of one observation.
 struct Association {
-  Origin origin = Origin::unknown;
-  size_t landmark = 0;  ///< where it is known: index among the candidates
+  Outcome outcome = Outcome::unassociated;  ///< whether it belongs to a landmark
+  size_t landmark = 0;                      ///< index if associated, or if an id is ambiguous
 };
 
-/// A landmark that may be seen; only sightings of its class are ever associated with it.
+/// A landmark that may be in view; only observations with the same label are associated with it.
 struct LandmarkPoint {
   Eigen::Vector2d position;  ///< in the robot frame
-  LandmarkLabel label;
+  LandmarkLabel label;       ///< class and id
 };
 
-/// One answer for every sighting; a landmark is known to one of them at most.
-/// Branch and bound for the largest set that is jointly compatible, the nearest of those (Neira and
-/// Tardos 2001).
-/// @param covariance (2n, 2n) of where the n landmarks should be seen, without a sensor's noise
+/// Joint compatibility branch and bound (Neira and Tardos 2001): the largest set of pairings that is jointly
+/// compatible, and among those the one with the least Mahalanobis distance. Each landmark is paired with at
+/// most one observation. The search stops after max_hypotheses with the best set found.
+/// @param covariance (2n, 2n) of the predicted positions of the n landmarks, without sensor noise
+/// @returns one association per observation
 std::vector<Association> associate(const std::vector<LandmarkPoint>& landmarks,
                                    const Eigen::MatrixXd& covariance,
-                                   const std::vector<LandmarkPointSighting>& sightings,
+                                   const std::vector<PositionObservation>& observations,
                                    const AssociationParams& params);
 
 }  // namespace sextant

@@ -11,36 +11,38 @@
 
 namespace sextant {
 
-/// When something that is seen is taken for a landmark.
+/// Conditions under which repeated observations become a landmark.
 struct CandidateParams {
   double gate = 0.999;
-  int sightings = 3;
-  double memory = 10.0;
+  int observations = 3;
+  double max_age = 10.0;
 
-  ParamList fields();
+  ParamList fields();  ///< names, ranges, units and descriptions
 };
 
-/// Sightings of what may be landmarks: each is the mean of what was seen of it.
+/// Landmark candidates: the running mean of the observations of each.
 class LandmarkCandidates {
  public:
+  /// No candidates.
   explicit LandmarkCandidates(const CandidateParams& params) : params_(params) {}
 
-  /// Whether each of the sightings of one moment is of something that is a landmark now; no candidate any
-  /// more then. Sightings and candidates are matched where each is the other's nearest.
-  /// @param stamp seconds @param sightings in the map frame
-  std::vector<bool> see(double stamp, const std::vector<LandmarkPointSighting>& sightings);
+  /// Adds the observations of one scan. Observations and candidates are matched as mutual nearest neighbours.
+  /// A candidate with enough observations becomes a landmark and is removed.
+  /// @param stamp seconds @param observations in the map frame
+  /// @returns for each observation whether it initializes a landmark
+  std::vector<bool> observe(double stamp, const std::vector<PositionObservation>& observations);
 
-  size_t size() const { return candidates_.size(); }
-  void clear() { candidates_.clear(); }
+  size_t size() const { return candidates_.size(); }  ///< number of candidates
+  void clear() { candidates_.clear(); }               ///< removes all candidates
 
  private:
   struct Candidate {
-    LandmarkPointSighting mean;  // and the covariance of one sighting
-    int count;
-    double last;  // seconds
+    PositionObservation mean;  // with the mean covariance of one observation
+    int count;                 // observations
+    double last;               // stamp in seconds
   };
-  std::optional<size_t> nearest(const LandmarkPointSighting& sighting) const;
-  double distance(const Candidate& candidate, const LandmarkPointSighting& sighting) const;
+  std::optional<size_t> nearest(const PositionObservation& observation) const;
+  double distance(const Candidate& candidate, const PositionObservation& observation) const;
 
   CandidateParams params_;
   std::vector<Candidate> candidates_;

@@ -9,121 +9,127 @@
 #include "sextant/base/params.hpp"
 #include "sextant/geometry/pose2.hpp"
 #include "sextant/landmarks/covariance_store.hpp"
-#include "sextant/landmarks/odometry_steps.hpp"
-#include "sextant/landmarks/plane_sighting.hpp"
+#include "sextant/landmarks/observation_2d.hpp"
+#include "sextant/landmarks/odometry_history.hpp"
 #include "sextant/landmarks/unscented_transform.hpp"
 
 namespace sextant {
 
-/// How LandmarkFilter works.
+/// Parameters of LandmarkFilter.
 struct LandmarkFilterParams {
   double scale_sigma = 0.0;
   double scale_drift = 0.0;
   double clock_sigma = 0.0;
 
-  ParamList fields();
+  ParamList fields();  ///< names, ranges, units and descriptions
 };
 
-/// A pose and what is not known of it: (x, y, heading), map's axes.
-struct PlanePoseEstimate {
-  Pose2 pose;
-  Eigen::Matrix3d covariance;
+/// A planar pose with its covariance.
+struct PoseEstimate2D {
+  Pose2 pose;                  ///< T_map_base
+  Eigen::Matrix3d covariance;  ///< of (x, y, heading) in the map frame
 };
 
-/// Where landmarks should be seen.
-struct SightingPrediction {
-  Eigen::VectorXd positions;   ///< in the robot frame, (x, y[, heading]) one after another
-  Eigen::MatrixXd covariance;  ///< of them all, without a sensor's noise
+/// Predicted observations of landmarks.
+struct ObservationPrediction {
+  Eigen::VectorXd positions;   ///< in the robot frame, (x, y[, heading]) of each landmark
+  Eigen::MatrixXd covariance;  ///< of all rows, without sensor noise
 };
 
-/// Simultaneous localization and mapping in the plane by an unscented Kalman filter over (robot, landmarks).
-/// The nonlinear functions know only the robot and the landmarks that are seen, and so do the sigma points: a
-/// step takes O(n^2). Public covariances are of (x, y, heading) and (x, y[, heading]) in the map's axes.
+/// Planar SLAM with an unscented Kalman filter over the robot pose and the landmarks. Sigma points are drawn
+/// only for the robot and the observed landmarks, so that an update takes O(n^2) for n landmarks. Public
+/// covariances are of (x, y, heading) of the robot and (x, y[, heading]) of each landmark, in the map frame.
 class LandmarkFilter {
  public:
-  /// @param covariance of (x, y, heading) in the map's axes, positive definite
-  /// @throws std::invalid_argument as validate(LandmarkFilterParams), or if the covariance is none
+  /// @param covariance of (x, y, heading) in the map frame
+  /// @throws std::invalid_argument as validate(LandmarkFilterParams), or if the covariance is not positive
+  /// definite
   LandmarkFilter(const LandmarkFilterParams& params, const Pose2& T_map_base,
                  const Eigen::Matrix3d& covariance);
 
-  /// @param duration seconds; needed where the clock offset is estimated
+  /// Moves the robot by one odometry step. @param duration seconds; needed if the clock offset is estimated
   void predict(const OdometryStep& step, double duration = 0);
 
-  /// Where the robot will be after a step, without what predict() costs.
-  PlanePoseEstimate ahead(const OdometryStep& step) const;
+  /// Pose after a step, without changing the filter; much faster than predict().
+  PoseEstimate2D predictPose(const OdometryStep& step) const;
 
-  /// Sightings of one moment. Nothing happens where there are none.
-  /// @throws std::invalid_argument where one landmark is seen twice
-  void update(const std::vector<KnownSighting>& seen);
-  /// @param noise covariance of all of them together, rows as of differences()
-  void update(const std::vector<KnownSighting>& seen, const Eigen::MatrixXd& noise);
+  /// Corrects the state with the observations of one scan; does nothing if there are none.
+  /// @throws std::invalid_argument if a landmark is observed twice
+  void update(const std::vector<AssociatedObservation>& observations);
+  /// @param noise joint covariance of the observations, rows as innovations()
+  void update(const std::vector<AssociatedObservation>& observations, const Eigen::MatrixXd& noise);
 
-  /// @returns index of a new landmark
-  size_t add(const PlaneSighting& sighting);
+  /// Initializes a landmark from its first observation. @returns its index
+  size_t add(const Observation2D& observation);
 
-  /// Later indices move down by one.
+  /// Removes a landmark; the indices of later ones decrease by one.
   void remove(size_t landmark);
 
-  /// Two landmarks that are one; the second is removed.
+  /// Fuses two landmarks that are the same object; removes the second.
   void merge(size_t kept, size_t other);
 
-  /// A robot that somebody put elsewhere: what it knew of its pose is forgotten.
+  /// Replaces the pose; its correlation with the landmarks is lost.
   void setPose(const Pose2& T_map_base, const Eigen::Matrix3d& covariance);
 
-  /// All of a map; what was known is forgotten. @param covariance of robot and landmarks, as covariance()
-  /// @throws std::invalid_argument where its rows are not theirs; nothing has changed then
-  void setState(const Pose2& T_map_base, const std::vector<PlaneLandmark>& landmarks,
+  /// Replaces the pose and the map. @param covariance of robot and landmarks, as covariance()
+  /// @throws std::invalid_argument if it has another size; the state is unchanged then
+  void setState(const Pose2& T_map_base, const std::vector<Landmark2D>& landmarks,
                 const Eigen::MatrixXd& covariance);
 
-  /// @param headings also of the landmarks that have one
-  SightingPrediction predicted(const std::vector<size_t>& landmarks, bool headings = false);
+  /// Predicts observations at the current pose. @param headings whether to predict the headings, too
+  ObservationPrediction predictObservations(const std::vector<size_t>& landmarks, bool headings = false);
 
-  const Pose2& pose() const { return state_.pose; }
-  const std::vector<PlaneLandmark>& landmarks() const { return state_.landmarks; }
-  double scale() const { return state_.scale; }        ///< what odometry measures is multiplied by it
-  double clockOffset() const { return state_.clock; }  ///< seconds to add to the stamps of sightings
-  double scaleVariance() const { return scale_at_ < 0 ? 0.0 : P_(scale_at_, scale_at_); }
-  double clockVariance() const { return clock_at_ < 0 ? 0.0 : P_(clock_at_, clock_at_); }
+  const Pose2& pose() const { return state_.pose; }                              ///< T_map_base
+  const std::vector<Landmark2D>& landmarks() const { return state_.landmarks; }  ///< in the map frame
+  double scale() const { return state_.scale; }        ///< factor of the distances that odometry measures
+  double clockOffset() const { return state_.clock; }  ///< seconds to add to the stamps of observations
+  /// Variance of scale(), and of clockOffset() in square seconds; 0: not estimated @{
+  double scaleVariance() const { return scale_index_ < 0 ? 0.0 : P_(scale_index_, scale_index_); }
+  /// Variance of the clock offset, s²; 0 if it is not estimated.
+  double clockVariance() const { return clock_index_ < 0 ? 0.0 : P_(clock_index_, clock_index_); }
+  /// @}
   Eigen::MatrixXd covariance() const;  ///< of (x, y, heading) and all landmarks
-  Eigen::MatrixXd covariance(const std::vector<size_t>& landmarks) const;  ///< of (x, y, heading) and these
-  double nis() const { return nis_; }          ///< normalized innovation squared of the last update
-  int nisWidth() const { return nis_width_; }  ///< its degrees of freedom
-  int repairs() const { return repairs_; }     ///< of covariances that rounding made indefinite
+  Eigen::MatrixXd covariance(
+      const std::vector<size_t>& landmarks) const;  ///< of (x, y, heading) and these landmarks
+  double nis() const { return nis_; }               ///< normalized innovation squared of the last update
+  int nisDof() const { return nis_dof_; }           ///< its degrees of freedom
+  int repairs() const { return repairs_; }          ///< number of covariances that rounding made indefinite
 
  private:
   struct State {
     Pose2 pose;
     double scale = 1, clock = 0;
-    std::vector<PlaneLandmark> landmarks;
+    std::vector<Landmark2D> landmarks;
   };
 
   using Innovation = std::function<Eigen::VectorXd(const Eigen::VectorXd& xi)>;
 
   std::vector<size_t> all() const;
-  Indices indicesOf(size_t landmark) const;
-  /// Of the pose and these; with the clock, all that sightings of them depend on.
-  Indices indicesOf(const std::vector<size_t>& landmarks, bool with_clock = false) const;
-  std::vector<PlaneLandmark> expected(const std::vector<size_t>& landmarks, const Eigen::VectorXd& xi) const;
+  Indices stateIndices(size_t landmark) const;
+  /// Indices of the pose, the clock offset if requested, and these landmarks.
+  Indices stateIndices(const std::vector<size_t>& landmarks, bool with_clock = false) const;
+  std::vector<Landmark2D> predictedLandmarks(const std::vector<size_t>& landmarks,
+                                             const Eigen::VectorXd& xi) const;
   void propagate(const Pose2& step);
   void drift(Eigen::Index which, double deviation);
-  Eigen::MatrixXd factor(const Indices& which);  ///< lower Cholesky factor of the block
+  Eigen::MatrixXd factor(const Indices& which);  ///< lower Cholesky factor of a block of the covariance
   void fuse(const Indices& which, const Eigen::MatrixXd& R, const Innovation& innovation);
   void fusePart(const Indices& which, const Eigen::MatrixXd& L, const UnscentedMoments& moments,
                 const Eigen::MatrixXd& R);
   void correct(const Eigen::VectorXd& xi);
-  Eigen::VectorXd levers() const;                                        ///< (n) of all of xi
-  Eigen::VectorXd leversOf(const std::vector<size_t>& landmarks) const;  ///< rows as indicesOf()
-  Eigen::MatrixXd sheared(double sign) const;  ///< from xi to the map's axes; -1: back
-  void setSheared(const Eigen::MatrixXd& plain);
+  Eigen::VectorXd headingJacobian() const;  ///< (n) of the whole error xi
+  Eigen::VectorXd headingJacobianOf(const std::vector<size_t>& landmarks) const;  ///< rows as stateIndices()
+  Eigen::MatrixXd mapFrameCovariance(double sign) const;  ///< of map-frame errors from xi; -1: inverse
+  void setMapFrameCovariance(const Eigen::MatrixXd& covariance);
 
   LandmarkFilterParams params_;
   State state_;
   CovarianceStore P_;  // of the error xi = (x, y, heading[, scale][, clock], landmarks)
-  Eigen::Index scale_at_ = -1, clock_at_ = -1;
+  Eigen::Index scale_index_ = -1, clock_index_ = -1;
   std::vector<Eigen::Index> offsets_;  // of the landmarks in xi
-  Pose2 speed_;                        // of the last step, per second
+  Pose2 velocity_;                     // of the last step, per second
   double nis_ = 0;
-  int nis_width_ = 0, repairs_ = 0;
+  int nis_dof_ = 0, repairs_ = 0;
 };
 
 }  // namespace sextant

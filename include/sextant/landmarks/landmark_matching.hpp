@@ -8,35 +8,36 @@
 #include <vector>
 
 #include "sextant/base/params.hpp"
-#include "sextant/landmarks/plane_sighting.hpp"
+#include "sextant/landmarks/observation_2d.hpp"
 
 namespace sextant {
 
-/// A landmark of a map, with what is not known of it alone.
+/// A landmark of a map with its marginal covariance.
 struct MapPoint {
-  PlaneLandmark landmark;
-  LandmarkLabel label;
-  Eigen::Matrix2d covariance;  ///< of its position, map's axes
+  Landmark2D landmark;         ///< position in the map, with its covariance
+  LandmarkLabel label;         ///< class or marker, as far as known
+  Eigen::Matrix2d covariance;  ///< of its position, in the axes of its map
 };
 
+/// Parameters of the matching of two landmark maps.
 struct LandmarkMatchingParams {
   double gate = 0.999;
-  double certainty = 0.9999;
-  double present = 0.8;
+  double min_probability = 0.9999;
+  double inlier_probability = 0.8;
 
-  ParamList fields();
+  ParamList fields();  ///< names, ranges, units and descriptions
 };
 
-/// Which landmarks of two maps are one.
+/// Alignment of a local map with a map.
 struct LandmarkMatch {
-  Pose2 T_map_local;
-  std::vector<std::pair<size_t, size_t>> pairs;  ///< of local, of map
+  Pose2 T_map_local;                             ///< pose of the local frame in the map
+  std::vector<std::pair<size_t, size_t>> pairs;  ///< indices of the same landmark in local and in map
 };
 
-/// Where a small map lies in a large one. Every two landmarks of the small one that lie as far apart as two
-/// of the large one are tried, and so is every one with an id and a heading; each hypothesis is weighed by
-/// the likelihood of all landmarks of the small map against that of landmarks strewn at random.
-/// @returns nothing where no hypothesis is far likelier than chance and than every other
+/// Finds a local map in a larger one. Pairs of landmarks with the same distance in both maps, and landmarks
+/// with an id and a heading, generate pose hypotheses. Each is scored by the likelihood ratio of all local
+/// landmarks to landmarks at random positions.
+/// @returns nothing if no hypothesis is significantly more likely than chance and than all others
 std::optional<LandmarkMatch> matchLandmarks(const std::vector<MapPoint>& local,
                                             const std::vector<MapPoint>& map,
                                             const LandmarkMatchingParams& params);

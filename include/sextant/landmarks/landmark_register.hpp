@@ -10,8 +10,7 @@
 
 namespace sextant {
 
-/// The landmarks of a filter, with what the filter does not know of them: what they are, and how surely they
-/// are there.
+/// The landmarks of a filter with their labels, keys and existence probabilities.
 class LandmarkRegister {
  public:
   /// @throws std::invalid_argument as LandmarkFilter's constructor
@@ -19,44 +18,49 @@ class LandmarkRegister {
                    const Eigen::Matrix3d& covariance)
       : filter_(params, T_map_base, covariance) {}
 
+  /// Filter over the robot pose and the landmarks. @{
   const LandmarkFilter& filter() const { return filter_; }
+  /// The filter whose landmarks are registered.
   LandmarkFilter& filter() { return filter_; }
-  const std::vector<LandmarkLabel>& labels() const { return labels_; }
-  const std::vector<int>& keys() const { return keys_; }  ///< a number of each, the same as long as it lives
-  int nextKey() const { return next_key_; }
-  std::optional<size_t> find(const LandmarkLabel& label) const;  ///< the first of this label
-  std::vector<MapPoint> points() const;
+  /// @}
+  const std::vector<LandmarkLabel>& labels() const { return labels_; }  ///< of each landmark
+  const std::vector<int>& keys() const { return keys_; }  ///< of each landmark, constant while it exists
+  int nextKey() const { return next_key_; }               ///< key of the next new landmark
+  std::optional<size_t> find(const LandmarkLabel& label) const;  ///< index of the first with it
+  std::vector<MapPoint> points() const;                          ///< all landmarks
 
-  void add(const LabelledSighting& sighting);
+  /// Initializes a landmark.
+  void add(const LabelledObservation& observation);
 
-  /// Log odds that a landmark is there: more for one that is seen or missed. Sure ones do not get surer.
-  void judge(const std::vector<size_t>& landmarks, double evidence);
+  /// Adds evidence to the log odds that these landmarks exist, up to an upper bound.
+  void addEvidence(const std::vector<size_t>& landmarks, double evidence);
 
-  /// Makes those that are seen now one with others of their label that surely are nearer than two can be.
-  /// @param told keys, in which those that are gone become those of the ones that they are
-  /// @returns how many are gone
-  int mergeSame(std::vector<size_t> seen, double separation, std::vector<std::optional<int>>& told);
+  /// Merges observed landmarks with others of the same label that are nearer than the minimum separation.
+  /// @param observed indices @param separation metres
+  /// @param keys in which the keys of merged landmarks are replaced
+  /// @returns number of landmarks removed
+  int mergeDuplicates(std::vector<size_t> observed, double separation, std::vector<std::optional<int>>& keys);
 
-  /// @returns how many are gone
-  int removeDoubted();
+  /// Removes landmarks that probably do not exist. @returns their number
+  int removeUnlikely();
 
-  /// Those of this key and above.
+  /// Removes the landmarks with this key and above.
   void removeFrom(int key);
 
-  /// A map from elsewhere, of which all is sure. @param covariance as LandmarkFilter::setState()
-  /// @throws std::invalid_argument where numbers of landmarks, labels and rows do not fit
-  void setMap(const Pose2& T_map_base, const std::vector<PlaneLandmark>& landmarks,
+  /// Replaces all landmarks; they are certain to exist. @param covariance as LandmarkFilter::setState()
+  /// @throws std::invalid_argument if the sizes of landmarks, labels and covariance differ
+  void setMap(const Pose2& T_map_base, const std::vector<Landmark2D>& landmarks,
               const std::vector<LandmarkLabel>& labels, const Eigen::MatrixXd& covariance);
 
  private:
-  bool areOne(size_t a, size_t b, double separation) const;
+  bool areDuplicates(size_t a, size_t b, double separation) const;
   void remove(size_t landmark);
   void forget(size_t landmark);
 
   LandmarkFilter filter_;
   std::vector<LandmarkLabel> labels_;
   std::vector<int> keys_;
-  std::vector<double> standing_;
+  std::vector<double> log_odds_;  // of the existence of each landmark
   int next_key_ = 0;
 };
 

@@ -8,110 +8,116 @@
 #include <vector>
 
 #include "sextant/base/params.hpp"
+#include "sextant/landmarks/kidnap_detector.hpp"
 #include "sextant/landmarks/landmark_association.hpp"
 #include "sextant/landmarks/landmark_candidates.hpp"
 #include "sextant/landmarks/landmark_filter.hpp"
 #include "sextant/landmarks/landmark_matching.hpp"
 #include "sextant/landmarks/landmark_register.hpp"
 #include "sextant/landmarks/landmark_sensor.hpp"
-#include "sextant/landmarks/lost_watch.hpp"
 
 namespace sextant {
 
+/// Parameters of LandmarkSlam.
 struct LandmarkSlamParams {
-  LandmarkFilterParams filter;
-  AssociationParams association;
-  CandidateParams candidates;
-  LandmarkSensorParams sensor;
-  LandmarkMatchingParams matching;
+  LandmarkFilterParams filter;      ///< of the UKF
+  AssociationParams association;    ///< of data association
+  CandidateParams candidates;       ///< of landmarks that are not confirmed yet
+  LandmarkSensorParams sensor;      ///< of the sensor's field of view
+  LandmarkMatchingParams matching;  ///< of relocalization
   int lost_after = 10;
   bool read_only = false;
 
-  ParamList fields();
+  ParamList fields();  ///< names, ranges, units and descriptions
 };
 
-/// What became of the sightings of a moment.
+/// Result of one scan.
 struct LandmarkReport {
-  int known = 0, begun = 0, doubtful = 0,
-      waiting = 0;              ///< sightings; begun: a landmark; waiting: a candidate
-  int rejected = 0;             ///< sightings whose id is of a landmark that is surely elsewhere
-  int merged = 0, removed = 0;  ///< landmarks
-  bool lost = false;            ///< where the robot is is not known
-  double nis = 0;
-  int nis_width = 0;
-  std::vector<std::optional<int>> keys;  ///< of the landmark that each sighting is of, where it is known
+  int associated = 0;                    ///< observations of landmarks in the map
+  int initialized = 0;                   ///< observations that initialized a landmark
+  int ambiguous = 0;                     ///< observations that were not used
+  int tentative = 0;                     ///< observations of candidates
+  int rejected = 0;                      ///< observations with an id whose landmark is outside of the gate
+  int merged = 0;                        ///< landmarks merged with another one
+  int removed = 0;                       ///< landmarks removed
+  bool lost = false;                     ///< whether the robot is lost
+  double nis = 0;                        ///< normalized innovation squared of the update
+  int nis_dof = 0;                       ///< its degrees of freedom; 0: no update
+  std::vector<std::optional<int>> keys;  ///< key of the landmark of each observation, if associated
 };
 
-/// Localization and mapping with landmarks that come, are found to be one, and go.
+/// SLAM with data association: initializes, merges and removes landmarks, and relocalizes a lost robot.
 class LandmarkSlam {
  public:
   /// @throws std::invalid_argument as validate(LandmarkSlamParams) and LandmarkFilter's constructor
   LandmarkSlam(const LandmarkSlamParams& params, const Pose2& T_map_base, const Eigen::Matrix3d& covariance);
 
-  /// As LandmarkFilter::predict().
+  /// Moves the robot, as LandmarkFilter::predict().
   void predict(const OdometryStep& step, double duration = 0);
 
-  /// All that one sensor sees at one moment; nothing, where it looked and saw nothing. @param stamp seconds
-  /// @param T_base_sensor whose x axis is the middle of what it sees
-  LandmarkReport see(double stamp, const std::vector<LabelledSighting>& sightings,
-                     const Pose2& T_base_sensor = {});
+  /// Applies one scan of one sensor. @param stamp seconds
+  /// @param observations in the robot frame; empty if the sensor detected nothing
+  /// @param T_base_sensor its x axis is the viewing direction
+  LandmarkReport observe(double stamp, const std::vector<LabelledObservation>& observations,
+                         const Pose2& T_base_sensor = {});
 
+  /// State and covariance.
   const LandmarkFilter& filter() const { return register_.filter(); }
-  const std::vector<LandmarkLabel>& labels() const {
-    return register_.labels();
-  }  ///< of filter().landmarks()
-  const std::vector<int>& keys() const {
-    return register_.keys();
-  }  ///< of each, the same as long as it lives
-  size_t candidates() const { return candidates_.size(); }
+  /// Label of each of filter().landmarks().
+  const std::vector<LandmarkLabel>& labels() const { return register_.labels(); }
+  /// Key of each of filter().landmarks(), constant while the landmark exists.
+  const std::vector<int>& keys() const { return register_.keys(); }
+  size_t candidates() const { return candidates_.size(); }  ///< number of landmark candidates
 
-  /// Where the robot is is not known any more: from what it sees from now on it makes a map of its own, until
-  /// that is found in the one that was there before. Without landmarks there is nothing to find, and nothing
-  /// is lost.
-  void lose();
-  bool isLost() const { return !local_.empty(); }
+  /// Discards the pose. The robot builds a local map from the next scans until that is matched with the map.
+  /// Does nothing but remove provisional landmarks if the map is empty.
+  void relocalize();
+  bool isLost() const { return !local_.empty(); }  ///< whether the pose is unknown
 
-  /// As LandmarkFilter::setPose(); not lost then.
+  /// Replaces the pose, as LandmarkFilter::setPose(); ends relocalization.
   void setPose(const Pose2& T_map_base, const Eigen::Matrix3d& covariance);
 
-  /// A map from elsewhere. @param covariance as LandmarkFilter::setState()
-  void setMap(const Pose2& T_map_base, const std::vector<PlaneLandmark>& landmarks,
+  /// Replaces pose and map. @param covariance as LandmarkFilter::setState()
+  void setMap(const Pose2& T_map_base, const std::vector<Landmark2D>& landmarks,
               const std::vector<LandmarkLabel>& labels, const Eigen::MatrixXd& covariance);
 
  private:
-  /// Sightings by what they are of.
+  /// Observations by association.
   struct Sorted {
-    std::vector<KnownSighting> known;
-    std::vector<LabelledSighting> unknown;
-    std::vector<size_t> seen, missed, elsewhere;  // landmarks; elsewhere: their ids are
+    std::vector<AssociatedObservation> known;
+    std::vector<LabelledObservation> unknown;
+    std::vector<size_t> observed, missed;  // landmarks
+    std::vector<size_t> relocated;         // landmarks whose id was observed outside of the gate
   };
-  LandmarkReport seeKnown(double stamp, const std::vector<LabelledSighting>& sightings,
-                          const Pose2& T_base_sensor);
-  LandmarkReport seeLost(double stamp, const std::vector<LabelledSighting>& sightings,
-                         const Pose2& T_base_sensor);
-  Sorted sorted(const std::vector<size_t>& near, const std::vector<LabelledSighting>& sightings,
-                const Pose2& T_base_sensor, LandmarkReport& report);
-  Sorted byOrigin(const std::vector<Association>& origins, const std::vector<LabelledSighting>& sightings,
-                  LandmarkReport& report) const;
-  std::vector<Association> associated(const std::vector<size_t>& near, const SightingPrediction& expected,
-                                      const std::vector<LabelledSighting>& sightings);
-  Association associatedById(const LabelledSighting& sighting);
-  std::vector<size_t> inReach(const std::vector<LabelledSighting>& sightings) const;
-  void begin(double stamp, const std::vector<LabelledSighting>& unknown, LandmarkReport& report);
-  void watch(const Sorted& sorted, const LandmarkReport& report);
-  bool isElsewhere();
-  void join(const LandmarkMatch& match);
-  void beginAnew();
+  LandmarkReport observeLocalized(double stamp, const std::vector<LabelledObservation>& observations,
+                                  const Pose2& T_base_sensor);
+  LandmarkReport observeLost(double stamp, const std::vector<LabelledObservation>& observations,
+                             const Pose2& T_base_sensor);
+  Sorted sort(const std::vector<size_t>& near, const std::vector<LabelledObservation>& observations,
+              const Pose2& T_base_sensor, LandmarkReport& report);
+  Sorted sortByOutcome(const std::vector<Association>& outcomes,
+                       const std::vector<LabelledObservation>& observations, LandmarkReport& report) const;
+  std::vector<Association> associateAll(const std::vector<size_t>& near,
+                                        const ObservationPrediction& expected,
+                                        const std::vector<LabelledObservation>& observations);
+  Association associateById(const LabelledObservation& observation);
+  std::vector<size_t> inReach(const std::vector<LabelledObservation>& observations) const;
+  void initialize(double stamp, const std::vector<LabelledObservation>& unknown, LandmarkReport& report);
+  void detectKidnapping(const Sorted& sorted, const LandmarkReport& report);
+  bool isProvisionalMapElsewhere();
+  void applyMatch(const LandmarkMatch& match);
+  void clearHypotheses();
 
   LandmarkSlamParams params_;
   LandmarkSensor sensor_;
   LandmarkRegister register_;
   LandmarkCandidates candidates_;
-  LostWatch watch_;
-  std::shared_ptr<const LandmarkRegister> trusted_;  // of the time before it seemed that the robot is lost
-  size_t fresh_ = 0;                                 // landmarks since, that were sought in it
-  int looks_ = 0;                                    // of one that is lost
-  std::vector<LandmarkSlam> local_;                  // of a robot that is lost: one, in a frame of its own
+  KidnapDetector kidnap_detector_;
+  std::shared_ptr<const LandmarkRegister>
+      trusted_;                      // before the first scan that suggests that the robot is lost
+  size_t matched_size_ = 0;          // number of provisional landmarks at the last matching
+  int lost_scans_ = 0;               // scans while lost
+  std::vector<LandmarkSlam> local_;  // local map while lost, in its own frame: one or none
 };
 
 }  // namespace sextant

@@ -8,73 +8,78 @@
 
 #include "sextant/base/params.hpp"
 #include "sextant/landmarks/landmark_slam.hpp"
-#include "sextant/landmarks/odometry_steps.hpp"
+#include "sextant/landmarks/odometry_history.hpp"
 
 namespace sextant {
 
+/// Parameters of LandmarkTimeline.
 struct LandmarkTimelineParams {
-  OdometryNoiseParams odometry;
+  OdometryNoiseParams odometry;  ///< noise of the odometry
   double lag = 1.0;
   double clock_offset = 0.0;
 
-  ParamList fields();
+  ParamList fields();  ///< names, ranges, units and descriptions
 };
 
-/// What became of sightings.
+/// Result of the arrival of a scan.
 enum class Arrival {
-  taken,      ///< at their own stamp
-  waiting,    ///< for odometry of their moment
-  too_late,   ///< older than the lag, or than odometry
-  duplicate,  ///< the same came before
+  applied,    ///< applied at its own stamp
+  waiting,    ///< waits for odometry of its stamp
+  too_late,   ///< older than the lag, or than the first odometry
+  duplicate,  ///< received before
 };
 
-/// Runs LandmarkSlam on odometry and sightings that come late, twice, or out of order: each is applied at its
-/// own stamp, and what was applied after it is applied again.
+/// Runs LandmarkSlam on scans that arrive late, twice or out of order: each is applied at its own stamp, and
+/// later scans are applied again after it.
 class LandmarkTimeline {
  public:
   /// @throws std::invalid_argument as validate(LandmarkTimelineParams)
   LandmarkTimeline(const LandmarkTimelineParams& params, const LandmarkSlam& slam);
 
-  /// @returns whether the reading was taken; it is not newer than the last one otherwise
+  /// Adds an odometry reading and applies the scans that waited for it. @param stamp seconds
+  /// @returns false if it is not newer than the last one; it is ignored then
   bool odometry(double stamp, const Pose2& T_odom_base);
 
-  /// @param T_base_sensor as LandmarkSlam::see()
-  Arrival see(double stamp, const std::vector<LabelledSighting>& sightings, const Pose2& T_base_sensor = {});
+  /// Adds a scan, as LandmarkSlam::observe(). @param stamp seconds, by the clock of the sensor
+  Arrival observe(double stamp, const std::vector<LabelledObservation>& observations,
+                  const Pose2& T_base_sensor = {});
 
-  /// The robot at the last odometry; nothing before the first.
+  /// Pose of the robot at the newest odometry.
   struct Now {
-    double stamp;
-    Pose2 T_map_base;
-    Eigen::Matrix3d covariance;  ///< (x, y, heading), map's axes
-    Pose2 T_map_odom;            ///< changes with sightings only
+    double stamp;                ///< seconds
+    Pose2 T_map_base;            ///< predicted from the newest scan
+    Eigen::Matrix3d covariance;  ///< of (x, y, heading) in the map frame
+    Pose2 T_map_odom;            ///< changes with scans only
   };
+
+  /// Current pose; nothing before the first odometry.
   std::optional<Now> now() const;
 
-  /// As it was after the newest sightings.
+  /// State after the newest scan.
   const LandmarkSlam& slam() const { return newest().slam; }
 
-  /// Sightings of one moment that came into the estimate.
+  /// A scan that was applied.
   struct Applied {
-    double stamp;  ///< that they came with
-    LandmarkReport report;
+    double stamp;           ///< seconds, as received
+    LandmarkReport report;  ///< result
   };
-  /// Those that the last odometry() or see() brought in. Those of later moments, which were gone through
-  /// again then, are not told again.
-  const std::vector<Applied>& applied() const { return applied_; }
-  /// How often odometry leapt farther than anything drives: it begins anew then, and the robot is lost.
-  int leaps() const { return leaps_; }
-  size_t waiting() const { return waiting_.size(); }  ///< moments, for odometry
 
-  /// Changes all that is known, at the last odometry: another pose, another map. Sightings before it are
-  /// gone.
+  /// Scans that the last odometry() or observe() applied for the first time.
+  const std::vector<Applied>& applied() const { return applied_; }
+  /// Number of odometry jumps that are larger than any robot drives: odometry restarts, and the robot is
+  /// lost.
+  int jumps() const { return jumps_; }
+  size_t waiting() const { return waiting_.size(); }  ///< number of scans that wait for odometry
+
+  /// Changes the state at the newest odometry, for instance the pose or the map; earlier scans are dropped.
   template <typename Change>
   void change(Change&& change) {
     State state = advanced(newest(), history_.empty() ? newest().stamp : history_.last());
     change(state.slam);
-    begin(state);
+    reset(state);
   }
 
-  /// Odometry and all that was seen are forgotten, the map is not; its owner says where the robot is.
+  /// Drops odometry and scans and keeps the map; the caller sets the pose.
   void restart();
 
  private:
@@ -82,33 +87,33 @@ class LandmarkTimeline {
     double stamp;
     LandmarkSlam slam;
   };
-  struct Moment {
-    double stamp, heard;  // by odometry's clock, and as it came
-    std::vector<LabelledSighting> sightings;
+  struct Scan {
+    double stamp, received_stamp;  // by the clock of odometry, and as received
+    std::vector<LabelledObservation> observations;
     Pose2 T_base_sensor;
-    std::optional<State> after = {};  // of the last moment, and of some before it
-    bool is_told = false;
+    std::optional<State> after = {};  // state after the scan: of the newest and of some earlier ones
+    bool is_reported = false;
   };
-  using Moments = std::deque<Moment>;
+  using Scans = std::deque<Scan>;
   const State& newest() const;
   State advanced(State state, double stamp) const;
-  void begin(const State& state);
-  void apply(Moment moment);
-  void settle();
-  void wait(const Moment& moment);
-  bool isLeap(double stamp, const Pose2& T_odom_base) const;
-  void beginElsewhere();
-  static bool isBefore(const Moment& a, const Moment& b) { return a.stamp < b.stamp; }
-  Moments::iterator afterKnown(Moments::iterator each);
-  bool isKept(Moments::iterator each);
-  State takenBefore(Moments::iterator each);
+  void reset(const State& state);
+  void apply(Scan scan);
+  void removeSettled();
+  void wait(const Scan& scan);
+  bool isJump(double stamp, const Pose2& T_odom_base) const;
+  void restartLost();
+  static bool isBefore(const Scan& a, const Scan& b) { return a.stamp < b.stamp; }
+  Scans::iterator firstToReplay(Scans::iterator scan);
+  bool isKept(Scans::iterator scan);
+  State stateBefore(Scans::iterator scan);
 
   LandmarkTimelineParams params_;
   OdometryHistory history_;
-  State base_;                   // before all moments
-  Moments moments_;              // by stamp
-  std::vector<Moment> waiting_;  // by stamp
-  int leaps_ = 0;
+  State base_;                 // before all scans
+  Scans scans_;                // by stamp
+  std::vector<Scan> waiting_;  // by stamp
+  int jumps_ = 0;
   std::vector<Applied> applied_;
 };
 

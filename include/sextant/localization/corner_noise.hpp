@@ -9,54 +9,56 @@
 
 namespace sextant {
 
-/// What an image's residuals say of its noise, as of LocatorParams::corner_sigma. Where corners tell much
-/// noise of their own they say little of what all have in common, and leave the scale about where it was.
+/// Corner noise of one image relative to LocatorParams::corner_sigma, computed from the residuals of a pose.
+/// Corners whose own Detection::corner_sigmas is large carry little information about it.
 struct ImageNoise {
-  double squares = 0.0;   ///< sum of squared Mahalanobis distances times their squared noise_scale
-  double freedoms = 0.0;  ///< 8 a marker, less the pose's share
+  double squares = 0.0;  ///< sum over the markers: squared Mahalanobis distance times squared noise_scale
+  double degrees_of_freedom = 0.0;  ///< 8 per marker, minus the share of the fitted poses
 };
 
-/// How noisy the corners of each camera are, from what joint poses leave of their residuals over the last few
-/// hundred images: noise, print, and as much of lens and map as looks like noise. Images differ, one is
-/// blurred and the next is not: their variances are taken for draws of a scaled inverse chi-square
-/// distribution, whose scale and degrees of freedom are found from the median and the scatter of their
-/// logarithms. So the errors of one image follow Student's t (Gelman et al., Bayesian Data Analysis, chapter
-/// 5), and one covariance stands for it that holds 99.75 % of a position as it says.
+/// Estimates the corner noise of each camera from the residuals of joint poses over the last 200 images. The
+/// estimate contains image noise, and errors of printed markers, lens and map as far as they are random.
+/// Images differ, e.g. by motion blur: their variances are modelled as samples of a scaled inverse chi-square
+/// distribution, whose scale and degrees of freedom are estimated from the median and the scatter of the
+/// variances' logarithms. The errors of one image then follow Student's t distribution (Gelman et al.,
+/// Bayesian Data Analysis, chapter 5). It is approximated by a Gaussian: 99.75 % of the positions that follow
+/// Student's t are within the Gaussian's 99.75 % region.
 class CornerNoise {
  public:
-  /// To be told every pose.
+  /// Adds the residuals of a pose.
   void add(const LocatedPose& pose);
-  /// What one image of a camera says; without degrees of freedom it says nothing.
+  /// Adds an image of a camera; ignored if it has no degrees of freedom.
   void add(size_t camera, const ImageNoise& image);
 
-  /// Factor on LocatorParams::corner_sigma of most images; 1 until enough was seen.
+  /// Typical factor on LocatorParams::corner_sigma: the root of the distribution's scale; 1 until there are
+  /// 25 images.
   double typical(size_t camera) const;
-  /// For MarkerView::noise_scale of an image of which nothing else is known, such as one of a single marker:
-  /// its errors follow Student's t, and this is the Gaussian beyond whose bound one position of 400 lies, as
-  /// it says.
+  /// MarkerView::noise_scale of an image whose own noise is unknown, e.g. with a single marker: from the
+  /// Gaussian that approximates Student's t, see above.
   double scale(size_t camera) const;
-  /// And of an image that tells its own noise: that and the usual one, each by its degrees of freedom.
+  /// MarkerView::noise_scale of an image with a noise estimate: the root of the mean of the image's and the
+  /// camera's variance, weighted by their degrees of freedom.
   double scale(size_t camera, const ImageNoise& image) const;
 
-  void reset() { cameras_.clear(); }
+  void reset() { cameras_.clear(); }  ///< forgets all images
 
  private:
   struct Camera {
-    std::vector<double> logarithms;  // of the variances of the last images, a ring
-    std::vector<double> freedoms;
-    size_t next = 0;
-    double variance = 1.0;               // the scale of their distribution
-    double distribution_freedoms = 1e6;  // many: images do not differ
-    double tail = 1.0;                   // variance of the Gaussian that stands for a draw, over the scale
+    std::vector<double> log_variances;       // of the last images, ring buffer
+    std::vector<double> degrees_of_freedom;  // of the same images
+    size_t next = 0;                         // index to write in both
+    double variance = 1.0;                   // scale of the distribution of the variances
+    double variance_degrees = 1e6;           // degrees of freedom of this distribution
+    double tail_factor = 1.0;                // variance of the approximating Gaussian, relative to the scale
   };
 
-  static void learn(Camera& camera);
+  static void fitDistribution(Camera& camera);
 
   std::vector<Camera> cameras_;
 };
 
-/// What a pose's markers say, camera by camera. Nothing where there is but one marker: its pose takes up six
-/// of its eight residuals, and with them what is wrong.
+/// Computes the noise of each camera's image from the residuals of a pose; the index is camera_index. Empty
+/// for a single marker, because the pose absorbs six of its eight residuals.
 std::vector<ImageNoise> imageNoise(const LocatedPose& pose);
 
 }  // namespace sextant

@@ -8,57 +8,60 @@
 #include "sextant/base/params.hpp"
 #include "sextant/localization/corner_noise.hpp"
 #include "sextant/localization/marker_locator.hpp"
-#include "sextant/localization/marker_watch.hpp"
+#include "sextant/localization/moved_marker_detector.hpp"
 #include "sextant/localization/odometry_correction.hpp"
 #include "sextant/markers/marker_map.hpp"
 
 namespace sextant {
 
+/// Parameters of MarkerLocalization.
 struct LocalizationParams {
-  LocatorParams locator;
-  OdometryParams odometry;
+  LocatorParams locator;    ///< parameters for the images of one instant
+  OdometryParams odometry;  ///< parameters of the use of odometry between images
   bool estimate_noise = true;
-  bool leave_out_moved = true;
+  bool exclude_moved_markers = true;
 
   ParamList fields();
 };
 
-/// Locates a robot image by image: what a node does with its markers, without ROS. Remembers what an image
-/// alone does not tell: the last pose, moved by odometry, which decides between two poses and refuses false
-/// ones; the cameras' noise; markers that stand elsewhere than the map says.
+/// Locates a robot in successive images: the algorithm of the locator node without ROS. Between images it
+/// keeps T_map_odom, which resolves ambiguities and rejects outliers, the corner noise of each camera, and
+/// the markers that were moved.
 class MarkerLocalization {
  public:
   /// @throws std::invalid_argument as validate(LocalizationParams).
   explicit MarkerLocalization(const LocalizationParams& params);
 
+  /// Parameters given at construction.
   const LocalizationParams& params() const { return params_; }
-  /// Keeps what is remembered. @throws as the constructor, and changes nothing then
+  /// Changes the parameters and keeps the state. @throws as the constructor, without any change
   void setParams(const LocalizationParams& params);
 
-  /// @param views of one instant, one a camera
-  /// @param T_odom_base odometry at that instant, where there is some
+  /// Locates the base.
+  /// @param views detections at one instant, one view per camera; noise_scale is ignored if the noise is
+  /// estimated
+  /// @param T_odom_base odometry at that instant, if available
   LocatorResult locate(const MarkerMap& map, std::vector<MarkerView> views,
                        const std::optional<Pose>& T_odom_base);
 
-  const OdometryCorrection& correction() const { return correction_; }
-  const MarkerWatch& watch() const { return watch_; }
-  const CornerNoise& noise() const { return noise_; }
-
-  /// Another map: forgets all but the cameras' noise.
-  void forgetMap();
-  /// Forgets everything: a clock that jumped back.
+  const OdometryCorrection& correction() const { return correction_; }        ///< filtered T_map_odom
+  const MovedMarkerDetector& movedMarkers() const { return moved_markers_; }  ///< detector of moved markers
+  const CornerNoise& noise() const { return noise_; }                         ///< corner noise of each camera
+  /// Resets everything that depends on the map; keeps the corner noise. To be called when the map changes.
+  void resetMap();
+  /// Resets everything. To be called when the clock jumps back.
   void reset();
 
  private:
   LocatorResult locateWithNoise(const MarkerMap& map, std::vector<MarkerView>& views,
                                 const std::optional<PosePrior>& prior);
   bool estimatesNoise() const;
-  LocatorResult judged(LocatorResult result, const Pose& T_odom_base);
+  LocatorResult gatedByOdometry(LocatorResult result, const Pose& T_odom_base);
 
   LocalizationParams params_;
   MarkerLocator locator_;
   OdometryCorrection correction_;
-  MarkerWatch watch_;
+  MovedMarkerDetector moved_markers_;
   CornerNoise noise_;
 };
 

@@ -17,20 +17,20 @@
 
 namespace sextant {
 
-/// What one camera saw at one instant.
+/// The detections of one camera at one instant.
 struct MarkerView {
-  CameraModel camera;
-  Pose T_base_camera = Pose::Identity();  ///< mount
-  std::vector<Detection> detections;
-  size_t camera_index = 0;   ///< which of the robot's cameras: the same in every image of it
-  double noise_scale = 1.0;  ///< factor on LocatorParams::corner_sigma, see CornerNoise
+  CameraModel camera;                     ///< calibration of the image
+  Pose T_base_camera = Pose::Identity();  ///< mount of the camera
+  std::vector<Detection> detections;      ///< markers detected in the image
+  size_t camera_index = 0;                ///< index of the camera, the same in all its images
+  double noise_scale = 1.0;               ///< factor on LocatorParams::corner_sigma, see CornerNoise
 };
 
-/// Standard deviation of the coordinates of each corner of a detection, pixels: what all corners of its view
-/// have in common (corner_sigma, scaled by the view's noise) and what each tells of itself. A hidden one
-/// counts little.
+/// Standard deviation of the coordinates of each corner of a detection, pixels: corner_sigma times the view's
+/// noise_scale, and the corner's own standard deviation added in quadrature.
 CornerSigmas cornerSigmas(const MarkerView& view, const Detection& detection, double corner_sigma);
 
+/// Parameters of MarkerLocator.
 struct LocatorParams {
   std::string mode = "joint";
   double corner_sigma = 0.3;
@@ -39,76 +39,76 @@ struct LocatorParams {
   double gate = 30.0;
   double floor_height_sigma = 0.0;
   double floor_tilt_sigma = 0.02;
-  double decided = 0.999999;
-  std::string ambiguous = "cover";
+  double min_probability = 0.999999;
+  std::string ambiguous_pose = "inflate";
   std::vector<double> constant_covariance;
 
   ParamList fields();
 };
 
-/// What the other markers of an image say of one.
+/// Innovation of a marker: its observation compared with the pose that the other markers determine.
 struct MarkerInnovation {
-  double squared;         ///< Mahalanobis distance of its eight coordinates from where they are expected
-  Eigen::Vector3d p_map;  ///< where its centre is seen, metres
-  Eigen::Matrix3d p_covariance;  ///< of that
+  double squared;                ///< squared Mahalanobis distance of the eight corner coordinates
+  Eigen::Vector3d p_map;         ///< observed position of the marker's centre in the map, metres
+  Eigen::Matrix3d p_covariance;  ///< covariance of p_map, m^2
 };
 
-/// A mapped marker that was seen, against the pose that was found.
+/// A detection of a mapped marker, compared with the located pose.
 struct LocatedMarker {
-  MarkerKey key;
-  size_t camera_index;      ///< of the camera that saw it
-  bool used;                ///< false: left out, since it stands elsewhere than the others say
-  double squared_distance;  ///< Mahalanobis, of its eight coordinates
-  double noise_scale;       ///< of its view
-  std::optional<MarkerInnovation> innovation;  ///< joint: nothing where it is alone
+  MarkerKey key;            ///< family and id
+  size_t camera_index;      ///< index of the camera
+  bool used;                ///< false: inconsistent with the pose, or to be ignored
+  double squared_distance;  ///< squared Mahalanobis distance of the eight corner coordinates
+  double noise_scale;       ///< MarkerView::noise_scale of its view
+  std::optional<MarkerInnovation> innovation;  ///< nothing if no other marker determines a pose
 };
 
-/// Where the base is, and how that is known.
+/// The pose of the base, with the markers from which it was computed.
 struct LocatedPose {
-  Pose T_map_base;
-  Matrix6d covariance;              ///< position, rotation in the map's axes, order of PoseWithCovariance
-  double reprojection_error = 0.0;  ///< RMS over the coordinates of the corners used, pixels
-  double probability = 1.0;         ///< of the pose against the others that explain the image
-  std::vector<LocatedMarker> markers;
+  Pose T_map_base;                     ///< pose of the base in the map
+  Matrix6d covariance;                 ///< position, rotation in the map's axes, order of PoseWithCovariance
+  double reprojection_error = 0.0;     ///< RMS over the coordinates of the corners used, pixels
+  double probability = 1.0;            ///< probability of this pose among all that explain the images
+  std::vector<LocatedMarker> markers;  ///< detected mapped markers, used or not, with their residuals
 
-  std::vector<MarkerKey> used() const;
-  std::vector<MarkerKey> leftOut() const;
+  std::vector<MarkerKey> used() const;      ///< markers from which the pose was computed
+  std::vector<MarkerKey> outliers() const;  ///< mapped markers that were not used
 };
 
-/// Either a pose or the reason why there is none.
+/// A pose, or the reason why there is none.
 struct LocatorResult {
-  std::optional<LocatedPose> pose;
-  std::string reason;               ///< for the operator; empty with a pose
-  std::vector<MarkerKey> unmapped;  ///< seen, but not in the map
-  std::vector<MarkerKey> repeated;  ///< seen more than once in one image: left out, one of them must be wrong
+  std::optional<LocatedPose> pose;  ///< nothing if the base was not located
+  std::string reason;               ///< why there is no pose, for the user; empty with a pose
+  std::vector<MarkerKey> unmapped;  ///< detected, but not in the map
+  std::vector<MarkerKey> repeated;  ///< detected more than once in one image, and therefore ignored
 };
 
-/// Locates a robot from mapped markers (spec: T_map_base = T_map_marker inverse(T_camera_marker)
-/// inverse(T_base_camera)):
-///  nearest  the marker with the smallest z in its camera's frame;
-///  average  the mean of the poses from every marker;
+/// Locates a robot from mapped markers. T_map_base = T_map_marker T_camera_marker^-1 T_base_camera^-1:
+///  nearest  the pose from the marker with the smallest z in its camera's frame;
+///  average  the mean of the poses from each marker;
 ///  joint    the pose that minimizes the robust reprojection error of all corners of all markers, started
-///  from both planar
-///           poses of every marker.
+///           from both planar solutions of every marker.
 class MarkerLocator {
  public:
   /// @throws std::invalid_argument as validate(LocatorParams).
   explicit MarkerLocator(const LocatorParams& params);
 
+  /// Parameters given at construction.
   const LocatorParams& params() const { return params_; }
 
-  /// @param views of one instant, one a camera
-  /// @param prior the last pose moved by odometry: it decides where the markers do not, and is not mixed in
-  /// @param distrusted markers that are left out, whatever they say
+  /// Locates the base.
+  /// @param views detections at one instant, one view per camera
+  /// @param prior the last pose moved by odometry: only resolves ambiguities, does not change the pose
+  /// @param ignored markers that are not used, because they were moved
   LocatorResult locate(const MarkerMap& map, const std::vector<MarkerView>& views,
                        const std::optional<PosePrior>& prior = std::nullopt,
-                       const std::set<MarkerKey>& distrusted = {}) const;
+                       const std::set<MarkerKey>& ignored = {}) const;
 
  private:
   LocatorParams params_;
 };
 
-/// Names that LocatorParams::mode takes.
+/// Allowed values of LocatorParams::mode.
 std::vector<std::string> locatorModes();
 
 }  // namespace sextant

@@ -10,62 +10,63 @@
 
 namespace sextant {
 
-/// How odometry drifts (as driftVariance(), the same on all three axes: in space it is height, roll and
-/// pitch, too, that wheels do not measure), and what is made of poses that contradict it.
+/// Noise of odometry (see driftVariance(); the same for all three axes, because wheels do not measure height,
+/// roll and pitch), and the gate for poses that contradict it.
 struct OdometryParams {
   double position_drift = 0.05;
   double heading_drift = 0.02;
   double turn_drift = 0.05;
   double gate = 40.0;
-  int recovery = 5;
+  int max_rejections = 5;
 
   ParamList fields();
 };
 
-/// A pose after a step (T_last_base) that odometry measured, with what the step may have drifted added.
+/// Predicts the pose after an odometry step: moves it, and adds the drift of the step to its covariance.
+/// @param step pose of the base after the step in its frame before the step
 PosePrior movedByOdometry(const PosePrior& pose, const Pose& step, const OdometryParams& params);
 
-/// Keeps T_map_odom: the last pose in the map, moved by odometry and corrected by every pose that does not
-/// contradict it (an extended Kalman filter over (position, rotation) in the map's axes).
+/// Estimates T_map_odom with an extended Kalman filter over (position, rotation) in the map's axes: odometry
+/// predicts the pose in the map, and every pose within the gate corrects it.
 class OdometryCorrection {
  public:
-  /// What became of a pose.
-  enum class Verdict { taken, recovered, contradicts };
+  /// Result of an update: accepted; recovered: the filter restarted from the pose; rejected: not used.
+  enum class Verdict { accepted, recovered, rejected };
 
   /// @throws std::invalid_argument as validate(OdometryParams).
   explicit OdometryCorrection(const OdometryParams& params);
 
-  /// Keeps what is known. @throws as the constructor, and changes nothing then
+  /// Changes the parameters and keeps the state. @throws as the constructor, without any change
   void setParams(const OdometryParams& params);
 
-  /// Where the base should be; nothing before the first pose.
+  /// Predicts the pose of the base; nothing before the first pose.
   std::optional<PosePrior> predict(const Pose& T_odom_base) const;
 
-  /// Whether a pose is beyond the gate; false before the first one.
+  /// Whether a pose is outside the gate around the prediction; false before the first pose.
   bool contradicts(const Pose& T_odom_base, const Pose& T_map_base, const Matrix6d& covariance) const;
 
-  /// recovered: it was the odometry (or the first pose) that was wrong, and all is begun anew from here.
-  /// contradicts: the pose was not used.
+  /// Corrects the prediction with a pose. After max_rejections consecutive rejected poses that are consistent
+  /// with each other, odometry (or the first pose) was wrong: the filter restarts from the last of them.
   Verdict update(const Pose& T_odom_base, const Pose& T_map_base, const Matrix6d& covariance);
 
   /// T_map_odom; nothing before the first pose.
   std::optional<Pose> transform() const;
 
-  void reset();
+  void reset();  ///< forgets all poses
 
  private:
   struct State {
     Pose T_odom_base, T_map_base;
     Matrix6d covariance;
   };
-  PosePrior moved(const State& state, const Pose& T_odom_base) const;
-  bool apart(const PosePrior& expected, const Pose& T_map_base, const Matrix6d& covariance) const;
-  Verdict refuse(const State& measured);
+  PosePrior predictFrom(const State& state, const Pose& T_odom_base) const;
+  bool isOutsideGate(const PosePrior& predicted, const Pose& T_map_base, const Matrix6d& covariance) const;
+  Verdict reject(const State& measured);
 
   OdometryParams params_;
   std::optional<State> state_;
-  std::optional<State> refused_;  // the last pose that contradicted
-  int refusals_ = 0;              // in a row, in agreement with one another
+  std::optional<State> rejected_;  // the last rejected pose
+  int rejections_ = 0;             // number of consecutive rejected poses, consistent with each other
 };
 
 }  // namespace sextant

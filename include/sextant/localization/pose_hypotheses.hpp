@@ -10,40 +10,41 @@
 
 namespace sextant {
 
-/// What is known of a pose before the image: the last one, moved by odometry.
+/// The pose predicted before an image: the last pose, moved by odometry.
 struct PosePrior {
-  Pose T_map_base;
+  Pose T_map_base;      ///< expected pose of the base in the map
   Matrix6d covariance;  ///< position, rotation in the map's axes
 };
 
-/// Where a search begins: a base pose that one of the sightings suggests.
+/// Start of a minimization: the base pose computed from one of the observations.
 struct PoseStart {
-  Pose T_map_base;
-  size_t sighting;  ///< index
+  Pose T_map_base;     ///< pose of the base in the map
+  size_t observation;  ///< index of the observation
 };
 
-/// One explanation of what the cameras see.
+/// A base pose that explains the observations.
 struct PoseHypothesis {
-  Pose T_map_base;
-  Matrix6d covariance;       ///< position, rotation in the map's axes
-  double cost;               ///< squared Mahalanobis distance of all residuals; a marker left out costs 100
-  double rms;                ///< reprojection error of the markers used, pixels
-  std::vector<size_t> used;  ///< indices of the sightings that it explains
-  double log_prior;          ///< what the prior says of it, logarithm of a density; 0 without a prior
+  Pose T_map_base;      ///< pose of the base in the map
+  Matrix6d covariance;  ///< position, rotation in the map's axes
+  double cost;  ///< squared Mahalanobis distances of markers and floor prior, plus 100 for each outlier
+  double rms;   ///< RMS reprojection error of the markers used, pixels
+  std::vector<size_t> used;  ///< indices of the observations within the gate
+  double log_prior;          ///< log density of the prior at the pose; 0 without a prior
   double weight;             ///< probability among the hypotheses
 };
 
+/// Parameters of poseHypotheses().
 struct HypothesesParams {
-  double robust_width =
-      5.0;  ///< of the first search: a marker farther off than so many sigma (of 8 dimensions) counts less
-  double gate = 30.0;  ///< squared Mahalanobis distance of a marker beyond which a hypothesis leaves it out
-  std::optional<FloorPrior> floor;
+  double robust_width = 5.0;  ///< width of the Huber loss in the first minimization, standard deviations
+  double gate = 30.0;         ///< squared Mahalanobis distance beyond which a marker is an outlier
+  std::optional<FloorPrior> floor;  ///< prior of the base pose
 };
 
-/// The local minima of the reprojection cost that the starts lead to, the most probable first. Each leaves
-/// out the markers beyond the gate. Probabilities are Laplace's: exp(-cost / 2) sqrt(det covariance), times
-/// what the prior says of the pose. Empty where no start leads to a pose that explains a marker.
-std::vector<PoseHypothesis> poseHypotheses(const std::vector<MarkerSighting>& sightings,
+/// Finds local minima of the reprojection cost, the most probable first. Each minimum is computed without the
+/// markers outside its gate. Its probability is Laplace's approximation, exp(-cost / 2) sqrt(det covariance),
+/// times the density of the prior. Empty if no minimum explains any marker.
+/// @param prior only weights the hypotheses, does not change their poses
+std::vector<PoseHypothesis> poseHypotheses(const std::vector<MarkerObservation>& observations,
                                            const std::vector<PoseStart>& starts,
                                            const HypothesesParams& params,
                                            const std::optional<PosePrior>& prior);

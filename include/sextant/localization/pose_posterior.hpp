@@ -11,26 +11,27 @@
 
 namespace sextant {
 
-/// What an image leaves open about a pose.
+/// Second moment of the posterior distribution of a pose.
 struct PosePosterior {
   size_t best;          ///< index of the most probable hypothesis
-  double probability;   ///< of the best
-  Matrix6d covariance;  ///< second moment of (position, rotation) about the best, in the map's axes
+  double probability;   ///< of the best hypothesis; at most 0.5 where two minima merge
+  Matrix6d covariance;  ///< second moment of (position, rotation) about the best hypothesis, map's axes
 };
 
+/// Parameters of posePosterior().
 struct PosteriorParams {
-  double decided = 0.999999;  ///< probability from which the best hypothesis is taken as certain
-  std::optional<FloorPrior> floor;
+  double min_probability = 0.999999;  ///< minimum probability of an unambiguous hypothesis
+  std::optional<FloorPrior> floor;    ///< prior of the base pose
 };
 
-/// Moments of the distribution of the pose about its best hypothesis. Where this is decided, they are those
-/// of its own neighbourhood; where not, of all hypotheses together, enlarged where the region called 95 %
-/// (squared Mahalanobis distance below 12.59) would hold less than 92 % of them. Most images need no
-/// enlargement and their regions hold more: over many images the region holds the truth in 95 % of them.
-/// Where the pose may move so far on the arc about its markers that a Gaussian about the minimum misleads,
-/// the distribution is summed over a lattice of tilts.
-/// @param hypotheses of these sightings, not empty
-PosePosterior posePosterior(const std::vector<MarkerSighting>& sightings,
+/// Computes the second moment of the pose about the best hypothesis. If that is unambiguous, the moment is
+/// that of its own minimum; otherwise that of all hypotheses, inflated if the 95 % region (squared
+/// Mahalanobis distance below 12.59) contains less than 92 % of the probability. Most regions contain more,
+/// so that over many images 95 % of the regions contain the true pose. Where the pose is uncertain along so
+/// long an arc about its markers that a Gaussian is a poor approximation, the distribution is summed over a
+/// lattice of tilts (rotations about the two least certain axes).
+/// @param hypotheses result of poseHypotheses() with these observations, not empty
+PosePosterior posePosterior(const std::vector<MarkerObservation>& observations,
                             const std::vector<PoseHypothesis>& hypotheses, const PosteriorParams& params);
 
 }  // namespace sextant

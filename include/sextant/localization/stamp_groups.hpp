@@ -11,51 +11,56 @@
 
 namespace sextant {
 
-/// Puts together what several cameras saw at nearly one instant.
+/// Parameters of StampGroups.
 struct StampGroupsParams {
-  size_t cameras = 1;
-  double window = 0.01;    ///< stamps of one group are no farther apart, seconds
-  double patience = 0.05;  ///< how long the others are waited for, seconds
+  size_t cameras = 1;     ///< number of cameras
+  double window = 0.01;   ///< maximum difference of the stamps in a group, seconds
+  double timeout = 0.05;  ///< maximum time to wait for the other cameras, seconds
 };
 
-/// The oldest group comes first; a camera that has been silent for a second is not waited for.
-/// @tparam Item what a camera gave
+/// Groups messages of several cameras by stamp, the oldest group first. Does not wait for a camera that has
+/// been silent for a second.
+/// @tparam Item message of a camera
 template <typename Item>
 class StampGroups {
  public:
+  /// A message of a group.
   struct Member {
-    size_t camera;
-    Item item;
+    size_t camera;  ///< index of the camera
+    Item item;      ///< the message
   };
 
+  /// Starts without messages.
   explicit StampGroups(const StampGroupsParams& params) : params_(params), cameras_(params.cameras) {}
 
-  /// @param stamp of the image, seconds; @param now by any steady clock, seconds
+  /// Adds a message. @param stamp of the image, seconds; @param now time of a steady clock, seconds
   void add(size_t camera, double stamp, double now, Item item) {
     cameras_[camera].waiting.push_back({stamp, now, std::move(item)});
-    cameras_[camera].last_heard = now;
+    cameras_[camera].last_message = now;
   }
 
-  /// The oldest group, if nothing more is expected for it.
+  /// Removes and returns the oldest group if it is complete or its timeout has expired.
   std::optional<std::vector<Member>> take(double now) {
     const Entry* first = oldest();
-    if (!first || (now < first->arrival + params_.patience && !complete(now))) return std::nullopt;
-    const double last = first->stamp + params_.window;
+    if (!first || (now < first->arrival + params_.timeout && !complete(now))) return std::nullopt;
+    const double latest_stamp = first->stamp + params_.window;
     std::vector<Member> group;
     for (size_t i = 0; i < cameras_.size(); ++i) {
       auto& waiting = cameras_[i].waiting;
-      if (waiting.empty() || waiting.front().stamp > last) continue;
+      if (waiting.empty() || waiting.front().stamp > latest_stamp) continue;
       group.push_back({i, std::move(waiting.front().item)});
       waiting.pop_front();
     }
     return group;
   }
 
+  /// Whether no message is waiting.
   bool empty() const { return !oldest(); }
+  /// Removes all messages.
   void clear() { cameras_.assign(params_.cameras, {}); }
 
  private:
-  static constexpr double kSilent = 1.0;  // seconds
+  static constexpr double kSilent = 1.0;  // seconds without a message after which a camera is silent
 
   struct Entry {
     double stamp, arrival;
@@ -63,7 +68,7 @@ class StampGroups {
   };
   struct Camera {
     std::deque<Entry> waiting;
-    double last_heard = -std::numeric_limits<double>::infinity();
+    double last_message = -std::numeric_limits<double>::infinity();
   };
 
   const Entry* oldest() const {
@@ -74,10 +79,10 @@ class StampGroups {
     return first;
   }
 
-  // Every camera has given what it had for this instant, or something later, or is silent.
+  // Whether no camera has to be waited for: each has a message of this instant or a later one, or is silent.
   bool complete(double now) const {
     return std::all_of(cameras_.begin(), cameras_.end(), [&](const Camera& camera) {
-      return !camera.waiting.empty() || now - camera.last_heard > kSilent;
+      return !camera.waiting.empty() || now - camera.last_message > kSilent;
     });
   }
 

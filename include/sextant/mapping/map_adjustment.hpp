@@ -14,38 +14,37 @@
 
 namespace sextant {
 
+/// Parameters of adjustMap().
 struct AdjustmentParams {
-  double corner_sigma = 0.3;  ///< noise that all corner coordinates have in common, pixels
-  double robust_width = 0.0;  ///< Huber: a marker farther off than so many sigma (of 8 dimensions) counts
-                              ///< less; 0: all count as they are
-  double correlated_images = 1.0;   ///< so many images in a row say as much as one, see correlatedImages()
-  std::optional<FloorPrior> floor;  ///< what is known of every pose of the base
-  OdometryParams odometry;          ///< how it drifts between instants
-  int threads = 1;
+  double corner_sigma = 0.3;  ///< standard deviation of corner coordinates, common to all corners, pixels
+  double robust_width = 0.0;  ///< width of a marker's Huber loss, standard deviations; 0: no robust loss
+  double correlated_images = 1.0;  ///< number of consecutive images that count as one, see correlatedImages()
+  std::optional<FloorPrior> floor;  ///< prior of every pose of the base
+  OdometryParams odometry;          ///< noise of odometry between instants
+  int threads = 1;                  ///< number of threads
 };
 
-/// A map that fits a recording, or begins to.
+/// A map and the path of the base.
 struct MapEstimate {
-  MarkerMap map;
-  BasePath T_map_base;
+  MarkerMap map;        ///< poses of the markers
+  BasePath T_map_base;  ///< poses of the base, one per instant
 };
 
-/// Poses of all markers and of the base at all instants that minimize the reprojection error of the
-/// sightings' corners (bundle adjustment, Triggs et al. 2000), by Ceres.
-/// @param used every one of a marker that start.map has, at an instant whose pose start knows
-/// @param known markers that hold the frame: those with a covariance are drawn to their place by it, those
-/// without stay there
-/// @param start where the search begins
-/// @return start with the poses changed. Nothing where nothing is to be done, or where the search fails.
+/// Bundle adjustment (Triggs et al. 2000) with Ceres: the poses of all markers and of the base at all
+/// instants that minimize the reprojection error of the corners.
+/// @param used observations of markers in start.map, at instants with a pose in start
+/// @param known markers that define the frame: with a covariance as a prior, without one as fixed poses
+/// @param start initial values
+/// @return the adjusted estimate; nothing if there are no observations or the minimization fails
 std::optional<MapEstimate> adjustMap(const MarkerRecording& recording,
-                                     const std::vector<RecordedSighting>& used, const MarkerMap& known,
+                                     const std::vector<RecordedObservation>& used, const MarkerMap& known,
                                      const MapEstimate& start, const AdjustmentParams& params);
 
-/// Covariance of the markers' poses at a minimum, in the order of estimate.map.markers(), six rows a marker:
-/// position, rotation in the map's axes; zero for those that were held. Nothing where the sightings leave a
-/// pose undetermined. Parameters as of adjustMap().
+/// Joint covariance of the markers' poses at a minimum, in the order of estimate.map.markers(), six rows per
+/// marker: position, rotation in the map's axes; zero for fixed markers. Returns nothing if the observations
+/// do not determine a pose. Parameters as for adjustMap().
 std::optional<Eigen::MatrixXd> mapCovariance(const MarkerRecording& recording,
-                                             const std::vector<RecordedSighting>& used,
+                                             const std::vector<RecordedObservation>& used,
                                              const MarkerMap& known, const MapEstimate& estimate,
                                              const AdjustmentParams& params);
 

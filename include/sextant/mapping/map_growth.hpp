@@ -14,21 +14,21 @@
 
 namespace sextant {
 
-/// A map that grew from a few markers over those that are seen beside them.
+/// A map extended by growMap().
 struct GrownMap {
-  MapEstimate estimate;           ///< covariances are those of the way that led there, without its loops
-  std::set<MarkerKey> ambiguous;  ///< connected, but two places explain what was seen of them
+  MapEstimate estimate;  ///< covariances accumulated along the chain of markers, without loop closures
+  std::set<MarkerKey> ambiguous;  ///< connected, but two poses explain their observations
 };
 
-/// Adds the markers of a recording to a map, one ring after another: locates the base at every instant from
-/// the markers that are there, then places those that are seen from known poses and that only one place
-/// explains. Markers that nothing connects to the map are not added.
+/// Adds the markers of a recording to a map in rings: locates the base at every instant from the markers of
+/// the map, then adds those observed from known poses with an unambiguous pose. Markers without a connection
+/// to the map are not added.
 /// @param sizes of the markers to add
 /// @param without markers that are not added
 GrownMap growMap(const MarkerRecording& recording, const MarkerSizes& sizes, const MarkerMap& start,
                  const PathParams& params, const std::set<MarkerKey>& without = {});
 
-/// The sightings of every marker of a recording; those of markers that are twice in one image are left out.
-std::map<MarkerKey, std::vector<RecordedSighting>> sightingsByMarker(const MarkerRecording& recording);
+/// The observations of every marker of a recording, without detections repeated within an image.
+std::map<MarkerKey, std::vector<RecordedObservation>> observationsByMarker(const MarkerRecording& recording);
 
 }  // namespace sextant

@@ -9,69 +9,70 @@
 #include "sextant/base/params.hpp"
 #include "sextant/geometry/pose.hpp"
 #include "sextant/localization/odometry_correction.hpp"
+#include "sextant/mapping/conflicting_poses.hpp"
 #include "sextant/mapping/marker_recording.hpp"
-#include "sextant/mapping/second_places.hpp"
 #include "sextant/markers/marker_map.hpp"
 #include "sextant/markers/observed_marker.hpp"
 
 namespace sextant {
 
+/// Parameters of makeMarkerMap().
 struct MappingParams {
   double corner_sigma = 0.3;
   bool estimate_noise = true;
   double robust_width = 5.0;
   double gate = 30.0;
-  double decided = 0.999;
+  double min_probability = 0.999;
   double floor_height_sigma = 0.0;
   double floor_tilt_sigma = 0.02;
-  OdometryParams odometry;
+  OdometryParams odometry;  ///< of the odometry between two instants
   int threads = 1;
 
   ParamList fields();
 };
 
-/// A sighting against the map that was made.
-struct SightingResidual {
-  RecordedSighting sighting;
-  bool used;                ///< false: left out, since it does not fit
-  double squared_distance;  ///< of its eight coordinates over their deviations
-  double rms;               ///< of its eight coordinates, pixels
+/// Residuals of an observation against the map.
+struct ObservationResidual {
+  RecordedObservation observation;  ///< which detection
+  bool used;                        ///< false: outside the gate
+  double squared_distance;          ///< sum of the squared residuals over their variances, eight coordinates
+  double rms;                       ///< of the eight coordinates, pixels
 };
 
-/// A marker that was known before, against what the recording says of it.
+/// A previously known marker, compared with the recording.
 struct KnownMarkerCheck {
-  MarkerKey key;
-  Vector6d offset;          ///< where all else sees it minus where it was known: position, rotation in the
-                            ///< map's axes
-  double squared_distance;  ///< of the worse of position and rotation, Mahalanobis, 3 degrees of freedom
-  bool wrong;               ///< it stands elsewhere, and what was known of it was not used
+  MarkerKey key;    ///< family and id
+  Vector6d offset;  ///< pose from the recording alone minus known pose: position, rotation in the map's axes
+  double squared_distance;  ///< squared Mahalanobis distance of position or rotation, the larger; 3 degrees
+                            ///< of freedom
+  bool wrong;               ///< contradicts the recording; the known pose was not used
 };
 
-/// A map, and what it was made of.
-struct MadeMap {
-  MarkerMap map;               ///< with covariances
-  Eigen::MatrixXd covariance;  ///< of all markers together, in the order of map.markers(), six rows a marker
-  BasePath T_map_base;
-  std::vector<double> noise_scales;   ///< factor on corner_sigma, camera by camera
-  double correlated_images = 1.0;     ///< so many in a row say as much as one, see correlatedImages()
-  double known_position_scale = 1.0;  ///< what the known markers' deviations had to be multiplied by
-  double known_rotation_scale = 1.0;
-  std::vector<SightingResidual> residuals;
-  std::vector<KnownMarkerCheck> known;     ///< those with a covariance that were seen
-  std::vector<MarkerKey> ambiguous;        ///< left out: two places explain what was seen of them
-  std::vector<MarkerKey> unconnected;      ///< left out: never seen together with the others
-  std::vector<MarkerKey> twice;            ///< left out: moved during the recording, or printed twice
-  std::vector<SecondPlace> second_places;  ///< of markers that are in the map
+/// A map made from a recording, with diagnostics.
+struct MappingResult {
+  MarkerMap map;                     ///< with covariances
+  Eigen::MatrixXd covariance;        ///< joint, in the order of map.markers(), six rows per marker
+  BasePath T_map_base;               ///< poses of the base, one per instant
+  std::vector<double> noise_scales;  ///< estimated factor on corner_sigma for each camera
+  double correlated_images = 1.0;  ///< number of consecutive images that count as one, see correlatedImages()
+  double known_position_scale = 1.0;           ///< factor applied to the known markers' position deviations
+  double known_rotation_scale = 1.0;           ///< factor applied to the known markers' rotation deviations
+  std::vector<ObservationResidual> residuals;  ///< of every observation that was used
+  std::vector<KnownMarkerCheck> known;         ///< observed known markers with a covariance
+  std::vector<MarkerKey> ambiguous;            ///< not in the map: two poses explain their observations
+  std::vector<MarkerKey> unconnected;          ///< not in the map: never observed together with the others
+  std::vector<MarkerKey> inconsistent;         ///< not in the map: moved meanwhile, or the id is used twice
+  std::vector<ConflictingPose> conflicting_poses;  ///< of markers in the map
 };
 
-/// Makes a marker map of a recorded drive: initial poses over the graph of sightings with every ambiguity
+/// Makes a marker map from a recording: initial poses from the graph of observations with all ambiguities
 /// resolved, then bundle adjustment over all corners.
 /// @param sizes of the markers that are not known
-/// @param known markers that hold the frame, by their covariance or exactly; if empty, one that is connected
-/// to most others hangs upright in the origin, and looks along -y
+/// @param known markers that define the frame, by their covariance or exactly; if empty, a marker that is
+/// connected to most others is upright at the origin, facing along -y
 /// @throws std::invalid_argument as validate(MappingParams)
-/// @throws std::runtime_error when no marker can be placed, with the reason
-MadeMap makeMarkerMap(MarkerRecording recording, const MarkerSizes& sizes, const MarkerMap& known,
-                      const MappingParams& params);
+/// @throws std::runtime_error with the reason if no marker can be located
+MappingResult makeMarkerMap(MarkerRecording recording, const MarkerSizes& sizes, const MarkerMap& known,
+                            const MappingParams& params);
 
 }  // namespace sextant

@@ -11,28 +11,31 @@
 
 namespace sextant {
 
-/// One place that a marker may have.
+/// A hypothesis of the pose of a marker.
 struct MarkerPlace {
-  Pose T_map_marker;
+  Pose T_map_marker;              ///< pose of the marker in the map
   Matrix6d covariance;            ///< position, rotation in the map's axes
-  double weight;                  ///< probability among the places
-  std::vector<size_t> explained;  ///< indices of the sightings that fit
-  double agreement;               ///< share of those that took part and fit
+  double weight;                  ///< probability among the hypotheses
+  std::vector<size_t> explained;  ///< indices of the observations that fit
+  double agreement;               ///< fraction of the observations used that fit
 };
 
-/// Where a marker is, from images whose poses are known as far as path tells, the most probable place first.
-/// Every image leaves two poses of the marker, and may leave several of the base: those are chosen on which
-/// the images agree. Empty where no image that saw it has a pose.
-/// @param sightings of one marker
+/// Locates a marker from images with known poses, the most probable hypothesis first. An image allows two
+/// poses of the marker, and possibly several of the base; the poses on which most images agree are chosen.
+/// Empty if no image of the marker has a pose.
+/// @param observations of one marker
+/// @param path pose hypotheses of the base at each instant
 /// @param size edge length, metres
 std::vector<MarkerPlace> placeMarker(const MarkerRecording& recording,
-                                     const std::vector<RecordedSighting>& sightings,
+                                     const std::vector<RecordedObservation>& observations,
                                      const std::vector<InstantHypotheses>& path, double size,
                                      const PathParams& params);
 
-/// Squared Mahalanobis distance of a sighting's corners from where a marker at this place would be seen, from
-/// the pose of the base that fits best. Nothing where the instant has none, or the corners give no pose.
-std::optional<double> distanceFromPlace(const MarkerRecording& recording, const RecordedSighting& sighting,
+/// Squared Mahalanobis distance of an observation's corners from the projection of a marker at this pose,
+/// with the base pose that fits best. Returns nothing if the instant has no base pose or the corners give no
+/// pose.
+std::optional<double> distanceFromPlace(const MarkerRecording& recording,
+                                        const RecordedObservation& observation,
                                         const InstantHypotheses& bases, double size, const Pose& T_map_marker,
                                         const PathParams& params);
 

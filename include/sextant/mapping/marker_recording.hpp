@@ -13,27 +13,30 @@
 
 namespace sextant {
 
-/// What a robot's cameras saw at one instant of a drive.
+/// The detections of a robot's cameras at one instant.
 struct RecordedInstant {
-  std::vector<MarkerView> views;    ///< one a camera at most
+  std::vector<MarkerView> views;    ///< at most one per camera
   std::optional<Pose> T_odom_base;  ///< odometry at that instant
-  int drive = 0;                    ///< instants of different drives have no odometry in common
+  int drive = 0;                    ///< index of the drive; odometry of different drives is not related
 };
 
-/// In order of time, one drive after another.
+/// Instants in order of time, one drive after another.
 using MarkerRecording = std::vector<RecordedInstant>;
 
-/// A marker in an image of a recording, by indices.
-struct RecordedSighting {
-  size_t instant, view, detection;
+/// Indices of a detection in a recording.
+struct RecordedObservation {
+  size_t instant;    ///< index in the recording
+  size_t view;       ///< index within the instant
+  size_t detection;  ///< index within the view
 };
 
-/// The marker of a sighting. @throws std::out_of_range for an index that is not there
-inline const Detection& detectionOf(const MarkerRecording& recording, const RecordedSighting& sighting) {
-  return recording.at(sighting.instant).views.at(sighting.view).detections.at(sighting.detection);
+/// The detection of an observation. @throws std::out_of_range for an invalid index
+inline const Detection& detectionOf(const MarkerRecording& recording,
+                                    const RecordedObservation& observation) {
+  return recording.at(observation.instant).views.at(observation.view).detections.at(observation.detection);
 }
 
-/// Where the base was at each instant of a recording; nothing where that is not known.
+/// Pose of the base at each instant of a recording; nothing if it is unknown.
 using BasePath = std::vector<std::optional<Pose>>;
 
 }  // namespace sextant

@@ -13,39 +13,39 @@
 
 namespace sextant {
 
+/// Parameters of the localization of a recording.
 struct PathParams {
-  double corner_sigma = 0.3;    ///< noise that all corner coordinates have in common, pixels
+  double corner_sigma = 0.3;    ///< standard deviation of corner coordinates, common to all corners, pixels
   HypothesesParams hypotheses;  ///< robust width, gate, floor
-  OdometryParams odometry;      ///< how it drifts between instants
-  double decided = 0.999;       ///< probability from which one of several poses is taken as certain
+  OdometryParams odometry;      ///< noise of odometry between instants
+  double min_probability = 0.999;  ///< minimum probability of an unambiguous pose
 };
 
-/// What explains one instant, the most probable first; empty where nothing does.
+/// Pose hypotheses of the base at one instant, the most probable first; empty if there are none.
 using InstantHypotheses = std::vector<PoseHypothesis>;
 
-/// What explains the mapped markers of one instant.
-/// @param prior what odometry says
-/// @param without markers that do not count
+/// Locates the base at one instant from the mapped markers.
+/// @param prior prediction from odometry
+/// @param without markers that are not used
 InstantHypotheses locateInstant(const RecordedInstant& instant, const MarkerMap& map,
                                 const PathParams& params, const std::optional<PosePrior>& prior,
                                 const std::set<MarkerKey>& without = {});
 
-/// The markers that PoseHypothesis::used counts, with the same arguments.
+/// The markers to which the indices PoseHypothesis::used refer, with the same arguments.
 std::vector<MarkerKey> markersInSight(const RecordedInstant& instant, const MarkerMap& map,
                                       const PathParams& params, const std::set<MarkerKey>& without = {});
 
-/// Where the base was at each instant of a recording, as far as a map tells: every pose that explains the
-/// markers in sight. Odometry from the nearest instants that are certain decides where markers do not, and
-/// stands in where there are none.
-/// @param kept of instants that need not be located again; empty where they must
+/// Locates the base at each instant of a recording: all poses that explain the mapped markers. Odometry from
+/// the nearest unambiguous instants resolves ambiguities and replaces missing observations.
+/// @param kept hypotheses of instants that are not located again; empty at the others
 std::vector<InstantHypotheses> locateRecording(const MarkerRecording& recording, const MarkerMap& map,
                                                const PathParams& params,
                                                std::vector<InstantHypotheses> kept = {});
 
-/// Whether the best is certain.
-bool isDecided(const InstantHypotheses& hypotheses, double decided);
+/// Whether the best hypothesis has this probability.
+bool isUnambiguous(const InstantHypotheses& hypotheses, double min_probability);
 
-/// Whether the best can be taken for the pose: it is certain, or several markers agree on it.
-bool isUsable(const InstantHypotheses& hypotheses, double decided);
+/// Whether the best hypothesis can be used as the pose: it is unambiguous, or several markers agree on it.
+bool isUsable(const InstantHypotheses& hypotheses, double min_probability);
 
 }  // namespace sextant

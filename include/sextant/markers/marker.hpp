@@ -9,11 +9,11 @@
 
 namespace sextant {
 
-/// Which print it is. The family is canonical (see marker_family.hpp): one print has one key, whatever
-/// backend reads it.
+/// Family and id of a marker. The family is canonical (see marker_family.hpp), so that a printed marker has
+/// the same key with every detector backend.
 struct MarkerKey {
-  std::string family;
-  int id = 0;
+  std::string family;  ///< name of the family, e.g. `tag36h11`
+  int id = 0;          ///< number within the family
 };
 
 inline bool operator<(const MarkerKey& a, const MarkerKey& b) {
@@ -23,31 +23,30 @@ inline bool operator==(const MarkerKey& a, const MarkerKey& b) {
   return a.id == b.id && a.family == b.family;
 }
 
-/// Corners of a marker in the order top left, top right, bottom right, bottom left of the upright print.
+/// Corners of a marker in the image, pixels: top left, top right, bottom right, bottom left of the upright
+/// marker.
 using Corners = std::array<Eigen::Vector2d, 4>;
 
-/// A standard deviation for every corner, pixels; not positive where nothing is known.
+/// Standard deviation of either coordinate of each corner, pixels; a value <= 0: unknown.
 using CornerSigmas = std::array<double, 4>;
 
-/// A marker found in an image.
+/// A marker detected in an image.
 struct Detection {
-  MarkerKey key;
-  Corners corners;  ///< pixels; (0, 0) is the centre of the first pixel
-  /// Standard deviation of either coordinate of each corner, pixels, large where something hides the edges;
-  /// -1: unknown, then who uses the corner knows its own `corner_sigma`.
+  MarkerKey key;    ///< family and id
+  Corners corners;  ///< (0, 0) is the centre of the first pixel
+  /// Large for corners of occluded edges; -1: unknown, consumers use only their own `corner_sigma`.
   CornerSigmas corner_sigmas = {-1, -1, -1, -1};
-  int hamming = -1;  ///< corrected bits; -1: the backend does not tell
-  double decision_margin =
-      -1;  ///< contrast of the bits against their threshold; -1: the backend does not tell
+  int hamming = -1;             ///< number of corrected bits; -1: not reported by the backend
+  double decision_margin = -1;  ///< contrast of the bits, grey levels; -1: not reported by the backend
 };
 
-/// The corners of a marker of this edge length (metres) in its own frame: origin in the centre, x right and y
-/// up as one looks at the print, z out of the wall toward the viewer.
+/// Corners of a marker in its own frame, metres: origin in the centre, x right and y up for a viewer, z out
+/// of the wall toward the viewer.
+/// @param size edge length, metres
 std::array<Eigen::Vector3d, 4> markerCorners(double size);
 
-/// Of a marker in an image: pixels.
-Eigen::Vector2d centre(const Corners& corners);
-double perimeter(const Corners& corners);
-double shortestSide(const Corners& corners);
+Eigen::Vector2d centre(const Corners& corners);  ///< mean of the corners, pixels
+double perimeter(const Corners& corners);        ///< pixels
+double shortestSide(const Corners& corners);     ///< pixels
 
 }  // namespace sextant

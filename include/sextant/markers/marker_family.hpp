@@ -8,29 +8,29 @@
 
 namespace sextant {
 
-/// Every name that DetectorParams::families, a marker map or markerImage() takes: OpenCV's predefined
+/// Returns every family name that detectors, marker maps and markerImage() accept: OpenCV's predefined
 /// dictionaries
 /// ("DICT_4X4_50", ..., read by the ArUco backend) and libapriltag's families ("tag36h11", ...).
 std::vector<std::string> markerFamilies();
 
-/// One name per print: OpenCV's "DICT_APRILTAG_36h11" is libapriltag's "tag36h11"; every other name is its
-/// own.
-/// @throws std::invalid_argument that lists the known families.
+/// Returns the canonical name of a family. OpenCV's "DICT_APRILTAG_36h11" and libapriltag's "tag36h11" are
+/// the same markers; the canonical name is libapriltag's. A name without such a counterpart is canonical.
+/// @throws std::invalid_argument with the list of known families
 std::string canonicalFamily(const std::string& name);
 
-/// Number of different markers in a family.
+/// Returns the number of markers in a family. @throws std::invalid_argument as canonicalFamily()
 int familySize(const std::string& name);
 
-/// A marker's picture: one pixel a module, 8-bit grey (0 black, 255 white), upright as its own library prints
-/// it.
+/// The modules of a marker: one pixel per module, 8-bit grey (0 black, 255 white), upright as printed by
+/// the library that defines the family.
 struct MarkerImage {
-  cv::Mat modules;  ///< square; the marker's own modules (for some AprilTag families there are some outside
-                    ///< the border)
-  int border_begin = 0;  ///< first module row and column inside the edge that Detection::corners lie on
-  int border_end = 0;    ///< one past the last one: (border_end - border_begin) modules are the marker's size
+  cv::Mat modules;       ///< square; includes the modules that some AprilTag families have outside the border
+  int border_begin = 0;  ///< first row and column inside the square whose corners are Detection::corners
+  int border_end = 0;    ///< one past the last: the marker's edge length is border_end - border_begin modules
 };
 
-/// @throws std::invalid_argument for an unknown family or an id outside of it.
+/// Draws a marker.
+/// @throws std::invalid_argument for an unknown family or an id outside the family
 MarkerImage markerImage(const std::string& family, int id);
 
 }  // namespace sextant

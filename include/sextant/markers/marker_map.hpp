@@ -11,41 +11,44 @@
 
 namespace sextant {
 
-/// A marker whose place is known.
+/// A marker with a known pose.
 struct MappedMarker {
-  MarkerKey key;
-  double size = 0.0;  ///< edge length, metres
-  std::string name;   ///< tf frame
-  Pose T_map_marker = Pose::Identity();
+  MarkerKey key;                           ///< family and id
+  double size = 0.0;                       ///< edge length, metres
+  std::string name;                        ///< tf frame
+  Pose T_map_marker = Pose::Identity();    ///< pose of the marker in the map
   Matrix6d covariance = Matrix6d::Zero();  ///< position, rotation in the map's axes (m^2, rad^2); zero: exact
 };
 
-/// A frame of the plain text format that is no marker, e.g. a camera mount.
+/// A frame of a map file that is not a marker, e.g. a camera mount.
 struct MappedFrame {
-  std::string name;
-  std::string parent;
-  Pose T_parent_frame = Pose::Identity();
+  std::string name;                        ///< tf frame
+  std::string parent;                      ///< tf frame
+  Pose T_parent_frame = Pose::Identity();  ///< pose of the frame in its parent
 };
 
-/// Markers by family and id, in one frame.
+/// A map of printed markers: poses by family and id, all in one frame.
 class MarkerMap {
  public:
+  /// An empty map. @param frame tf frame of the map
   explicit MarkerMap(std::string frame = "map") : frame_(std::move(frame)) {}
 
-  const std::string& frame() const { return frame_; }
+  const std::string& frame() const { return frame_; }  ///< tf frame of the map
+  /// All markers, ordered by family and id.
   const std::map<MarkerKey, MappedMarker>& markers() const { return markers_; }
-  const std::vector<MappedFrame>& frames() const { return frames_; }
+  const std::vector<MappedFrame>& frames() const { return frames_; }  ///< other frames of the map file
 
-  /// @return nullptr for a marker that the map does not have
+  /// Returns the marker, or nullptr if the map does not contain it.
   const MappedMarker* find(const MarkerKey& key) const;
 
   /// Adds a marker; an empty name becomes "<family>/<id>".
-  /// @throws std::invalid_argument for a family, id, size, name, pose or covariance that cannot be, and for a
-  /// key or name that is there already.
+  /// @throws std::invalid_argument for an invalid family, id, size, name, pose or covariance, and for a key
+  /// or name that the map already contains
   void add(MappedMarker marker);
-  /// As add(), but a marker with the same key is replaced.
+  /// As add(), but replaces a marker with the same key.
   void set(MappedMarker marker);
-  /// @throws std::invalid_argument for a name that is there already.
+  /// Adds another frame.
+  /// @throws std::invalid_argument for an invalid pose or parent, or a name that the map already contains
   void addFrame(MappedFrame frame);
 
  private:

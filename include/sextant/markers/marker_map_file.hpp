@@ -10,7 +10,7 @@
 
 namespace sextant {
 
-/// What the plain text format does not say of its markers.
+/// Properties of the markers that the plain text format does not contain.
 struct TextMapParams {
   std::string frame = "map";
   std::string family = "tag36h11";
@@ -21,16 +21,17 @@ struct TextMapParams {
   ParamList fields();
 };
 
-/// Reads a marker map: ".yaml" and ".yml" as YAML (doc/marker_map.md), anything else as the plain text
-/// format, a line a frame: "name Tx Ty Tz Rx Ry Rz" (metres, radians). A name that ends in a number is that
-/// marker; "#" starts a comment. Nothing is taken from a file with a mistake in it.
+/// Reads a marker map: ".yaml" and ".yml" as YAML (doc/reference/marker_map.md), any other file in the plain
+/// text format with one frame per line: "name Tx Ty Tz Rx Ry Rz" (metres, radians). A name that ends in a
+/// number is the marker with this id; "#" starts a comment.
+/// @param text properties that the plain text format does not contain
 /// @throws std::runtime_error "file:line: reason" for anything unreadable, unknown, out of range or given
-/// twice.
+/// twice
 MarkerMap readMarkerMap(const std::string& path, const TextMapParams& text = {});
 
-/// Writes YAML, or the plain text format for any other ending, atomically (temporary file, fsync, rename).
-/// @throws std::runtime_error when the file cannot be written, or when the text format cannot hold the map.
-/// @param text what a plain text file will be read with
+/// Writes a marker map atomically: ".yaml" and ".yml" as YAML, any other file in the plain text format.
+/// @param text properties with which a plain text file will be read
+/// @throws std::runtime_error if the file cannot be written or the plain text format cannot represent the map
 void writeMarkerMap(const MarkerMap& map, const std::string& path, const TextMapParams& text = {});
 
 }  // namespace sextant

@@ -12,28 +12,32 @@ namespace sextant {
 
 /// One local minimum of a marker's reprojection error.
 struct MarkerPose {
-  Pose T_camera_marker;
+  Pose T_camera_marker;             ///< pose of the marker in the camera frame
   double reprojection_error = 0.0;  ///< RMS over the eight corner coordinates, pixels
 };
 
-/// Both poses that explain a square's four corners; seen nearly head-on they fit almost equally well.
+/// The two solutions for the pose of a square from its four corners. They fit almost equally well if the
+/// camera looks at the square nearly head-on.
 struct PlanarPoses {
-  MarkerPose best;
-  std::optional<MarkerPose> alternative;  ///< absent where both starts lead to one minimum
+  MarkerPose best;                        ///< solution with the smaller reprojection error
+  std::optional<MarkerPose> alternative;  ///< the other solution; nothing if there is only one minimum
 
-  /// Reprojection error of the best over that of the alternative, in [0, 1]; 0 where there is no alternative.
+  /// Ratio of the reprojection errors, best over alternative, in [0, 1]; 0 without an alternative.
   double ambiguity() const;
 };
 
-/// Both solutions of the planar problem (Collins & Bartoli 2014, "Infinitesimal plane-based pose estimation",
-/// OpenCV's SOLVEPNP_IPPE_SQUARE), each refined to the minimum of the reprojection error through the full
-/// camera model. Nothing where a corner is out of the lens model's reach, the corners are degenerate or the
-/// marker would lie behind the camera.
-/// @param size edge length in metres
+/// Solves for the pose of a marker: the two solutions of the planar problem (Collins & Bartoli 2014,
+/// "Infinitesimal plane-based pose estimation", OpenCV's SOLVEPNP_IPPE_SQUARE), each refined to the minimum
+/// of the reprojection error with the full camera model. Returns nothing if the lens model has no ray for a
+/// corner, the corners are degenerate or the marker would lie behind the camera.
+/// @param size edge length, metres
 std::optional<PlanarPoses> solveMarkerPose(const CameraModel& camera, const Corners& corners, double size);
 
-/// Covariance of one marker's pose (position, rotation in the axes of the optical frame) from corner noise of
-/// sigma pixels a coordinate: sigma^2 (J^T J)^-1. Nothing where J is rank deficient.
+/// Computes the covariance of a marker's pose (position, rotation in the axes of the optical frame; m^2,
+/// rad^2): sigma^2 (J^T J)^-1, with the Jacobian J of the corners with respect to the pose. Returns nothing
+/// if J is rank deficient.
+/// @param size edge length, metres
+/// @param sigma standard deviation of each corner coordinate, pixels
 std::optional<Matrix6d> markerPoseCovariance(const CameraModel& camera, const Pose& T_camera_marker,
                                              double size, double sigma);
 

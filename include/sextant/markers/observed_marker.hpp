@@ -15,24 +15,25 @@
 
 namespace sextant {
 
-/// How large the markers are that a detector sees.
+/// Edge lengths of the markers.
 struct MarkerSizes {
   double size = 0.2;
   std::map<std::string, double> sizes;
 
   ParamList fields();
-  double of(const MarkerKey& key) const;
+  double of(const MarkerKey& key) const;  ///< edge length of a marker, metres
 };
 
-/// A detection with its pose in the camera frame, where the corners give one.
+/// A detection with its pose in the camera frame, if the corners give one.
 struct ObservedMarker {
-  Detection detection;
-  double size;  ///< metres
-  std::optional<PlanarPoses> poses;
+  Detection detection;                 ///< family, id and corners
+  double size;                         ///< metres
+  std::optional<PlanarPoses> poses;    ///< both solutions of the pose; nothing if the corners give none
   std::optional<Matrix6d> covariance;  ///< of poses->best, in the optical frame's axes
 };
 
-/// Poses of all detections. @param sigma noise of a corner coordinate, pixels
+/// Computes the poses of all detections.
+/// @param sigma standard deviation of each corner coordinate, pixels
 std::vector<ObservedMarker> observeMarkers(const CameraModel& camera,
                                            const std::vector<Detection>& detections, const MarkerSizes& sizes,
                                            double sigma);

@@ -12,76 +12,81 @@
 
 namespace sextant {
 
-/// A marker of known place seen by a camera that is mounted on a base.
-struct MarkerSighting {
-  const CameraModel* camera;  ///< not owned
-  Pose T_camera_base;
-  Pose T_map_marker;
-  double size;                                       ///< edge length, metres
-  Corners corners;                                   ///< pixels
-  std::array<double, 4> sigmas{0.3, 0.3, 0.3, 0.3};  ///< noise of each corner's coordinates, pixels
+/// An observation of a mapped marker by a camera that is mounted on a base.
+struct MarkerObservation {
+  const CameraModel* camera;  ///< camera of the observation; not owned
+  Pose T_camera_base;         ///< pose of the base in the camera frame
+  Pose T_map_marker;          ///< pose of the marker in the map
+  double size;                ///< edge length, metres
+  Corners corners;            ///< pixels
+  std::array<double, 4> sigmas{0.3, 0.3, 0.3,
+                               0.3};           ///< standard deviation of each corner's coordinates, pixels
   Matrix6d map_covariance = Matrix6d::Zero();  ///< of T_map_marker: position, rotation in the map's axes
 };
 
-/// Steps (shift, rotation) that turn about the centre of the markers instead of the base's origin: far from
-/// its markers a base moves on an arc about them, along which the cost is flat and (p, r) are strongly
-/// coupled.
+/// A parametrization of pose changes by (translation, rotation about the centre of the markers). Far from the
+/// markers the cost is flat along an arc about them, which couples position and rotation of the base
+/// strongly.
 class Pivot {
  public:
-  explicit Pivot(const std::vector<MarkerSighting>& sightings);
+  /// Centre of the observed markers.
+  explicit Pivot(const std::vector<MarkerObservation>& observations);
 
-  const Eigen::Vector3d& centre() const { return centre_; }
-  /// The pose turned by Exp(step.tail<3>()) about the centre after a shift by step.head<3>().
+  const Eigen::Vector3d& centre() const { return centre_; }  ///< mean position of the markers, map
+  /// Returns the pose translated by step.head<3>(), then rotated by expSO3(step.tail<3>()) about the centre.
   Pose moved(const Pose& T_map_base, const Vector6d& step) const;
-  /// d (position, rotation) / d step at step = 0.
+  /// Returns the Jacobian of (position, rotation) with respect to the step, at step = 0.
   Matrix6d jacobian(const Pose& T_map_base) const;
 
  private:
   Eigen::Vector3d centre_ = Eigen::Vector3d::Zero();  // map frame
 };
 
-/// Ground robots: the base stands on the map's plane z = 0.
+/// Prior of a ground robot: the base is on the plane z = 0 of the map, with zero roll and pitch.
 struct FloorPrior {
-  double height_sigma;  ///< metres
-  double tilt_sigma;    ///< of roll and of pitch, radians
+  double height_sigma;  ///< standard deviation of z, metres
+  double tilt_sigma;    ///< standard deviation of roll and of pitch, radians
 };
 
+/// Robust loss and prior of the reprojection cost.
 struct ReprojectionParams {
-  double robust_width = 1e9;  ///< Huber: a marker whose residual is longer than this many sigma counts less
-  std::optional<FloorPrior> floor;
+  double robust_width = 1e9;  ///< width of the Huber loss of a marker's residual norm, standard deviations
+  std::optional<FloorPrior> floor;  ///< prior of the pose
 };
 
+/// A minimum of the reprojection cost.
 struct ReprojectionFit {
-  Pose T_map_base;
-  double cost;           ///< sum of rho(r' S^-1 r) over the markers, and the prior's
-  double rms;            ///< over all coordinates, weighted by 1 / sigma^2, pixels
-  Matrix6d information;  ///< of (position, rotation) in the map's axes, without the robust weights
+  Pose T_map_base;  ///< pose of the base in the map
+  double cost;      ///< sum of the Huber loss of squaredMahalanobis() over the markers, plus the prior
+  double rms;       ///< RMS residual over all coordinates, weighted by 1 / sigma^2, pixels
+  Matrix6d
+      information;  ///< inverse covariance of (position, rotation) in the map's axes, without robust weights
 };
 
-/// r' S^-1 r of a marker's eight residuals, S being the noise of its corners and what its place in the map
-/// adds (J map_covariance J'); chi-square with 8 degrees of freedom where the pose is true. A marker that the
-/// lens does not reach from there is infinitely far off.
-double squaredMahalanobis(const MarkerSighting& sighting, const Pose& T_map_base);
+/// Returns the squared Mahalanobis distance r' S^-1 r of a marker's eight residuals r. S is the corner noise
+/// plus the uncertainty of the marker's pose in the map, J map_covariance J'. Chi-square with 8 degrees of
+/// freedom at the true pose; infinite if a corner does not project into the image plane.
+double squaredMahalanobis(const MarkerObservation& observation, const Pose& T_map_base);
 
-/// r' r / sigma^2 of what the floor says of a pose: 3 degrees of freedom.
+/// Returns the squared Mahalanobis distance of a pose from the prior: 3 degrees of freedom.
 double squaredMahalanobis(const FloorPrior& floor, const Pose& T_map_base);
 
-/// The quadratic model of the reprojection cost at a pose: cost + 2 g' xi + xi' H xi for the pose perturbed
-/// by xi.
+/// Quadratic model of the reprojection cost at a pose: cost + 2 g' xi + xi' H xi at perturbed(pose, xi).
 struct ReprojectionModel {
-  Matrix6d H = Matrix6d::Zero();            ///< with the robust weights
-  Matrix6d information = Matrix6d::Zero();  ///< without
-  Vector6d g = Vector6d::Zero();
-  double cost = 0.0;
-  double squares = 0.0;  ///< of the residuals over their corner's deviation, without what the map adds to it
+  Matrix6d H = Matrix6d::Zero();            ///< Gauss-Newton Hessian with the robust weights
+  Matrix6d information = Matrix6d::Zero();  ///< the same without the robust weights
+  Vector6d g = Vector6d::Zero();            ///< half the gradient
+  double cost = 0.0;                        ///< as ReprojectionFit::cost
+  double squares = 0.0;  ///< sum of squared residuals over the variance of the corner noise alone
 };
 
-ReprojectionModel reprojectionModel(const std::vector<MarkerSighting>& sightings, const Pose& T_map_base,
-                                    const ReprojectionParams& params);
+/// Linearizes the reprojection cost at a pose.
+ReprojectionModel reprojectionModel(const std::vector<MarkerObservation>& observations,
+                                    const Pose& T_map_base, const ReprojectionParams& params);
 
-/// The pose that minimizes the robust reprojection cost, by Levenberg-Marquardt over six parameters (p + dp,
-/// Exp(dr) R). Nothing where the start or the markers leave the pose undetermined.
-std::optional<ReprojectionFit> minimizeReprojection(const std::vector<MarkerSighting>& sightings,
+/// Minimizes the robust reprojection cost by Levenberg-Marquardt with steps of Pivot. Returns nothing if the
+/// observations do not determine the pose at the minimum.
+std::optional<ReprojectionFit> minimizeReprojection(const std::vector<MarkerObservation>& observations,
                                                     const Pose& start, const ReprojectionParams& params);
 
 }  // namespace sextant

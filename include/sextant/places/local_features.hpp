@@ -11,46 +11,49 @@
 
 namespace sextant {
 
-/// How a picture becomes keypoints and descriptors. The defaults are for a camera that does not roll.
+/// Parameters of keypoint detection and description; see fields(). The defaults are for a camera without
+/// roll.
 struct FeatureParams {
   std::string detector = "SIFT";
   std::string extractor = "SIFT";
   int max_side = 320;
   int max_features = 250;
   bool upright = true;
-  bool root = true;
-  double support = 3.0;
+  bool root_sift = true;
+  double support_scale = 3.0;
   double sift_contrast = 0.005;
   double surf_threshold = 30.0;
   double akaze_threshold = 0.001;
   int orb_wta_k = 2;
 
-  /// Every picture whole, keypoints and descriptors as their inventors have them.
+  /// Full-size images, detector and extractor with OpenCV's defaults.
   static FeatureParams plain(const std::string& detector, const std::string& extractor);
 
+  /// The parameters with ranges, units and descriptions.
   ParamList fields();
 };
 
-/// The detectors and extractors there are: AKAZE, ORB, SIFT, SURF (dlib's).
+/// Names of the detectors and extractors: AKAZE, ORB, SIFT, SURF (dlib's).
 std::vector<std::string> featureNames();
 
-/// Whether descriptors of an extractor are bits (Hamming distance), not numbers (L2).
-/// @throws std::invalid_argument where there is no such extractor
+/// Whether an extractor's descriptors are binary (Hamming distance) rather than real-valued (L2 distance).
+/// @throws std::invalid_argument if the extractor is unknown
 bool isBinaryExtractor(const std::string& extractor);
 
-/// What is kept of a picture.
+/// Keypoints and descriptors of one image.
 struct LocalFeatures {
-  cv::Size size;                        ///< pixels of the picture
-  std::vector<cv::KeyPoint> keypoints;  ///< in pixels of it
-  cv::Mat descriptors;  ///< a row a keypoint; CV_32F, or CV_8U for bits; whole numbers up to 255 of SIFT
+  cv::Size size;                        ///< of the image, pixels
+  std::vector<cv::KeyPoint> keypoints;  ///< in image pixels
+  cv::Mat descriptors;  ///< one row per keypoint; CV_32F, or CV_8U if binary; SIFT: integers in [0, 255]
 };
 
-/// Finds and describes the keypoints of pictures; thread-safe.
+/// Detects and describes the keypoints of images; thread-safe.
 class FeatureExtractor {
  public:
-  /// @throws std::invalid_argument as validate(FeatureParams)
+  /// @throws std::invalid_argument for invalid parameters
   explicit FeatureExtractor(const FeatureParams& params);
 
+  /// Detects and describes keypoints.
   /// @param image 8-bit grey, not empty
   /// @throws std::invalid_argument for any other image
   LocalFeatures extract(const cv::Mat& image) const;

@@ -16,6 +16,7 @@ namespace sextant {
 
 class ArenaTracer;
 
+/// Parameters of ArenaCamera.
 struct ArenaCameraParams {
   int supersampling = 2;
   double blur_sigma = 0.6;
@@ -27,27 +28,30 @@ struct ArenaCameraParams {
   ParamList fields();
 };
 
-/// What of an object a picture shows.
-struct SeenObject {
-  int object = 0;                         ///< index
-  Eigen::Vector2i low{0, 0}, high{0, 0};  ///< corners of the box about it, pixels; high is the first outside
-  int pixels = 0;                         ///< that show it
+/// The visible part of an object in an image.
+struct VisibleObject {
+  int object = 0;              ///< index of the object in the scene
+  Eigen::Vector2i low{0, 0};   ///< first pixel of the bounding box
+  Eigen::Vector2i high{0, 0};  ///< pixel after its last one
+  int pixels = 0;              ///< number of visible pixels
 };
 
-/// Takes colour pictures in an arena. Not thread-safe.
+/// Renders colour images of an arena. Not thread-safe.
 class ArenaCamera {
  public:
   /// @throws std::invalid_argument as validate(ArenaCameraParams)
   ArenaCamera(const ArenaCameraParams& params, const CameraModel& camera);
   ~ArenaCamera();
 
-  struct Picture {
-    cv::Mat image;  ///< 8-bit red, green, blue; black where the lens model has no ray
-    std::vector<SeenObject> seen;
+  /// A rendered image with its ground truth.
+  struct Frame {
+    cv::Mat image;                       ///< 8-bit RGB; black where the lens model has no ray
+    std::vector<VisibleObject> objects;  ///< objects in the image, with their bounding boxes
   };
-  /// @param frame chooses the noise; the same scene, pose and frame give the same bytes
-  /// @throws std::invalid_argument for a camera that is outside of the arena
-  Picture take(const ArenaScene& scene, const Pose& T_map_camera, std::uint64_t frame);
+  /// Renders an image.
+  /// @param frame seed of the noise; the same scene, pose and frame give the same bytes
+  /// @throws std::invalid_argument for a camera outside the arena
+  Frame take(const ArenaScene& scene, const Pose& T_map_camera, std::uint64_t frame);
 
  private:
   void colour(const ArenaScene& scene);
@@ -58,7 +62,7 @@ class ArenaCamera {
   std::unique_ptr<ArenaTracer> tracer_;
   cv::Mat_<cv::Vec3f> light_;
   std::vector<float> noise_;          // standard normal
-  std::vector<std::uint8_t> levels_;  // by light
+  std::vector<std::uint8_t> levels_;  // grey level by light
 };
 
 }  // namespace sextant

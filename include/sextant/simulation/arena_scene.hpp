@@ -11,17 +11,18 @@
 
 namespace sextant {
 
-/// A round thing: a pillar stands on the floor, upright; a ball lies anywhere.
+/// An object in the arena: an upright pillar or a ball.
 struct ArenaObject {
+  /// A vertical cylinder or a sphere.
   enum class Shape { pillar, ball };
-  Shape shape = Shape::pillar;
-  Eigen::Vector3d position{0, 0, 0};  ///< of a pillar's foot, of a ball's centre, metres
+  Shape shape = Shape::pillar;        ///< pillar or ball
+  Eigen::Vector3d position{0, 0, 0};  ///< foot of a pillar, centre of a ball, metres
   double radius = 0.05;               ///< metres, (0, 10]
   double height = 0.5;                ///< of a pillar, metres, (0, 10]
-  Eigen::Vector3d colour{1, 1, 1};    ///< share of red, green and blue light that is reflected, [0, 1]
+  Eigen::Vector3d colour{1, 1, 1};    ///< reflectance for red, green and blue, [0, 1]
 };
 
-/// The light of the moment.
+/// Lighting of the arena.
 struct ArenaLight {
   double brightness = 1.0;
   double direct = 0.5;
@@ -31,6 +32,7 @@ struct ArenaLight {
   ParamList fields();
 };
 
+/// Size and appearance of the arena.
 struct ArenaSceneParams {
   Eigen::Vector2d size{8, 6};
   double wall_height = 2.5;
@@ -39,35 +41,39 @@ struct ArenaSceneParams {
   ParamList fields();
 };
 
-/// A room with a patterned floor and walls, and what stands and lies in it. Rays meet planes, cylinders and
-/// spheres exactly.
+/// A room with a patterned floor and walls, and objects in it. Rays are intersected exactly with planes,
+/// cylinders and spheres.
 class ArenaScene {
  public:
   /// @throws std::invalid_argument as validate(ArenaSceneParams)
   explicit ArenaScene(const ArenaSceneParams& params);
 
+  /// Replaces all objects.
   /// @throws std::invalid_argument for a radius, height or colour out of range
   void setObjects(const std::vector<ArenaObject>& objects);
   void setLight(const ArenaLight& light);  ///< @throws std::invalid_argument as validate(ArenaLight)
 
+  /// Parameters given at construction.
   const ArenaSceneParams& params() const { return params_; }
+  /// Objects given at construction.
   const std::vector<ArenaObject>& objects() const { return objects_; }
 
+  /// A ray.
   struct Ray {
-    Eigen::Vector3f origin, direction;  // metres in the map, unit
+    Eigen::Vector3f origin;     ///< metres in the map
+    Eigen::Vector3f direction;  ///< unit vector
   };
-  /// Where a ray ends. Surfaces: floor, walls and ceiling, then the objects.
+  /// First intersection of a ray.
   struct Hit {
-    float distance = 0;
-    int surface = 0;
+    float distance = 0;  ///< metres
+    int surface = 0;     ///< floor, walls and ceiling, then the objects
   };
-  static constexpr int kBackgrounds = 6;
-
-  /// Of floor, walls and ceiling. @param ray begins in the room
+  static constexpr int kBackgrounds = 6;  ///< number of surfaces of the room
+  /// Intersects a ray with floor, walls and ceiling. @param ray starts in the room
   Hit background(const Ray& ray) const;
-  /// Whether a ray meets an object before a hit, which becomes that one.
+  /// Replaces the hit if the ray meets an object before it; returns whether it does.
   bool meets(const Ray& ray, int object, Hit* hit) const;
-  /// @param angle that a pixel is wide, radians @returns light of red, green and blue
+  /// Red, green and blue light from a hit. @param angle width of a pixel, radians
   Eigen::Vector3f light(const Ray& ray, const Hit& hit, float angle) const;
 
  private:

@@ -16,6 +16,7 @@ namespace sextant {
 
 class ArenaTracer;
 
+/// Parameters of DepthCamera.
 struct DepthCameraParams {
   double noise = 0.004;
   double scale = 1.0;
@@ -28,14 +29,16 @@ struct DepthCameraParams {
   ParamList fields();
 };
 
-/// A stereo depth camera as Intel's D435. Not thread-safe.
+/// Simulates a stereo depth camera such as Intel's D435. Not thread-safe.
 class DepthCamera {
  public:
   /// @throws std::invalid_argument as validate(DepthCameraParams)
   DepthCamera(const DepthCameraParams& params, const CameraModel& camera);
   ~DepthCamera();
 
-  /// @return 32-bit depth along the optical axis, metres; 0 where there is none
+  /// Renders a depth image.
+  /// @param frame seed of the noise
+  /// @return 32-bit depth along the optical axis, metres; 0: invalid
   /// @throws std::invalid_argument as ArenaCamera::take()
   cv::Mat take(const ArenaScene& scene, const Pose& T_map_camera, std::uint64_t frame);
 
@@ -45,7 +48,7 @@ class DepthCamera {
   DepthCameraParams params_;
   double focal_length_;
   std::unique_ptr<ArenaTracer> tracer_;
-  std::vector<float> noise_;  // standard normal, a square
+  std::vector<float> noise_;  // standard normal, square tile
 };
 
 }  // namespace sextant

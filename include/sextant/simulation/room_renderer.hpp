@@ -16,6 +16,7 @@
 
 namespace sextant {
 
+/// Parameters of RoomRenderer.
 struct RoomRendererParams {
   int supersampling = 4;
   double blur_sigma = 0.5;
@@ -27,19 +28,21 @@ struct RoomRendererParams {
   ParamList fields();
 };
 
-/// Takes pictures in a room. Rays go out through the full camera model, so that lens distortion is exact:
-/// what is printed at a point appears at CameraModel::project() of it. Light is averaged before it becomes
-/// grey levels (a linear sensor). Not thread-safe: one renderer a thread.
+/// Renders images of a room by ray casting with the full camera model, so that a point of the scene appears
+/// exactly at its CameraModel::project(). Light is averaged before the conversion to grey levels (a linear
+/// sensor). Not thread-safe: use one renderer per thread.
 class RoomRenderer {
  public:
-  /// @throws std::invalid_argument as validate(RoomRendererParams), or for no scene.
+  /// @throws std::invalid_argument as validate(RoomRendererParams), or without a scene
   RoomRenderer(const RoomRendererParams& params, std::shared_ptr<const RoomScene> scene,
                const CameraModel& camera);
 
-  /// @param exposure T_map_camera at equal steps of the exposure time; one pose for a sharp image
-  /// @param frame chooses the noise; the same poses and frame give the same bytes
+  /// Renders an image.
+  /// @param exposure T_map_camera at equal steps of the exposure time; one pose for an image without motion
+  /// blur
+  /// @param frame seed of the noise; the same poses and frame give the same bytes
   /// @return 8-bit grey; black where the lens model has no ray
-  /// @throws std::invalid_argument for no pose, or a camera that is outside of the room
+  /// @throws std::invalid_argument without a pose, or for a camera outside the room
   cv::Mat render(const std::vector<Pose>& exposure, std::uint64_t frame) const;
 
  private:
@@ -63,10 +66,9 @@ class RoomRenderer {
   RoomRendererParams params_;
   std::shared_ptr<const RoomScene> scene_;
   CameraModel camera_;
-  float pixel_angle_;  // rad
-  std::vector<Eigen::Vector3f>
-      rays_;  // optical frame, one pixel more than the image on every side; zero: none
-  std::vector<Eigen::Vector2f> samples_;  // places within a pixel, [-0.5, 0.5]
+  float pixel_angle_;                     // rad
+  std::vector<Eigen::Vector3f> rays_;     // optical frame, with a margin of one pixel; zero: no ray
+  std::vector<Eigen::Vector2f> samples_;  // positions within a pixel, [-0.5, 0.5]
   cv::Mat_<float> gain_;                  // grey levels per unit of light
   std::vector<float> noise_;              // standard normal
 };

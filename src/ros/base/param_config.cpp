@@ -16,7 +16,7 @@ T& valueOf(const ParamList& params, const std::string& name) {
   return *std::get<T*>(found->value);
 }
 
-// assign(parameter's value, message's value) for each value of the message.
+// Calls assign(parameter's value, message's value) for each value of the message.
 template <typename Message, typename Assign>
 void pairUp(const ParamList& params, Message& message, Assign assign) {
   for (auto& each : message.bools) assign(valueOf<bool>(params, each.name), each.value);

@@ -10,10 +10,10 @@
 namespace sextant {
 namespace {
 
-// Read by libraries in the node's private namespace, not by us.
+// Read by nodelet in the private namespace of the node.
 const char* const kForeign = "num_worker_threads";
 
-// A name with a slash, "tag36h11/5", is a table in a table on the parameter server.
+// The parameter server stores a name with a slash, "tag36h11/5", as a table in a table.
 bool flatten(const XmlRpc::XmlRpcValue& table, const std::string& prefix,
              std::map<std::string, double>& out) {
   using XmlRpc::XmlRpcValue;
@@ -65,7 +65,7 @@ struct Reader {
     value->clear();
     if (!flatten(table, "", *value)) refuse("a table of names and numbers");
   }
-  // YAML has no tables with numbers as names, so the ids come as texts.
+  // The parameter server has no tables with numbers as names, so ids are texts.
   void operator()(std::map<int, double>* value) const {
     std::map<std::string, double> named;
     (*this)(&named);
@@ -73,11 +73,13 @@ struct Reader {
     for (const auto& [name, number] : named) {
       if (!isId(name))
         throw std::invalid_argument("parameter " + node.resolveName(param.name) + ": '" + name +
-                                    "' is no marker id");
+                                    "' is not a marker id");
       (*value)[std::stoi(name)] = number;
     }
   }
-  void operator()(const Numbers&) const { throw std::logic_error(param.name + " is no parameter of a node"); }
+  void operator()(const Numbers&) const {
+    throw std::logic_error(param.name + " is not a parameter of a node");
+  }
 
   template <typename T>
   void get(T& value, const char* type) const {

@@ -8,7 +8,7 @@
 
 namespace sextant {
 namespace {
-constexpr double kSayAgain = 60.0;  // seconds
+constexpr double kLogPeriod = 60.0;  // seconds
 }
 
 void TroubleLog::report(const std::string& kind, const std::string& text) {
@@ -17,8 +17,8 @@ void TroubleLog::report(const std::string& kind, const std::string& text) {
   ++entry.count;
   current_ = text;
   const double now = ros::SteadyTime::now().toSec();
-  if (now - entry.last_said < kSayAgain) return;
-  entry.last_said = now;
+  if (now - entry.last_logged < kLogPeriod) return;
+  entry.last_logged = now;
   ROS_WARN_STREAM(name_ << ": " << text);
 }
 

@@ -38,7 +38,7 @@ void DetectorReport::fill(diagnostic_updater::DiagnosticStatusWrapper& status) {
 void DetectorReport::fillMarkers(diagnostic_updater::DiagnosticStatusWrapper& status) const {
   status.add("markers in the last image", seen_);
   if (period_.used == 0) return;
-  status.addf("markers an image: mean", "%.2f", static_cast<double>(period_.markers) / period_.used);
+  status.addf("markers per image: mean", "%.2f", static_cast<double>(period_.markers) / period_.used);
   status.addf("images without a marker (%)", "%.1f", percent(period_.empty, period_.used));
   if (period_.posed > 0)
     status.addf("reprojection error of single markers (px)", "%.3f",

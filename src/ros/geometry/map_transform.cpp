@@ -3,13 +3,13 @@
 #include "sextant/ros/geometry/map_transform.hpp"
 
 #include "sextant/ros/geometry/pose_conversions.hpp"
-#include "sextant/ros/geometry/tf_bridge.hpp"
+#include "sextant/ros/geometry/transform_lookup.hpp"
 
 namespace sextant {
 
 std::string MapTransform::send(const std::string& map_frame, const std::string& child, const ros::Time& stamp,
                                const Pose& T_map_child) {
-  if (child == map_frame) return "'" + child + "' is the map's own frame";
+  if (child == map_frame) return "'" + child + "' is the frame of the map";
   if (stamp <= last_stamp_) return "";
   const std::string parent = parentFrame(buffer_, child);
   if (!parent.empty() && parent != map_frame && parent != parent_)

@@ -14,7 +14,7 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds kRetry{1000};
 constexpr milliseconds kLook{20};
-// Who hears the images connects to camera_info a moment later, and would have nothing for the first images.
+// A subscriber of the images connects to camera_info a moment later and would miss it for the first images.
 constexpr milliseconds kSettle{500};
 
 }  // namespace
@@ -41,20 +41,20 @@ ImagePlayer::Counts ImagePlayer::counts() const {
 }
 
 void ImagePlayer::run() {
-  bool playing = awaitListener();
+  bool playing = awaitSubscriber();
   while (playing) playing = step();
   const std::lock_guard<std::mutex> lock(mutex_);
   counts_.finished = true;
 }
 
-bool ImagePlayer::awaitListener() {
+bool ImagePlayer::awaitSubscriber() {
   if (source_->isLive() || !params_.wait_for_subscriber) return true;
-  while (!outlet_.awaited())
+  while (!outlet_.has_subscriber())
     if (!sleepFor(kLook)) return false;
   return sleepFor(kSettle);
 }
 
-// False when there is nothing more to do.
+// Returns false at the end.
 bool ImagePlayer::step() {
   if (!open_) return openSource() ? sleepUntil(Clock::now()) : sleepFor(kRetry);
   if (!sleepUntil(source_->isLive() ? Clock::now() : pace_.due(Clock::now()))) return false;
@@ -87,23 +87,23 @@ bool ImagePlayer::grab() {
 bool ImagePlayer::afterLast() {
   open_ = false;
   if (!source_->isLive()) return params_.loop;
-  trouble_.report("camera lost", "the camera sends no more pictures; it is looked for every second");
+  trouble_.report("camera lost", "the camera sends no images any more; trying to reopen it every second");
   return sleepFor(kRetry);
 }
 
 void ImagePlayer::take(const ros::Time& stamp) {
   trouble_.succeeded();
-  if (!isDue() || !outlet_.wanted()) {
+  if (!isDue() || !outlet_.needs_image()) {
     count(&Counts::skipped);
     return;
   }
   try {
     if (stamp.isZero())
-      throw std::runtime_error("there is no time to stamp with: use_sim_time is set, who publishes /clock?");
+      throw std::runtime_error("no time for the stamp: use_sim_time is set, but nothing publishes /clock");
     outlet_.publish(source_->retrieve(), stamp);
     count(&Counts::published);
   } catch (const std::exception& error) {
-    trouble_.report("picture", error.what());
+    trouble_.report("image", error.what());
   }
 }
 
@@ -115,7 +115,7 @@ bool ImagePlayer::isDue() {
 
 double ImagePlayer::rate() const { return params_.rate > 0 ? params_.rate : source_->recordedRate(); }
 
-// False when the player shall stop.
+// Returns false if the player must stop.
 bool ImagePlayer::sleepUntil(Clock::time_point time) {
   std::unique_lock<std::mutex> lock(mutex_);
   return !wake_.wait_until(lock, time, [this] { return stop_; });

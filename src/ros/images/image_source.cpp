@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kNominalRate = 10.0;  // Hz, where the recording tells none
+constexpr double kNominalRate = 10.0;  // Hz, of a recording without a rate
 
 std::string sizeText(int width, int height) { return std::to_string(width) + " x " + std::to_string(height); }
 
@@ -28,7 +28,7 @@ bool isGrey(const ImageSourceParams& params) { return params.encoding == "mono8"
 
 cv::Mat encoded(const cv::Mat& frame, bool grey, const std::string& name) {
   if (frame.empty() || (frame.type() != CV_8UC1 && frame.type() != CV_8UC3))
-    throw std::runtime_error(name + ": the picture cannot be decoded");
+    throw std::runtime_error(name + ": the image cannot be decoded");
   if (frame.channels() == (grey ? 1 : 3)) return frame;
   cv::Mat converted;
   cv::cvtColor(frame, converted, grey ? cv::COLOR_BGR2GRAY : cv::COLOR_GRAY2BGR);
@@ -49,7 +49,7 @@ class DeviceSource : public ImageSource {
       throw std::runtime_error(path_ +
                                " cannot be opened as a camera: does another program use it, or is it "
                                "a second node of the camera (v4l2-ctl --list-devices)?");
-    // The pixel format decides which sizes and rates there are, so it comes first.
+    // Before size and rate, because the pixel format determines which of them are available.
     if (!params_.fourcc.empty()) {
       const std::string& code = params_.fourcc;
       capture_.set(cv::CAP_PROP_FOURCC, cv::VideoWriter::fourcc(code[0], code[1], code[2], code[3]));
@@ -57,7 +57,8 @@ class DeviceSource : public ImageSource {
     if (params_.width > 0) capture_.set(cv::CAP_PROP_FRAME_WIDTH, params_.width);
     if (params_.height > 0) capture_.set(cv::CAP_PROP_FRAME_HEIGHT, params_.height);
     if (params_.rate > 0) capture_.set(cv::CAP_PROP_FPS, params_.rate);
-    capture_.set(cv::CAP_PROP_BUFFERSIZE, 2);  // a longer queue holds old pictures that look new at the grab
+    capture_.set(cv::CAP_PROP_BUFFERSIZE,
+                 2);  // a longer queue has old images, which grab() would stamp as new
   }
 
   bool grab() override { return capture_.grab(); }
@@ -72,7 +73,7 @@ class DeviceSource : public ImageSource {
   double recordedRate() const override { return 0.0; }
 
  private:
-  // OpenCV does not tell why a device does not open.
+  // OpenCV does not report why a device cannot be opened.
   void requireAccess() const {
     if (access(path_.c_str(), R_OK | W_OK) == 0) return;
     const char* advice = errno == ENOENT   ? "is the camera plugged in?"
@@ -93,7 +94,7 @@ class VideoSource : public ImageSource {
   explicit VideoSource(const ImageSourceParams& params) : path_(params.source), grey_(isGrey(params)) {}
 
   void open() override {
-    if (!capture_.open(path_, cv::CAP_FFMPEG))  // the other backends shout when they do not know a file
+    if (!capture_.open(path_, cv::CAP_FFMPEG))  // the other backends print errors for unknown files
       throw std::runtime_error(path_ + " is neither a video nor an image that OpenCV can read");
     rate_ = capture_.get(cv::CAP_PROP_FPS);
     if (!(rate_ > 0 && rate_ <= 1000)) rate_ = kNominalRate;
@@ -139,7 +140,7 @@ class FolderSource : public ImageSource {
       if (isImageName(entry.path())) files_.push_back(entry.path().string());
     std::sort(files_.begin(), files_.end());
     if (files_.empty())
-      throw std::invalid_argument("there is no image (png, jpg, ...) in the folder " + params.source);
+      throw std::invalid_argument("no image (png, jpg, ...) in the folder " + params.source);
   }
 
   void open() override { next_ = 0; }
@@ -153,7 +154,7 @@ class FolderSource : public ImageSource {
   cv::Mat retrieve() override {
     const std::string& file = files_[next_ - 1];
     const int colour = grey_ ? cv::IMREAD_GRAYSCALE : cv::IMREAD_COLOR;
-    // A calibration is for the pixels as the sensor had them, whatever a photo's header says of up and down.
+    // The calibration is for the pixels of the sensor: the orientation in a photo's header does not apply.
     return encoded(cv::imread(file, colour | cv::IMREAD_IGNORE_ORIENTATION), grey_, file);
   }
 
@@ -166,7 +167,7 @@ class FolderSource : public ImageSource {
   bool grey_;
 };
 
-/// Another source, decoded as a whole.
+/// Another source, completely decoded at the start.
 class PreloadedSource : public ImageSource {
  public:
   explicit PreloadedSource(ImageSource& source) : rate_(source.recordedRate()) {
@@ -190,8 +191,8 @@ class PreloadedSource : public ImageSource {
 
   cv::Mat retrieve() override {
     const Frame& frame = frames_[next_ - 1];
-    if (frame.picture.empty()) throw std::runtime_error(frame.trouble);
-    return frame.picture;
+    if (frame.image.empty()) throw std::runtime_error(frame.trouble);
+    return frame.image;
   }
 
   bool isLive() const override { return false; }
@@ -199,7 +200,7 @@ class PreloadedSource : public ImageSource {
 
  private:
   struct Frame {
-    cv::Mat picture;
+    cv::Mat image;
     std::string trouble;
   };
   std::vector<Frame> frames_;
@@ -227,21 +228,21 @@ struct Kind {
 constexpr Kind kKinds[] = {
     {isDevice, make<DeviceSource>}, {isImages, make<FolderSource>}, {isAny, make<VideoSource>}};
 
-/// The first picture that can be decoded shows that there is something to play, and its size.
-void requirePicture(ImageSource& source, const ImageSourceParams& params) {
+/// Checks that at least one image can be decoded, and its size.
+void requireImage(ImageSource& source, const ImageSourceParams& params) {
   source.open();
-  std::string trouble = params.source + " holds no picture";
+  std::string trouble = params.source + " contains no image";
   while (source.grab()) {
-    cv::Mat picture;
+    cv::Mat image;
     try {
-      picture = source.retrieve();
+      image = source.retrieve();
     } catch (const std::runtime_error& error) {
       trouble = std::string("nothing to play: ") + error.what();
       continue;
     }
-    if ((params.width > 0 && picture.cols != params.width) ||
-        (params.height > 0 && picture.rows != params.height))
-      throw std::invalid_argument(params.source + " has " + sizeText(picture.cols, picture.rows) +
+    if ((params.width > 0 && image.cols != params.width) ||
+        (params.height > 0 && image.rows != params.height))
+      throw std::invalid_argument(params.source + " has " + sizeText(image.cols, image.rows) +
                                   " pixels, not the width and height of " +
                                   sizeText(params.width, params.height) + "; leave them 0 for a file");
     return;
@@ -258,7 +259,7 @@ std::unique_ptr<ImageSource> makeImageSource(const ImageSourceParams& params) {
     found.source = fs::absolute(params.source).lexically_normal().string();
     if (!fs::exists(found.source))
       throw std::invalid_argument(
-          found.source + " does not exist: source must name a device, a video file, an image or a folder");
+          found.source + " does not exist: source must be a device, a video file, an image or a folder");
   } else if (params.preload) {
     throw std::invalid_argument("preload is for files; the source " + params.source + " is a device");
   }
@@ -266,7 +267,7 @@ std::unique_ptr<ImageSource> makeImageSource(const ImageSourceParams& params) {
       std::find_if(std::begin(kKinds), std::end(kKinds), [&](const Kind& k) { return k.fits(found.source); });
   auto source = kind->make(found);
   if (source->isLive()) return source;
-  requirePicture(*source, found);
+  requireImage(*source, found);
   if (params.preload) return std::make_unique<PreloadedSource>(*source);
   source->open();
   return source;

@@ -17,9 +17,9 @@ namespace {
 using Eigen::Matrix3d;
 using RowMajor3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
-constexpr int kPlanar[] = {0, 1, 5};  // x, y, heading among x, y, z, roll, pitch, yaw
-constexpr double kUp = 0.999;         // cosine of the tilt of a frame whose z is up
-constexpr double kFarthest = 1e8;     // metres: beyond, nothing is left of a millimetre
+constexpr int kPlanar[] = {0, 1, 5};   // indices of x, y, heading in x, y, z, roll, pitch, yaw
+constexpr double kMinCosTilt = 0.999;  // of a frame whose z axis is up
+constexpr double kMaxDistance = 1e8;   // metres: larger values lose too much numeric resolution
 
 bool isPositiveDefinite(const Eigen::MatrixXd& matrix) {
   return matrix.allFinite() && matrix.isApprox(matrix.transpose(), 1e-6) &&
@@ -30,44 +30,45 @@ std::string nameOf(const LandmarkLabel& label) {
   return label.class_name + (label.id ? " " + std::to_string(*label.id) : "");
 }
 
-void requireSighting(const LabelledSighting& seen) {
-  const PlaneSighting& sighting = seen.sighting;
+void requireObservation(const LabelledObservation& seen) {
+  const Observation2D& observation = seen.observation;
   const auto refuse = [&](const std::string& reason) {
-    throw std::invalid_argument("the sighting of '" + nameOf(seen.label) + "' " + reason);
+    throw std::invalid_argument("the observation of '" + nameOf(seen.label) + "' " + reason);
   };
   if (seen.label.class_name.empty()) refuse("has no class_name");
-  if (!sighting.position.allFinite() || std::isinf(sighting.heading.value_or(0)))
+  if (!observation.position.allFinite() || std::isinf(observation.heading.value_or(0)))
     refuse("has a number that is not finite");
-  const int width = sighting.heading ? 3 : 2;
-  if (!isPositiveDefinite(sighting.covariance.topLeftCorner(width, width)))
+  const int width = observation.heading ? 3 : 2;
+  if (!isPositiveDefinite(observation.covariance.topLeftCorner(width, width)))
     refuse("has a covariance that is not positive definite");
 }
 
-LabelledSighting fromMsg(const LandmarkSighting& msg, const Pose& T_base_frame) {
+LabelledObservation fromMsg(const LandmarkObservation& msg, const Pose& T_base_frame) {
   const Matrix3d& R = T_base_frame.linear();
-  LabelledSighting seen{{msg.class_name, {}}, {{msg.x, msg.y}, {}, Matrix3d::Zero()}};
+  LabelledObservation seen{{msg.class_name, {}}, {{msg.x, msg.y}, {}, Matrix3d::Zero()}};
   if (msg.id >= 0) seen.label.id = msg.id;
-  if (!std::isnan(msg.heading)) seen.sighting.heading = msg.heading;
-  const int width = seen.sighting.heading ? 3 : 2;
-  seen.sighting.covariance.topLeftCorner(width, width) =
+  if (!std::isnan(msg.heading)) seen.observation.heading = msg.heading;
+  const int width = seen.observation.heading ? 3 : 2;
+  seen.observation.covariance.topLeftCorner(width, width) =
       Eigen::Map<const RowMajor3>(msg.covariance.data()).topLeftCorner(width, width);
-  requireSighting(seen);
+  requireObservation(seen);
   const Pose2 T{T_base_frame.translation().head<2>(), std::atan2(R(1, 0), R(0, 0))};
-  seen.sighting.position = T * seen.sighting.position;
-  if (seen.sighting.heading) seen.sighting.heading = wrapped(*seen.sighting.heading + T.heading);
+  seen.observation.position = T * seen.observation.position;
+  if (seen.observation.heading) seen.observation.heading = wrapped(*seen.observation.heading + T.heading);
   Matrix3d turn = Matrix3d::Identity();
   turn.topLeftCorner<2, 2>() = rotation2(T.heading);
-  seen.sighting.covariance = (turn * seen.sighting.covariance * turn.transpose()).eval();
+  seen.observation.covariance = (turn * seen.observation.covariance * turn.transpose()).eval();
   return seen;
 }
 
-/// Probability that the alternative pose of a marker is right.
-double otherPoseOf(const Marker& msg, double corner_sigma) {
+/// Probability that the alternative pose of a marker is the true one.
+double alternativeProbabilityOf(const Marker& msg, double corner_sigma) {
   if (msg.alternative_reprojection_error < 0) return 0;
   double squares = 0;
   for (const double sigma : msg.corner_sigmas)
     squares += std::pow(sigma > 0 ? sigma : corner_sigma, 2) / static_cast<double>(msg.corner_sigmas.size());
-  return probabilityOfOther(msg.reprojection_error, msg.alternative_reprojection_error, std::sqrt(squares));
+  return alternativePoseProbability(msg.reprojection_error, msg.alternative_reprojection_error,
+                                    std::sqrt(squares));
 }
 
 }  // namespace
@@ -76,7 +77,7 @@ Pose toPose(const Pose2& pose) {
   return poseFromXyzRpy({pose.position.x(), pose.position.y(), 0}, {0, 0, pose.heading});
 }
 
-Pose2 viewOf(const Pose& T_base_frame) {
+Pose2 planarSensorPose(const Pose& T_base_frame) {
   const Eigen::Vector3d x = T_base_frame.linear().col(0), z = T_base_frame.linear().col(2);
   const Eigen::Vector3d ahead = std::abs(z.z()) < M_SQRT1_2 ? z : x;
   return {T_base_frame.translation().head<2>(), std::atan2(ahead.y(), ahead.x())};
@@ -92,14 +93,14 @@ geometry_msgs::PoseWithCovariance toPoseWithCovarianceMsg(const Pose2& pose, con
 
 Pose2 planarFromMsg(const geometry_msgs::Pose& msg) {
   const Pose pose = fromMsg(msg);
-  if (pose.translation().head<2>().norm() > kFarthest)
+  if (pose.translation().head<2>().norm() > kMaxDistance)
     throw std::invalid_argument("the position is farther from the origin than 1e8 m");
   return {pose.translation().head<2>(), std::atan2(pose(1, 0), pose(0, 0))};
 }
 
-PlanePoseEstimate planarFromMsg(const geometry_msgs::PoseWithCovariance& msg) {
+PoseEstimate2D planarFromMsg(const geometry_msgs::PoseWithCovariance& msg) {
   const Matrix6d spatial = fromMsg(msg.covariance);
-  PlanePoseEstimate estimate{planarFromMsg(msg.pose), {}};
+  PoseEstimate2D estimate{planarFromMsg(msg.pose), {}};
   for (int i = 0; i < 3; ++i)
     for (int k = 0; k < 3; ++k) estimate.covariance(i, k) = spatial(kPlanar[i], kPlanar[k]);
   if (!isPositiveDefinite(estimate.covariance))
@@ -107,24 +108,26 @@ PlanePoseEstimate planarFromMsg(const geometry_msgs::PoseWithCovariance& msg) {
   return estimate;
 }
 
-std::vector<LabelledSighting> fromMsg(const LandmarkSightings& msg, const Pose& T_base_frame) {
-  if (T_base_frame(2, 2) < kUp)
-    throw std::invalid_argument("the z axis of frame '" + msg.header.frame_id +
-                                "' is not up: tell sightings in base_link or a frame that is level with it");
-  std::vector<LabelledSighting> all;
-  for (const LandmarkSighting& sighting : msg.sightings) all.push_back(fromMsg(sighting, T_base_frame));
+std::vector<LabelledObservation> fromMsg(const LandmarkObservations& msg, const Pose& T_base_frame) {
+  if (T_base_frame(2, 2) < kMinCosTilt)
+    throw std::invalid_argument(
+        "the z axis of frame '" + msg.header.frame_id +
+        "' is not up: publish observations in base_link or a frame that is level with it");
+  std::vector<LabelledObservation> all;
+  for (const LandmarkObservation& observation : msg.observations)
+    all.push_back(fromMsg(observation, T_base_frame));
   return all;
 }
 
-std::vector<LabelledSighting> fromMsg(const MarkerArray& msg, const Pose& T_base_camera,
-                                      const MarkerLandmarkParams& params) {
-  std::vector<LabelledSighting> all;
+std::vector<LabelledObservation> fromMsg(const MarkerArray& msg, const Pose& T_base_camera,
+                                         const MarkerLandmarkParams& params) {
+  std::vector<LabelledObservation> all;
   for (const Marker& marker : msg.markers) {
     if (!(marker.size > 0)) continue;
-    all.push_back(markerSighting({canonicalFamily(marker.family), marker.id}, T_base_camera,
-                                 fromMsg(marker.pose.pose), fromMsg(marker.pose.covariance),
-                                 otherPoseOf(marker, params.corner_sigma), params));
-    requireSighting(all.back());
+    all.push_back(markerObservation({canonicalFamily(marker.family), marker.id}, T_base_camera,
+                                    fromMsg(marker.pose.pose), fromMsg(marker.pose.covariance),
+                                    alternativeProbabilityOf(marker, params.corner_sigma), params));
+    requireObservation(all.back());
   }
   return all;
 }
@@ -132,8 +135,8 @@ std::vector<LabelledSighting> fromMsg(const MarkerArray& msg, const Pose& T_base
 LandmarkMapEntries toMsg(const LandmarkSlam& slam) {
   LandmarkMapEntries msg;
   for (size_t i = 0; i < slam.labels().size(); ++i) {
-    const PlaneLandmark& landmark = slam.filter().landmarks()[i];
-    const int width = landmark.width();
+    const Landmark2D& landmark = slam.filter().landmarks()[i];
+    const int width = landmark.dimension();
     LandmarkMapEntry entry;
     entry.key = slam.keys()[i];
     entry.class_name = slam.labels()[i].class_name;

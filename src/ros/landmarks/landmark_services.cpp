@@ -16,14 +16,14 @@ std::string countOf(const LandmarkSession& session) {
   return std::to_string(session.slam().labels().size()) + " landmarks";
 }
 
-/// @param work returns the answer's message
+/// @param work returns the message of the response
 template <typename Service, typename Work>
 ros::ServiceServer offer(ros::NodeHandle& node, const std::string& name, TroubleLog& trouble,
                          const std::function<void()>& changed, const Work& work) {
   using Request = typename Service::Request;
   using Response = typename Service::Response;
-  const boost::function<bool(Request&, Response&)> answer = [&trouble, name, changed, work](
-                                                                Request& request, Response& response) {
+  const boost::function<bool(Request&, Response&)> callback = [&trouble, name, changed, work](
+                                                                  Request& request, Response& response) {
     try {
       response.message = work(request);
       response.success = true;
@@ -35,14 +35,14 @@ ros::ServiceServer offer(ros::NodeHandle& node, const std::string& name, Trouble
     }
     return true;
   };
-  return node.advertiseService(name, answer);
+  return node.advertiseService(name, callback);
 }
 
 }  // namespace
 
-std::vector<ros::ServiceServer> offerLandmarkServices(ros::NodeHandle private_node, LandmarkSession& session,
-                                                      TroubleLog& trouble,
-                                                      const std::function<void()>& changed) {
+std::vector<ros::ServiceServer> advertiseLandmarkServices(ros::NodeHandle private_node,
+                                                          LandmarkSession& session, TroubleLog& trouble,
+                                                          const std::function<void()>& changed) {
   const auto save = [&session](const LandmarkMapFile::Request& request) {
     const std::string path = session.save(request.file);
     return countOf(session) + " written to " + path;
@@ -53,11 +53,11 @@ std::vector<ros::ServiceServer> offerLandmarkServices(ros::NodeHandle private_no
   };
   const auto reset = [&session](const std_srvs::Trigger::Request&) {
     session.reset();
-    return "begun anew with " + countOf(session);
+    return "reset to " + countOf(session);
   };
   const auto relocalize = [&session](const std_srvs::Trigger::Request&) {
     session.relocalize();
-    return "lost until the robot finds itself among " + countOf(session);
+    return "lost until the robot is relocalized with " + countOf(session);
   };
   return {offer<LandmarkMapFile>(private_node, "save_map", trouble, changed, save),
           offer<LandmarkMapFile>(private_node, "load_map", trouble, changed, load),

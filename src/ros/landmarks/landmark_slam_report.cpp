@@ -12,10 +12,10 @@ namespace {
 
 using diagnostic_msgs::DiagnosticStatus;
 
-constexpr double kSilence = 5.0;  // seconds without messages that are told
-constexpr size_t kNis = 50;       // moments
+constexpr double kSilence = 5.0;  // seconds without messages until a warning
+constexpr size_t kNis = 50;       // scans
 
-/// Empty: it was heard lately.
+/// Warning for a topic without recent messages; empty if there are some.
 std::string silence(const std::string& what, const std::string& topic,
                     const std::optional<ros::SteadyTime>& last) {
   if (!last) return "no " + what + " on " + topic;
@@ -32,69 +32,70 @@ std::string tenths(double seconds) {
 
 }  // namespace
 
-void LandmarkSlamReport::sightings(const std::string& topic, Arrival arrival, double ahead, double lag) {
+void LandmarkSlamReport::observations(const std::string& topic, Arrival arrival, double ahead, double lag) {
   if (arrival == Arrival::too_late) ++too_late_;
   if (arrival == Arrival::duplicate) ++duplicate_;
   if (arrival == Arrival::too_late && ahead < -lag)
-    trouble_.report("sightings too late", topic + " is stamped " + tenths(-ahead) +
-                                              " s before odometry: clocks that differ, or set ~lag");
+    trouble_.report("observations too late", topic + " is stamped " + tenths(-ahead) +
+                                                 " s before odometry: synchronize the clocks, or raise ~lag");
   if (arrival == Arrival::waiting && ahead > lag)
-    trouble_.report("sightings ahead", topic + " is stamped " + tenths(ahead) +
-                                           " s after odometry: clocks that differ, or odometry is late");
+    trouble_.report("observations ahead",
+                    topic + " is stamped " + tenths(ahead) +
+                        " s after odometry: synchronize the clocks, or odometry is late");
 }
 
 void LandmarkSlamReport::applied(const LandmarkReport& report, const ros::Time& stamp, const ros::Time& now) {
-  totals_.known += report.known;
-  totals_.begun += report.begun;
-  totals_.doubtful += report.doubtful;
+  totals_.associated += report.associated;
+  totals_.initialized += report.initialized;
+  totals_.ambiguous += report.ambiguous;
   totals_.rejected += report.rejected;
   totals_.merged += report.merged;
   totals_.removed += report.removed;
-  if (report.nis_width > 0) nis_.emplace_back(report.nis, report.nis_width);
+  if (report.nis_dof > 0) nis_.emplace_back(report.nis, report.nis_dof);
   if (nis_.size() > kNis) nis_.pop_front();
   latency_.published(stamp, now);
   trouble_.succeeded();
 }
 
 void LandmarkSlamReport::fill(diagnostic_updater::DiagnosticStatusWrapper& status, const LandmarkSlam& slam,
-                              size_t waiting, const std::string& odometry, const std::string& sightings) {
+                              size_t waiting, const std::string& odometry, const std::string& observations) {
   const LandmarkFilter& filter = slam.filter();
   trouble_.fill(status);
-  fillLevel(status, slam, odometry, sightings);
+  fillLevel(status, slam, odometry, observations);
   status.add("landmarks", slam.labels().size());
   status.add("candidates", slam.candidates());
   fillTotals(status, waiting);
   latency_.fill(status);
-  status.add("repairs of the covariance", filter.repairs());
+  status.add("covariance repairs", filter.repairs());
   if (filter.scaleVariance() > 0)
     status.addf("scale of odometry", "%.4f +- %.4f", filter.scale(), std::sqrt(filter.scaleVariance()));
   if (filter.clockVariance() > 0)
-    status.addf("clock offset of sightings (s)", "%.4f +- %.4f", filter.clockOffset(),
+    status.addf("clock offset of observations (s)", "%.4f +- %.4f", filter.clockOffset(),
                 std::sqrt(filter.clockVariance()));
 }
 
 void LandmarkSlamReport::fillLevel(diagnostic_updater::DiagnosticStatusWrapper& status,
                                    const LandmarkSlam& slam, const std::string& odometry,
-                                   const std::string& sightings) const {
-  const std::string no_odometry = silence("odometry", odometry, odometry_heard_),
-                    no_sightings = silence("sightings", sightings, sightings_heard_);
+                                   const std::string& observations) const {
+  const std::string no_odometry = silence("odometry", odometry, odometry_received_),
+                    no_observations = silence("observations", observations, observations_received_);
   if (slam.isLost())
-    status.summary(DiagnosticStatus::WARN, "lost: no pose until enough landmarks of the map are seen");
-  if (!no_sightings.empty()) status.summary(DiagnosticStatus::WARN, no_sightings);
+    status.summary(DiagnosticStatus::WARN, "lost: no pose until enough landmarks of the map are observed");
+  if (!no_observations.empty()) status.summary(DiagnosticStatus::WARN, no_observations);
   if (!no_odometry.empty()) status.summary(DiagnosticStatus::WARN, no_odometry);
 }
 
 void LandmarkSlamReport::fillTotals(diagnostic_updater::DiagnosticStatusWrapper& status,
                                     size_t waiting) const {
-  status.add("sightings of known landmarks", totals_.known);
-  status.add("sightings in doubt", totals_.doubtful);
-  status.add("sightings rejected", totals_.rejected);
-  status.add("landmarks begun", totals_.begun);
+  status.add("observations associated", totals_.associated);
+  status.add("observations ambiguous", totals_.ambiguous);
+  status.add("observations rejected", totals_.rejected);
+  status.add("landmarks initialized", totals_.initialized);
   status.add("landmarks merged", totals_.merged);
   status.add("landmarks removed", totals_.removed);
-  status.add("moments too late", too_late_);
-  status.add("moments that came twice", duplicate_);
-  status.add("moments that wait", waiting);
+  status.add("scans too late", too_late_);
+  status.add("scans duplicate", duplicate_);
+  status.add("scans waiting", waiting);
   double nis = 0;
   int width = 0;
   for (const auto& [value, degrees] : nis_) nis += value, width += degrees;

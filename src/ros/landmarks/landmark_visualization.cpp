@@ -30,7 +30,7 @@ std_msgs::ColorRGBA colour(float r, float g, float b, float a = 1.0f) {
   return result;
 }
 
-/// Of full saturation. @param hue [0, 1)
+/// Colour of full saturation. @param hue [0, 1)
 std_msgs::ColorRGBA ofHue(double hue) {
   const auto channel = [&](double shift) {
     const double k = std::fmod(6 * hue + shift, 6.0);
@@ -39,7 +39,7 @@ std_msgs::ColorRGBA ofHue(double hue) {
   return colour(channel(5), channel(3), channel(1));
 }
 
-/// FNV-1a: std::hash may differ between machines.
+/// FNV-1a; std::hash may differ between machines.
 uint32_t hashOf(const std::string& text) {
   uint32_t hash = 2166136261u;
   for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 16777619u;
@@ -73,7 +73,7 @@ Shape ellipse(int key, const Eigen::Vector2d& position, const Eigen::Matrix2d& c
 }
 
 void addShapes(const LandmarkSlam& slam, size_t which, std::vector<Shape>& all) {
-  const PlaneLandmark& landmark = slam.filter().landmarks()[which];
+  const Landmark2D& landmark = slam.filter().landmarks()[which];
   const LandmarkLabel& label = slam.labels()[which];
   const int key = slam.keys()[which];
   const std_msgs::ColorRGBA paint = colourOfClass(label.class_name);

@@ -22,7 +22,7 @@ void LocatorReport::result(const LocatorResult& result, bool nothing_seen) {
   for (const MarkerKey& key : result.repeated)
     trouble_.report("repeated marker",
                     "marker " + std::to_string(key.id) + " (" + key.family +
-                        ") is in one image more than once and is left out: hang each id once");
+                        ") was detected more than once in one image and is ignored: use each id only once");
   seen_ = (result.pose ? result.pose->markers.size() : 0) + result.unmapped.size();
   used_ = 0;
   if (result.pose) {
@@ -37,7 +37,7 @@ void LocatorReport::result(const LocatorResult& result, bool nothing_seen) {
   if (nothing_seen)
     trouble_.succeeded();
   else
-    trouble_.report("markers in vain", "no pose: " + result.reason);
+    trouble_.report("markers without a pose", "no pose: " + result.reason);
 }
 
 void LocatorReport::fill(diagnostic_updater::DiagnosticStatusWrapper& status,
@@ -52,7 +52,7 @@ void LocatorReport::fill(diagnostic_updater::DiagnosticStatusWrapper& status,
   status.add("poses", poses_);
   latency_.fill(status);
   status.add("mapped markers in the last image", seen_);
-  status.add("of these used", used_);
+  status.add("mapped markers used in the last image", used_);
   status.add("reprojection error (px)", reprojection_error_);
   for (size_t i = 0; i < cameras.size(); ++i)
     status.addf("corner noise on " + cameras[i] + " (px)", "%.3f",
@@ -74,20 +74,20 @@ void LocatorReport::addResiduals(const LocatedPose& pose) {
 
 void LocatorReport::fillResiduals(diagnostic_updater::DiagnosticStatusWrapper& status) {
   for (const auto& [key, residuals] : residuals_)
-    status.addf("residual against the map (deviations): " + nameOf(key), "%.2f",
+    status.addf("residual against the map (standard deviations): " + nameOf(key), "%.2f",
                 std::sqrt(residuals.squares / residuals.images));
   residuals_.clear();
 }
 
 void LocatorReport::fillMoved(diagnostic_updater::DiagnosticStatusWrapper& status,
                               const MarkerLocalization& localization) {
-  for (const MovedMarker& marker : localization.watch().moved()) {
+  for (const MovedMarker& marker : localization.movedMarkers().moved()) {
     const Eigen::Vector3d& offset = marker.offset;
-    const std::string text = "marker " + std::to_string(marker.key.id) + " (" + marker.key.family +
-                             ") stands " + std::to_string(std::lround(100 * offset.norm())) +
-                             " cm from where the map has it";
+    const std::string text = "marker " + std::to_string(marker.key.id) + " (" + marker.key.family + ") is " +
+                             std::to_string(std::lround(100 * offset.norm())) +
+                             " cm from its position in the map";
     status.mergeSummary(DiagnosticStatus::WARN, text);
-    status.addf("seen elsewhere than in the map: " + nameOf(marker.key), "by %.3f %.3f %.3f m, in %d images",
+    status.addf("moved from its position in the map: " + nameOf(marker.key), "%.3f %.3f %.3f m, in %d images",
                 offset.x(), offset.y(), offset.z(), marker.images);
   }
 }

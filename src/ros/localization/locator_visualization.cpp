@@ -6,7 +6,7 @@ namespace sextant {
 namespace {
 
 constexpr size_t kTrail = 2000;       // positions
-constexpr double kTrailStep = 0.02;   // metres between them
+constexpr double kTrailStep = 0.02;   // metres between positions
 constexpr double kLineWidth = 0.015;  // metres
 
 geometry_msgs::Point toPoint(const Eigen::Vector3d& p) {

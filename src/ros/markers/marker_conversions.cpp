@@ -36,7 +36,7 @@ Detection fromMsg(const Marker& msg) {
   for (const auto& corner : detection.corners)
     if (!corner.allFinite())
       throw std::invalid_argument("marker " + std::to_string(msg.id) + ": a corner is not finite");
-  // Nought is what a message has when nobody filled it in, and no corner is exact.
+  // Zero is the default of the message field and means unknown.
   for (int i = 0; i < 4; ++i)
     detection.corner_sigmas[i] = msg.corner_sigmas[i] > 0 ? msg.corner_sigmas[i] : -1;
   detection.hamming = msg.hamming;
@@ -55,7 +55,7 @@ MarkerMapEntry toMsg(const MappedMarker& marker) {
 }
 
 MarkerMap fromMsg(const MarkerMapEntries& msg) {
-  if (msg.header.frame_id.empty()) throw std::invalid_argument("the map's header names no frame");
+  if (msg.header.frame_id.empty()) throw std::invalid_argument("the map's header has no frame_id");
   MarkerMap map(msg.header.frame_id);
   for (const MarkerMapEntry& entry : msg.markers)
     map.add({{entry.family, entry.id},

@@ -1,21 +1,21 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""A bag that is read without a master, and every way in which one can be broken, named."""
+"""Reads bags without a master, and reports precisely how one is broken."""
 
 import os
-from typing import Any, Callable, Dict, Iterator, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, Iterable, Iterator, NamedTuple, Optional, Sequence, Tuple
 
 import genpy
 import rosbag
 
-REINDEX = (
-    "a recording that was cut off is made whole by `rosbag reindex FILE`; if it was copied, copy it again"
-)
+from sextant.messages.damaged_message import DamagedMessage
+
+REINDEX = "`rosbag reindex FILE` repairs a recording that was interrupted; if it was copied, copy it again"
 NANOSECONDS = 10**9
 
 
 class BagError(RuntimeError):
-    """What is wrong with a file, and what to do about it. It can be pickled: workers hand it back."""
+    """What is wrong with a file, and what to do about it. It can be pickled, for worker processes."""
 
     def __init__(self, path: str, what: str, advice: str):
         super().__init__(str(path), what, advice)
@@ -25,24 +25,25 @@ class BagError(RuntimeError):
         return f"{self.path}: {self.what}; {self.advice}"
 
 
-class DamagedMessage(ValueError):
-    """One message that cannot be used, and why; the others of its topic may be good."""
+def listed(names: Iterable[str]) -> str:
+    """Sorted names as text for a BagError, or none."""
+    return ", ".join(sorted(set(names))) or "none"
 
 
 class Recorded(NamedTuple):
-    """A message as it lies in the bag."""
+    """A message as it is stored in the bag."""
 
     topic: str
-    received: int  # nanoseconds
-    data: bytes
-    type: Callable[[], Any]
+    received: int  # time of reception, nanoseconds
+    data: bytes  # serialized message
+    type: Callable[[], Any]  # message class
 
     def message(self) -> Any:
-        """:raises DamagedMessage: its bytes are no message of its type"""
+        """Deserializes the message. :raises DamagedMessage: the bytes are not a message of its type"""
         try:
             message = self.type()
             message.deserialize(self.data)
-        except Exception as error:  # genpy raises what the damage happens to lead to
+        except Exception as error:  # genpy raises various exceptions
             raise DamagedMessage(f"the message is damaged ({error})") from None
         return message
 
@@ -50,8 +51,8 @@ class Recorded(NamedTuple):
 class BagFile:
     """An open bag, or a part of one; a context manager.
 
-    :param start, end: seconds after the bag's first message, by the time of reception
-    :raises BagError: it is not there, is no bag, is not whole, is encrypted, or holds no message
+    :param start, end: seconds after the first message of the bag, by the time of reception
+    :raises BagError: it does not exist, is not a bag, is incomplete or encrypted, or contains no message
     """
 
     def __init__(self, path: str, start: float = 0.0, end: float = float("inf")):
@@ -69,7 +70,7 @@ class BagFile:
             raise self.error("there is no message in it", "record again: were the topics' names right?")
         self._first = first
         self.start, self.end = first + start, min(first + end, last)
-        self._window = {}  # a float of today's seconds is good to 0.2 us only: none where all is read
+        self._window = {}  # unset to read all: a float of seconds since 1970 has a resolution of 0.2 us only
         if start > 0.0:
             self._window["start_time"] = genpy.Time.from_sec(self.start)
         if self.end < last:
@@ -100,7 +101,7 @@ class BagFile:
         return self.error(f"is a broken bag ({error})", REINDEX)
 
     def error(self, what: str, advice: str) -> BagError:
-        """A BagError of this file."""
+        """Creates a BagError of this file."""
         return BagError(self.path, what, advice)
 
     def __enter__(self) -> "BagFile":
@@ -111,32 +112,37 @@ class BagFile:
 
     def close(self) -> None:
         """Closes the file."""
-        bag = getattr(self, "_bag", None)
-        if bag is not None:
-            bag.close()
+        self._bag.close()
 
     def topics(self, *types: str) -> Tuple[str, ...]:
-        """Names of all topics of these types, e.g. "sensor_msgs/Image"."""
+        """Names of all topics of these types, for instance "sensor_msgs/Image"."""
         return tuple(topic for topic, each in self.types.items() if each in types)
 
     def find(self, topic: str) -> Optional[str]:
-        """The topic as the bag spells it: with or without its first slash."""
+        """The topic as named in the bag, with or without leading slash; None if there is none."""
         return next((each for each in self.types if each.strip("/") == topic.strip("/")), None)
 
+    def named(self, topic: str, what: str, *types: str) -> str:
+        """The topic as named in the bag. :raises BagError: it does not exist, or has none of these types"""
+        found, there = self.find(topic), self.topics(*types)
+        if found not in there:
+            raise self.error(f"there is no {what} on {topic}", f"topics of it: {listed(there)}")
+        return found
+
     def seconds(self, received: int) -> float:
-        """Seconds after the bag's first message, as `start` and `end` count."""
+        """Seconds after the first message of the bag, as `start` and `end`."""
         return received / NANOSECONDS - self._first
 
-    def share_read(self, received: int) -> float:
-        """How much of what is to be read lies before this reception, 0 to 1."""
+    def fraction_read(self, received: int) -> float:
+        """Fraction of the part to read before this reception, 0 to 1."""
         length = max(self.end - self.start, 1e-9)
         return min(max((received / NANOSECONDS - self.start) / length, 0.0), 1.0)
 
     def messages(self, topics: Sequence[str], whole: bool = False) -> Iterator[Recorded]:
-        """In the order of their reception.
+        """Messages in the order of their reception.
 
-        :param whole: also those outside of start and end
-        :raises BagError: the file is damaged; names the second up to which it can be read
+        :param whole: also messages outside of start and end
+        :raises BagError: the file is damaged; reports the second up to which it can be read
         """
         if not topics:
             return
@@ -148,7 +154,7 @@ class BagFile:
                 topic, (_, data, _, _, message_type), time = next(messages)
             except StopIteration:
                 return
-            except Exception as error:  # each compression and each broken record has its own
+            except Exception as error:  # various exceptions by compression and damage
                 readable = f"from {last:.2f} s on ({type(error).__name__}: {error})"
                 advice = f"`end` at {last:.2f} s reads what comes before; " + REINDEX
                 raise self.error("is damaged " + readable, advice) from error
@@ -156,12 +162,12 @@ class BagFile:
             yield Recorded(topic, time.to_nsec(), data, message_type)
 
     def first_received(self) -> int:
-        """Of all messages of the bag, nanoseconds."""
+        """Time of reception of the first message of the bag, nanoseconds."""
         _, _, time = next(self._bag.read_messages(raw=True))
         return time.to_nsec()
 
     def first(self, topic: str, whole: bool = False) -> Any:
-        """The topic's first message that is not damaged, None if there is none."""
+        """First message of the topic that is not damaged; None if there is none."""
         for recorded in self.messages([topic], whole):
             try:
                 return recorded.message()

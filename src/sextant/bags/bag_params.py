@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""What is read of a bag, and how."""
+"""Parameters of the reading of bags."""
 
 from dataclasses import dataclass, field
 from typing import Mapping, Sequence
@@ -18,29 +18,31 @@ def _families() -> Sequence[str]:
 
 @dataclass(frozen=True)
 class BagParams:
-    """What is read of a bag. An image topic is named as it is, or without its `/compressed`.
+    """What to read from a bag. An image topic is named with or without its `/compressed`.
 
-    Which cameras: the topics in `images` and `markers`, if any is named. Else all recorded markers
-    (sextant/MarkerArray). Else, of every camera, that is of every camera_info, one topic of images beside it:
-    raw before rectified, grey before coloured, uncompressed before compressed; depth is no picture.
+    Cameras: the topics in `images` and `markers`, if any. Else all recorded markers (sextant/MarkerArray).
+    Else one image topic per camera_info: raw before rectified, grey before colour, uncompressed before
+    compressed; depth images are not used.
     """
 
     images: Sequence[str] = ()  # topics of sensor_msgs/Image or CompressedImage
     markers: Sequence[str] = ()  # topics of sextant/MarkerArray
-    families: Sequence[str] = field(default_factory=_families)  # looked for in images
-    # topic: file of camera_calibration in place of its camera_info; recorded corners stay as they are
+    families: Sequence[str] = field(default_factory=_families)  # marker families to detect in images
+    # calibration file by topic, replaces its camera_info; recorded corners are not changed
     calibrations: Mapping[str, str] = field(default_factory=dict)
-    rectified: Sequence[str] = ()  # topics of rectified images; image_rect* are so without being named
-    camera_is_base: bool = False  # the only camera, whatever tf says of it; then odometry is not read
-    base_frame: str = "base_link"  # the camera's own frame, if a camera is to be the base
-    odometry: str = ""  # topic of nav_msgs/Odometry; empty: the only one, if there is one; "none": not read
-    mounts: Mapping[str, np.ndarray] = field(default_factory=dict)  # camera frame: T_base_camera, before tf
-    every: int = 1  # only every n-th image of a camera is read
-    start: float = 0.0  # seconds after the bag's first message, by the time of reception
-    end: float = float("inf")
+    rectified: Sequence[str] = ()  # topics of rectified images; image_rect* always are
+    camera_is_base: bool = False  # the only camera is the base; tf and odometry are not used
+    base_frame: str = "base_link"  # or the frame of a camera that is the base
+    odometry: str = ""  # topic of nav_msgs/Odometry; empty: the only one, if any; "none": not read
+    mounts: Mapping[str, np.ndarray] = field(
+        default_factory=dict
+    )  # T_base_camera by camera frame; overrides tf
+    every: int = 1  # read every n-th image of a camera
+    start: float = 0.0  # seconds after the first message of the bag, by the time of reception
+    end: float = float("inf")  # likewise
 
     def __post_init__(self) -> None:
-        """:raises ValueError: names the first field that cannot be, its value and what is allowed"""
+        """:raises ValueError: the first invalid field, its value and what is allowed"""
         for name in ("images", "markers", "families", "rectified"):
             _check_names(name, getattr(self, name))
         if not self.families:

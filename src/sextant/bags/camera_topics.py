@@ -1,16 +1,16 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Which topics of a bag are read as its cameras; the rule is told in BagParams."""
+"""Chooses the topics of a bag that are read as cameras, by the rule of BagParams."""
 
 from typing import Dict, Iterable, List, NamedTuple, Sequence, Tuple
 
-from sextant.bags.bag_file import BagFile
+from sextant.bags.bag_file import BagFile, listed
 from sextant.bags.bag_params import BagParams
-from sextant.bags.pictures import is_picture
+from sextant.messages.image_messages import is_camera_image
 
 IMAGE, COMPRESSED, MARKERS = "sensor_msgs/Image", "sensor_msgs/CompressedImage", "sextant/MarkerArray"
 
-# What is taken of several pictures of one camera: corners are best in what no one has touched.
+# Image topics of one camera in order of preference: unprocessed images give the best corners.
 _PREFERRED = ("image_raw", "image", "image_mono", "image_color", "image_rect", "image_rect_color")
 _COMPRESSED_ENDING = "/compressed"
 
@@ -18,52 +18,54 @@ _COMPRESSED_ENDING = "/compressed"
 class CameraTopic(NamedTuple):
     """A topic that is read as a camera."""
 
-    topic: str  # as the bag has it
-    camera: str  # its name: that of the images, however they were compressed
-    type: str
-    rectified: bool  # of images; recorded markers say it themselves
-    calibration: str  # file in place of camera_info; empty: none
+    topic: str  # as named in the bag
+    camera: str  # name of the camera: the topic without /compressed
+    type: str  # message type
+    rectified: bool  # of images; recorded markers contain it
+    calibration: str  # file that replaces camera_info; empty: none
 
     @property
     def info_topic(self) -> str:
-        """The sibling of the images, as image_transport has it."""
+        """The camera_info beside the images, as in image_transport."""
         return self.camera.rpartition("/")[0] + "/camera_info"
 
 
 def choose_topics(bag: BagFile, params: BagParams) -> Tuple[List[CameraTopic], List[str]]:
-    """The topics to read, in order of the cameras' names, and what was left out.
+    """The topics to read, sorted by camera name, and notes on skipped topics.
 
-    :raises BagError: a topic that was named is not there, has no camera_info, or there is nothing to read
+    :raises BagError: a named topic does not exist or has no camera_info, or there is nothing to read
     """
-    pictures, markers = _found(bag, params, IMAGE, COMPRESSED), _found(bag, params, MARKERS)
+    images, markers = _found(bag, params, IMAGE, COMPRESSED), _found(bag, params, MARKERS)
     left_out: List[str] = []
     if params.images or params.markers:
-        chosen = _named(bag, params.images, pictures, "images") + _named(
+        chosen = _named(bag, params.images, images, "images") + _named(
             bag, params.markers, markers, "markers"
         )
     elif markers:
-        chosen, left_out = markers, _told(pictures, "markers were recorded")
+        chosen, left_out = markers, _skipped(images, "markers were recorded")
     else:
-        chosen, left_out = _one_a_camera(bag, pictures)
+        chosen, left_out = _one_a_camera(bag, images)
     _check(bag, chosen, params)
     return sorted(chosen, key=lambda each: each.camera), left_out
 
 
-def choose_pictures(bag: BagFile, name: str = "") -> Tuple[CameraTopic, List[str]]:
-    """One topic of images, whether it has a camera_info or not, and what was left out.
+def choose_image_topic(bag: BagFile, name: str = "") -> Tuple[CameraTopic, List[str]]:
+    """One image topic, with or without camera_info, and notes on skipped topics.
 
-    :param name: empty: that of the only camera
-    :raises BagError: it is not there, or there are several cameras
+    :param name: empty: the topic of the only camera
+    :raises BagError: it does not exist, or there are several cameras
     """
     found = _found(bag, BagParams(), IMAGE, COMPRESSED)
     if name:
         return _named(bag, [name], found, "images")[0], []
-    pictures = [each for each in found if each.type != IMAGE or is_picture(bag.first(each.topic, whole=True))]
-    chosen, left_out = _best_of_each(pictures)
+    images = [
+        each for each in found if each.type != IMAGE or is_camera_image(bag.first(each.topic, whole=True))
+    ]
+    chosen, left_out = _best_of_each(images)
     if len(chosen) != 1:
-        there = _listing(each.topic for each in chosen)
-        what = "there are images of several cameras in it" if chosen else "there are no pictures in it"
-        advice = f"name the topic of one: {there}" if chosen else f"its topics are: {_listing(bag.types)}"
+        there = listed(each.topic for each in chosen)
+        what = "there are images of several cameras in it" if chosen else "there are no images in it"
+        advice = f"name the topic of one: {there}" if chosen else f"its topics are: {listed(bag.types)}"
         raise bag.error(what, advice)
     return chosen[0], left_out
 
@@ -90,16 +92,12 @@ def _is_named(topic: str, camera: str, names: Iterable[str]) -> bool:
     return any(name.strip("/") in (topic.strip("/"), camera.strip("/")) for name in names)
 
 
-def _listing(names: Iterable[str]) -> str:
-    return ", ".join(sorted(set(names))) or "none"
-
-
 def _named(bag: BagFile, names: Sequence[str], found: List[CameraTopic], what: str) -> List[CameraTopic]:
     chosen = []
     for name in names:
         fits = [each for each in found if _is_named(each.topic, each.camera, [name])]
         if not fits:
-            there = _listing(each.topic for each in found)
+            there = listed(each.topic for each in found)
             raise bag.error(f"there are no {what} on {name}", f"topics of {what} in it: {there}")
         chosen.append(
             min(fits, key=lambda each: (each.topic.strip("/") != name.strip("/"), each.type == COMPRESSED))
@@ -107,41 +105,41 @@ def _named(bag: BagFile, names: Sequence[str], found: List[CameraTopic], what: s
     return chosen
 
 
-def _told(left_out: Iterable[CameraTopic], why: str) -> List[str]:
+def _skipped(left_out: Iterable[CameraTopic], why: str) -> List[str]:
     return [f"{each.topic} was left out: {why}" for each in left_out]
 
 
-def _one_a_camera(bag: BagFile, pictures: List[CameraTopic]) -> Tuple[List[CameraTopic], List[str]]:
-    if not pictures:
-        there = _listing(bag.types)
+def _one_a_camera(bag: BagFile, images: List[CameraTopic]) -> Tuple[List[CameraTopic], List[str]]:
+    if not images:
+        there = listed(bag.types)
         raise bag.error("there are neither images nor recorded markers in it", f"its topics are: {there}")
-    usable, left_out = _usable(bag, pictures)
+    usable, left_out = _usable(bag, images)
     if not usable:
-        topics = _listing(each.topic for each in pictures)
+        topics = listed(each.topic for each in images)
         advice = "name a calibration file for the topic, or the topics of images to read"
-        raise bag.error(f"of its topics of images ({topics}) none has pictures and a camera_info", advice)
+        raise bag.error(f"of its topics of images ({topics}) none has images and a camera_info", advice)
     chosen, others = _best_of_each(usable)
     return chosen, left_out + others
 
 
-def _best_of_each(pictures: List[CameraTopic]) -> Tuple[List[CameraTopic], List[str]]:
-    """One topic a camera, and what was left out."""
+def _best_of_each(images: List[CameraTopic]) -> Tuple[List[CameraTopic], List[str]]:
+    """One topic per camera, and notes on skipped topics."""
     cameras: Dict[str, List[CameraTopic]] = {}
-    for each in sorted(pictures, key=_rank):
+    for each in sorted(images, key=_rank):
         cameras.setdefault(each.info_topic, []).append(each)
     left_out: List[str] = []
     for best, *others in cameras.values():
-        left_out += _told(others, f"the same camera as {best.topic}")
+        left_out += _skipped(others, f"the same camera as {best.topic}")
     return [each[0] for each in cameras.values()], left_out
 
 
-def _usable(bag: BagFile, pictures: List[CameraTopic]) -> Tuple[List[CameraTopic], List[str]]:
+def _usable(bag: BagFile, images: List[CameraTopic]) -> Tuple[List[CameraTopic], List[str]]:
     usable, left_out = [], []
-    for each in pictures:
+    for each in images:
         if not each.calibration and not bag.find(each.info_topic):
-            left_out += _told([each], "no camera_info beside it")
-        elif each.type == IMAGE and not is_picture(bag.first(each.topic, whole=True)):
-            left_out += _told([each], "it holds no pictures")
+            left_out += _skipped([each], "no camera_info beside it")
+        elif each.type == IMAGE and not is_camera_image(bag.first(each.topic, whole=True)):
+            left_out += _skipped([each], "it holds no images")
         else:
             usable.append(each)
     return usable, left_out
@@ -168,5 +166,5 @@ def _check(bag: BagFile, chosen: List[CameraTopic], params: BagParams) -> None:
 def _check_use(bag: BagFile, chosen: List[CameraTopic], use: str, names: Iterable[str]) -> None:
     for name in names:
         if not any(_is_named(each.topic, each.camera, [name]) for each in chosen):
-            read = _listing(each.topic for each in chosen)
+            read = listed(each.topic for each in chosen)
             raise bag.error(f"{name}, named in {use}, is not read", f"the topics that are read: {read}")

@@ -1,18 +1,20 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""The cameras of a bag: their calibrations, and the markers in each of their messages."""
+"""Cameras of a bag: their calibrations, and the markers in their messages."""
 
 from typing import Any, List
 
 import numpy as np
 
 import sextant
-from sextant.bags.bag_file import BagFile, DamagedMessage
-from sextant.bags.calibrations import camera_from_file, camera_from_info, same_calibration
+from sextant.bags.bag_file import BagFile
+from sextant.bags.calibrations import camera_from_file
 from sextant.bags.camera_topics import COMPRESSED, IMAGE, MARKERS, CameraTopic
-from sextant.bags.pictures import grey_compressed, grey_image
-from sextant.bags.transforms import frame_name
-from sextant.localization.drive_sightings import DriveCamera
+from sextant.localization.drive_observations import DriveCamera
+from sextant.messages.camera_messages import camera_from_info, same_calibration
+from sextant.messages.damaged_message import DamagedMessage
+from sextant.messages.frame_name import frame_name
+from sextant.messages.image_messages import grey_compressed, grey_image
 from sextant.msg import MarkerArray
 
 NAME_A_FILE = "name the camera's calibration file in place of its camera_info"
@@ -20,9 +22,9 @@ SPLIT = "name the camera's calibration file in place of it, or read the parts on
 
 
 class BagCamera:
-    """One topic of a bag.
+    """A camera of which images were recorded.
 
-    :raises BagError: there is no message to read, or no calibration that can be used
+    :raises BagError: there is no message to read, or no usable calibration
     """
 
     _decoders = {IMAGE: grey_image, COMPRESSED: grey_compressed}
@@ -53,15 +55,15 @@ class BagCamera:
             raise self._bag.error(f"{where}: {error}", NAME_A_FILE) from None
 
     def check_frame(self, message: Any) -> None:
-        """:raises DamagedMessage: it is not of the first one's frame"""
+        """:raises DamagedMessage: its frame is not that of the first message"""
         frame = frame_name(message.header.frame_id)
         if frame and frame != self.frame:
             raise DamagedMessage(f"its frame is '{frame}', the first one's '{self.frame}'")
 
     def markers(self, message: Any) -> List["sextant.Detection"]:
-        """What is seen in it.
+        """Detects the markers in a message.
 
-        :raises DamagedMessage: there is no picture in it, or one of another size than the calibration's
+        :raises DamagedMessage: it contains no image, or one of another size than the calibration
         """
         image = self._decoders[self.topic.type](message)
         size, expected = image.shape[::-1], (self._model.width, self._model.height)
@@ -74,7 +76,7 @@ class BagCamera:
 
 
 class MarkersCamera(BagCamera):
-    """One topic of markers that were recorded with the calibration of their camera."""
+    """A camera of which markers were recorded, with its calibration."""
 
     def _calibrated(self, first: Any) -> DriveCamera:
         if first._md5sum != MarkerArray._md5sum:
@@ -86,7 +88,7 @@ class MarkersCamera(BagCamera):
         return self._from_info(first.camera_info, first.rectified, self.topic.topic)
 
     def markers(self, message: Any) -> List["sextant.Detection"]:
-        """What was seen; raises as BagCamera.markers(), and BagError when the calibration changes."""
+        """The markers in a message; raises as BagCamera.markers(), BagError if the calibration changes."""
         same = same_calibration(message.camera_info, self._first.camera_info)
         if not self.topic.calibration and not same:
             raise self._bag.error(f"the calibration on {self.topic.topic} changes", SPLIT)
@@ -104,14 +106,14 @@ def _recorded_marker(marker: Any) -> "sextant.Detection":
         family = sextant.canonical_family(marker.family)
     except ValueError:
         raise DamagedMessage(f"there is no family '{marker.family}'") from None
-    # Nought is what a message has when nobody filled it in, and no corner is exact.
+    # Zero means not set: no corner is exact.
     return sextant.Detection(family, marker.id, corners, np.where(sigmas > 0.0, sigmas, -1.0))
 
 
 def one_info(bag: BagFile, topic: str) -> Any:
-    """The sensor_msgs/CameraInfo of a topic; where the part that is read has none, that of the whole bag.
+    """The sensor_msgs/CameraInfo of a topic, from the whole bag if the part to read has none.
 
-    :raises BagError: it says nothing, or first one and then another calibration
+    :raises BagError: there is no message, or the calibration changes
     """
     found = bag.find(topic) or ""
     if bag.types.get(found) != "sensor_msgs/CameraInfo":

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Photos of a recorded drive whose poses are known, picked by distance and turn."""
+"""Selects photos of a recorded drive with known poses by distance and turn."""
 
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -9,18 +9,20 @@ from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tu
 import cv2
 import numpy as np
 
-from sextant.bags.bag_file import BagFile, DamagedMessage
+from sextant.bags.bag_file import BagFile
 from sextant.bags.bag_params import BagParams
-from sextant.bags.camera_topics import COMPRESSED, IMAGE, CameraTopic, choose_pictures
+from sextant.bags.camera_topics import COMPRESSED, IMAGE, CameraTopic, choose_image_topic
 from sextant.bags.mounts import Mount, find_mounts
-from sextant.bags.pictures import colour_compressed, colour_image
 from sextant.bags.recorded_poses import read_frame, read_poses
 from sextant.bags.stamped_values import stamped_values
 from sextant.bags.stamps import Losses
-from sextant.bags.transforms import frame_name, read_transforms
+from sextant.bags.transforms import read_transforms
 from sextant.base.strict_params import StrictParams, above_zero, param
-from sextant.geometry.poses import LONGEST_GAP, interpolated_poses
-from sextant.place_maps.view_picks import due_views, sharpness, view_yaw
+from sextant.geometry.poses import MAX_GAP, interpolated_poses
+from sextant.messages.damaged_message import DamagedMessage
+from sextant.messages.frame_name import frame_name
+from sextant.messages.image_messages import colour_compressed, colour_image
+from sextant.place_maps.keyframe_selection import keyframe_candidates, sharpness, view_yaw
 
 JPEG_QUALITY = 95
 
@@ -29,52 +31,52 @@ _DECODERS: Dict[str, Callable[[Any], np.ndarray]] = {IMAGE: colour_image, COMPRE
 
 @dataclass(frozen=True)
 class PhotoParams(StrictParams):
-    """Which photos are taken, and what tells their poses."""
+    """Parameters of the selection of photos, and the source of their poses."""
 
-    image: str = ""  # topic; empty: that of the only camera
-    pose: str = ""  # topic of the base's poses; empty: tf has them
-    frame: str = "map"  # where tf has the base; of a topic's poses it is that which they say
-    distance: float = param(1.0, above_zero(1e5))  # metres from one photo to the next
-    turn: float = param(float(np.radians(30.0)), above_zero(2 * np.pi))  # radians that the camera turned
-    every: int = 1  # only every n-th image is looked at
-    base_frame: str = BagParams.base_frame
-    mounts: Dict[str, np.ndarray] = field(default_factory=dict)  # as BagParams has them
+    image: str = ""  # image topic; empty: that of the only camera
+    pose: str = ""  # topic of poses of the base; empty: from tf
+    frame: str = "map"  # map frame in tf; a pose topic has its own frame_id
+    distance: float = param(1.0, above_zero(1e5))  # metres between photos
+    turn: float = param(float(np.radians(30.0)), above_zero(2 * np.pi))  # radians between photos
+    every: int = 1  # consider every n-th image
+    base_frame: str = BagParams.base_frame  # frame of the robot
+    mounts: Dict[str, np.ndarray] = field(default_factory=dict)  # as in BagParams
 
     def __post_init__(self) -> None:
         super().__post_init__()
         self.reading()
 
     def reading(self) -> BagParams:
-        """The part that all readers of bags have."""
+        """The parameters of the reading of the bag."""
         return BagParams(base_frame=self.base_frame, mounts=self.mounts, every=self.every)
 
 
 class DrivePhoto(NamedTuple):
-    """A picture and where its camera was."""
+    """A photo with the position of its camera."""
 
-    name: str  # of a file, of which no other drive has one
-    position: Tuple[float, float]  # metres
-    yaw: Optional[float]  # radians; None: the camera looked up or down
-    jpeg: bytes
+    name: str  # file name, unique among drives
+    position: Tuple[float, float]  # metres, of the camera
+    yaw: Optional[float]  # radians; None: the camera points up or down
+    jpeg: bytes  # encoded image
 
 
 @dataclass(frozen=True)
 class DrivePhotos:
-    """Of one bag."""
+    """Photos of one bag."""
 
-    frame: str  # that positions are in
-    paths: List[np.ndarray]  # each (n, 2): where the camera was while its pose was known, metres
+    frame: str  # frame_id of the positions
+    paths: List[np.ndarray]  # each (n, 2): positions of the camera without gaps, metres
     photos: List[DrivePhoto]
-    warnings: Tuple[str, ...] = ()
+    warnings: Tuple[str, ...] = ()  # notes on the reading
 
 
 def read_drive_photos(path: str, params: PhotoParams) -> DrivePhotos:
-    """Reads a bag without a master. Of pictures that are almost alike the sharpest is taken.
+    """Reads a bag without a master. Of photos from almost the same pose the sharpest is selected.
 
-    :raises BagError: the bag, its images, its poses or the mount cannot be used; and what to do
+    :raises BagError: the bag, its images, its poses or the mount cannot be used, and what to do
     """
     with BagFile(path) as bag:
-        topic, notes = choose_pictures(bag, params.image)
+        topic, notes = choose_image_topic(bag, params.image)
         read = stamped_values(bag, topic.topic, _camera_frame)
         stamps = list(read.values)[:: params.every]
         tree = read_transforms(bag)
@@ -101,12 +103,12 @@ def _camera_frame(message: Any, first: Any) -> str:
 def _base_poses(
     path: str, params: PhotoParams, stamps: Sequence[int]
 ) -> Tuple[str, Dict[int, np.ndarray], List[str]]:
-    """The frame, T_frame_base (4, 4) by stamp where it is known, and what is odd about them."""
+    """The frame, T_frame_base (4, 4) by stamp where known, and warnings."""
     if not params.pose:
         known, notes = read_frame(path, params.frame, params.base_frame, stamps)
         return frame_name(params.frame), known, notes
     read = read_poses(path, params.pose)
-    at = interpolated_poses(read.stamps, read.poses, np.array(stamps, dtype=np.int64), LONGEST_GAP)
+    at = interpolated_poses(read.stamps, read.poses, np.array(stamps, dtype=np.int64), MAX_GAP)
     known = {stamp: T for stamp, T in zip(stamps, at) if T is not None}
     return read.frame, known, list(read.warnings)
 
@@ -114,7 +116,7 @@ def _base_poses(
 def _camera_poses(
     stamps: Sequence[int], T_map_base: Dict[int, np.ndarray], mount: Mount
 ) -> Dict[int, np.ndarray]:
-    """T_map_camera (4, 4) by stamp, where both parts of it are known."""
+    """T_map_camera (4, 4) by stamp, where T_map_base and the mount are known."""
     parts = ((stamp, T_map_base.get(stamp), mount(stamp)) for stamp in stamps)
     return {
         stamp: T_base @ T_camera
@@ -126,9 +128,9 @@ def _camera_poses(
 def _photos(
     bag: BagFile, topic: CameraTopic, poses: Dict[int, np.ndarray], params: PhotoParams
 ) -> Tuple[List[DrivePhoto], List[str]]:
-    """The sharpest picture of each pick, in the order of their stamps; and what could not be read."""
+    """The sharpest image of each pick by stamp, and notes on messages that cannot be read."""
     stamps, name = list(poses), _name(bag, topic)
-    picks = due_views(list(poses.values()), params.distance, params.turn)
+    picks = keyframe_candidates(list(poses.values()), params.distance, params.turn)
     pick_of = {stamps[i]: number for number, pick in enumerate(picks) for i in pick}
     best: Dict[int, Tuple[float, DrivePhoto]] = {}
     losses = Losses()
@@ -138,32 +140,32 @@ def _photos(
             stamp = message.header.stamp.to_nsec()
             if stamp not in pick_of:
                 continue
-            picture = _DECODERS[topic.type](message)
+            image = _DECODERS[topic.type](message)
         except DamagedMessage as error:
             losses.lost(topic.topic, str(error))
             continue
         losses.used(topic.topic)
-        sharp, pick = sharpness(picture), pick_of[stamp]
+        sharp, pick = sharpness(image), pick_of[stamp]
         if pick not in best or sharp > best[pick][0]:
-            best[pick] = sharp, _photo(f"{name}_{stamp / 1e9:.3f}.jpg", picture, poses[stamp])
+            best[pick] = sharp, _photo(f"{name}_{stamp / 1e9:.3f}.jpg", image, poses[stamp])
     losses.check(bag, topic.topic)
     return [best[pick][1] for pick in sorted(best)], losses.notes()
 
 
 def _name(bag: BagFile, topic: CameraTopic) -> str:
-    """What the files of this bag's and this camera's photos begin with."""
+    """Prefix of the file names of this bag and camera."""
     camera = topic.info_topic.split("/")[:-1]
     return "_".join([Path(bag.path).stem, *filter(None, camera)])
 
 
-def _photo(name: str, picture: np.ndarray, T_map_camera: np.ndarray) -> DrivePhoto:
-    _, jpeg = cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])
+def _photo(name: str, image: np.ndarray, T_map_camera: np.ndarray) -> DrivePhoto:
+    _, jpeg = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])
     x, y = T_map_camera[:2, 3].tolist()
     return DrivePhoto(name, (x, y), view_yaw(T_map_camera), jpeg.tobytes())
 
 
 def _paths(stamps: Sequence[int], poses: Dict[int, np.ndarray]) -> List[np.ndarray]:
-    """Positions, apart where poses are unknown between them."""
+    """Positions, split where poses are unknown in between."""
     paths: List[List[np.ndarray]] = [[]]
     for stamp in stamps:
         if stamp in poses:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""A recorded drive: what its cameras saw, where they sit, and what the wheels said."""
+"""Reads recorded drives: the markers of all cameras, their mounts, and odometry."""
 
 from dataclasses import dataclass, replace
 from typing import Any, Callable, Dict, List, Optional, Tuple
@@ -8,7 +8,7 @@ from typing import Any, Callable, Dict, List, Optional, Tuple
 import numpy as np
 
 import sextant
-from sextant.bags.bag_file import BagFile, DamagedMessage, Recorded
+from sextant.bags.bag_file import BagFile, Recorded
 from sextant.bags.bag_params import BagParams
 from sextant.bags.camera_topics import choose_topics
 from sextant.bags.cameras import CAMERAS, BagCamera
@@ -16,32 +16,34 @@ from sextant.bags.mounts import Mount, find_mounts
 from sextant.bags.odometry import read_odometry
 from sextant.bags.stamps import Losses, StampOrder
 from sextant.bags.transforms import read_transforms
-from sextant.localization.drive_sightings import DriveCamera, DriveSightings, SeenImage
-from sextant.localization.recorded_instants import place_name
+from sextant.localization.drive_observations import DriveCamera, DriveObservations, ImageDetections
+from sextant.localization.recorded_instants import mounted_camera_name
+from sextant.messages.damaged_message import DamagedMessage
 
-Progress = Callable[[float], None]  # is told which part of the bag is read, 0 to 1
+Progress = Callable[[float], None]  # called with the fraction of the bag that is read, 0 to 1
 
-SAME_PLACE = 1e-4  # metres, and radians: within it, a camera did not move on the robot
+SAME_PLACE = 1e-4  # metres and radians, within which a camera has not moved on the robot
 
 
 @dataclass(frozen=True)
-class RecordedDrive(DriveSightings):
-    """A drive, and what its user should know of how it was read."""
+class RecordedDrive(DriveObservations):
+    """A drive with warnings on how it was read."""
 
-    warnings: Tuple[str, ...] = ()
+    warnings: Tuple[str, ...] = ()  # one per problem
 
 
 def read_drive(
     path: str, params: Optional[BagParams] = None, progress: Optional[Progress] = None
 ) -> RecordedDrive:
-    """Reads a bag without a master; what the nodes compute of its images, bit for bit.
+    """Reads a bag without a master, with the same results as the nodes, bit for bit.
 
     A camera is named by its topic of images (without `/compressed`) or of markers. One on a joint that moves
-    is a DriveCamera for each place on the robot that it took images from, named by place_name().
+    is a DriveCamera for each place on the robot that it took images from, named by mounted_camera_name().
     Messages that cannot be used are left out, and counted in the warnings; a topic none of which can be used
     is refused, and so is a clock that jumps back.
 
-    :raises BagError: the bag, a calibration, the tf or what was asked for cannot be used; and what to do
+    :raises BagError: the bag, a calibration, the tf or a named topic cannot be used, no message of a topic is
+        usable, or its clock jumps back; and what to do
     """
     params = params or BagParams()
     with BagFile(path, params.start, params.end) as bag:
@@ -68,7 +70,7 @@ def _detector_params(params: BagParams) -> "sextant.DetectorParams":
 
 
 class _Places:
-    """The places on the robot that a camera was at."""
+    """The poses of a camera on the robot."""
 
     def __init__(self, camera: str, mount: Mount):
         self._camera, self._mount = camera, mount
@@ -78,11 +80,9 @@ class _Places:
         T = self._mount(stamp)
         if T is None:
             raise DamagedMessage("tf was not recorded at its stamp")
-        return next((name for name, other in self.by_name.items() if _same(T, other)), None) or self._new(T)
-
-    def _new(self, T: np.ndarray) -> str:
-        name = place_name(self._camera, len(self.by_name))
-        self.by_name[name] = T
+        new = mounted_camera_name(self._camera, len(self.by_name))
+        name = next((name for name, other in self.by_name.items() if _same(T, other)), new)
+        self.by_name.setdefault(name, T)
         return name
 
 
@@ -101,16 +101,16 @@ class _Images:
             for topic, camera in cameras.items()
         }
         self._order, self._losses = StampOrder(bag), Losses()
-        self.seen: List[SeenImage] = []
+        self.seen: List[ImageDetections] = []
 
     def read(self, progress: Progress) -> None:
         """:raises BagError: as read_drive()"""
-        heard = dict.fromkeys(self._cameras, 0)
+        counts = dict.fromkeys(self._cameras, 0)
         for recorded in self._bag.messages(list(self._cameras)):
-            if heard[recorded.topic] % self._every == 0:
+            if counts[recorded.topic] % self._every == 0:
                 self._read(recorded)
-            heard[recorded.topic] += 1
-            progress(self._bag.share_read(recorded.received))
+            counts[recorded.topic] += 1
+            progress(self._bag.fraction_read(recorded.received))
         for topic in self._cameras:
             self._losses.check(self._bag, topic)
         progress(1.0)
@@ -122,15 +122,15 @@ class _Images:
         except DamagedMessage as error:
             self._losses.lost(recorded.topic, str(error))
 
-    def _image(self, recorded: Recorded, message: Any) -> SeenImage:
+    def _image(self, recorded: Recorded, message: Any) -> ImageDetections:
         camera, stamp = self._cameras[recorded.topic], message.header.stamp.to_nsec()
         self._order.check(recorded, stamp)
         camera.check_frame(message)
         place = self._places[recorded.topic].at(stamp)
-        return SeenImage(stamp, place, camera.markers(message))
+        return ImageDetections(stamp, place, camera.markers(message))
 
     def cameras(self) -> Dict[str, DriveCamera]:
-        """By the names that the images have."""
+        """Cameras by the names used in the images."""
         return {
             name: replace(self._cameras[topic].camera, T_base_camera=T)
             for topic, places in self._places.items()
@@ -138,7 +138,7 @@ class _Images:
         }
 
     def notes(self) -> List[str]:
-        """What is to be told of what was read."""
+        """Notes on the messages that were read."""
         moved = [
             f"{topic}: its camera moves on the robot, it took images from {len(places.by_name)} places"
             for topic, places in self._places.items()

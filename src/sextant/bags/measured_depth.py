@@ -1,24 +1,26 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""How far away a depth camera has what is in the middle of its image."""
+"""Distance in the middle of depth images."""
 
 from typing import List
 
 import numpy as np
 
-from sextant.bags.bag_file import BagFile, DamagedMessage
-from sextant.bags.pictures import DEPTHS, depth_image
+from sextant.bags.bag_file import BagFile, listed
+from sextant.bags.camera_topics import IMAGE
 from sextant.bags.stamps import Losses
+from sextant.messages.damaged_message import DamagedMessage
+from sextant.messages.image_messages import DEPTH_ENCODINGS, depth_image
 
-FEWEST = 20  # depths, in the middle of an image
+MIN_PIXELS = 20  # with depth in the middle of an image
 
 
 def middle_depth(path: str, topic: str = "", share: float = 0.1) -> float:
-    """Median over a recording, metres.
+    """Median distance over a recording, metres.
 
-    :param topic: of depth images; empty: the only one
+    :param topic: depth images; empty: the only one
     :param share: (0, 1] of the image's width and height, about its middle
-    :raises BagError: the bag cannot be used, has not that topic or several, or none of its images can be used
+    :raises BagError: the bag is unusable, lacks the topic or has several, or no image is usable
     :raises ValueError: the share is out of range
     """
     if not 0.0 < share <= 1.0:
@@ -41,23 +43,19 @@ def _middle(depth: np.ndarray, share: float) -> float:
     aside, above = (int(0.5 * (1.0 - share) * side) for side in (width, height))
     inside = depth[above : height - above, aside : width - aside]
     found = inside[inside > 0]
-    if len(found) < FEWEST:
+    if len(found) < MIN_PIXELS:
         raise DamagedMessage(f"only {len(found)} of {inside.size} pixels in its middle have a depth")
     return float(np.median(found))
 
 
 def _topic(bag: BagFile, wanted: str) -> str:
-    images = bag.topics("sensor_msgs/Image")
     if wanted:
-        found = bag.find(wanted)
-        if found not in images:
-            raise bag.error(
-                f"there are no images on {wanted}", f"there are on {', '.join(images) or 'no topic'}"
-            )
-        return found
-    firsts = {topic: bag.first(topic) for topic in images}
-    depths = [topic for topic, first in firsts.items() if first is not None and first.encoding in DEPTHS]
+        return bag.named(wanted, "image", IMAGE)
+    firsts = {topic: bag.first(topic) for topic in bag.topics(IMAGE)}
+    depths = [
+        topic for topic, first in firsts.items() if first is not None and first.encoding in DEPTH_ENCODINGS
+    ]
     if len(depths) != 1:
-        told = ", ".join(depths) or "none"
-        raise bag.error(f"there must be one topic of depth images, there are: {told}", "name the topic")
+        what = f"there must be one topic of depth images, there are: {listed(depths)}"
+        raise bag.error(what, "name the topic")
     return depths[0]

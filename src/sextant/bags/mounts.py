@@ -1,16 +1,17 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Where the cameras sit on the robot."""
+"""Poses of the cameras on the robot."""
 
 from typing import Callable, Dict, List, NamedTuple, Optional
 
 import numpy as np
 
-from sextant.bags.bag_file import BagFile
+from sextant.bags.bag_file import BagFile, listed
 from sextant.bags.bag_params import BagParams
-from sextant.bags.transforms import TransformTree, frame_name
+from sextant.bags.transforms import TransformTree
+from sextant.messages.frame_name import frame_name
 
-Mount = Callable[[int], Optional[np.ndarray]]  # T_base_camera at a stamp, None where it is not known
+Mount = Callable[[int], Optional[np.ndarray]]  # T_base_camera (4, 4) at a stamp, None if unknown
 
 NAME_MOUNTS = "name the mounts of the cameras' frames (T_base_camera), or the base_frame that tf has"
 
@@ -18,25 +19,23 @@ NAME_MOUNTS = "name the mounts of the cameras' frames (T_base_camera), or the ba
 class Mounts(NamedTuple):
     """T_base_camera of every camera."""
 
-    by_camera: Dict[str, Mount]
-    camera_is_base: bool  # nothing is known of a robot: odometry must not be used
-    notes: List[str]
+    by_camera: Dict[str, Mount]  # by name of the camera
+    camera_is_base: bool  # whether there is no robot frame: odometry must not be used
+    notes: List[str]  # warnings
 
 
 def find_mounts(bag: BagFile, frames: Dict[str, str], params: BagParams, tree: TransformTree) -> Mounts:
-    """Of params.mounts, else of tf. A single camera of a bag without any tf is taken as the base itself.
+    """Mounts of params.mounts or tf. A single camera of a bag without tf is the base itself.
 
     :param frames: optical frame by camera
-    :raises BagError: a frame is not connected with the base; both are named. Or several cameras are the base
+    :raises BagError: a frame is not connected with the base, or several cameras would be the base
     """
     if params.camera_is_base:
         return _camera_is_base(bag, list(frames))
     return _on_the_base(bag, frames, params, tree)
 
 
-def _on_the_base(
-    bag: BagFile, frames: Dict[str, str], params: BagParams, tree: TransformTree
-) -> Mounts:
+def _on_the_base(bag: BagFile, frames: Dict[str, str], params: BagParams, tree: TransformTree) -> Mounts:
     base = frame_name(params.base_frame)
     given = {frame_name(frame): np.array(T, dtype=float) for frame, T in params.mounts.items()}
     _check_given(bag, given, frames)
@@ -46,8 +45,8 @@ def _on_the_base(
         return Mounts(found, False, [])
     if len(frames) > 1 or tree.frames:
         wanted = ", ".join(f"'{frames[camera]}' ({camera})" for camera in missing)
-        there = ", ".join(tree.frames) or "none"
-        raise bag.error(f"tf does not connect '{base}' with {wanted}; its frames are: {there}", NAME_MOUNTS)
+        what = f"tf does not connect '{base}' with {wanted}; its frames are: {listed(tree.frames)}"
+        raise bag.error(what, NAME_MOUNTS)
     note = (
         f"no tf was recorded, and no mount is named: the camera of {missing[0]} is taken as the base itself"
     )
@@ -76,9 +75,10 @@ def _constant(T: np.ndarray) -> Mount:
 def mount_of(
     bag: BagFile, frame: str, base: str, given: Dict[str, np.ndarray], tree: TransformTree
 ) -> Optional[Mount]:
-    """Of a frame, T_base_frame of those that are given or else of tf; None: they are not connected.
+    """Mount T_base_frame of a frame from given or tf; None if tf does not connect them.
 
-    :raises BagError: tf is no tree
+    :param given: T_base_frame by frame
+    :raises BagError: tf is not a tree
     """
     if frame in given or frame == base:
         return _constant(given.get(frame, np.eye(4)))

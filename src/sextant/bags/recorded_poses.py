@@ -1,16 +1,18 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Poses that a robot published while it was recorded, and where tf had a frame."""
+"""Reads recorded poses from topics and from tf."""
 
 from dataclasses import dataclass
 from typing import Any, Dict, List, Optional, Sequence, Tuple
 
 import numpy as np
 
-from sextant.bags.bag_file import BagFile, DamagedMessage
+from sextant.bags.bag_file import BagFile, listed
 from sextant.bags.stamped_values import stamped_values
-from sextant.bags.transforms import frame_name, read_transforms
-from sextant.geometry.poses import LONGEST_GAP, pose_of_fields
+from sextant.bags.transforms import read_transforms
+from sextant.geometry.poses import MAX_GAP, pose_of_fields
+from sextant.messages.damaged_message import DamagedMessage
+from sextant.messages.frame_name import frame_name
 
 WITH_COVARIANCE = ("geometry_msgs/PoseWithCovarianceStamped", "nav_msgs/Odometry")
 TYPES = (*WITH_COVARIANCE, "geometry_msgs/PoseStamped")
@@ -20,22 +22,24 @@ TYPES = (*WITH_COVARIANCE, "geometry_msgs/PoseStamped")
 class RecordedPoses:
     """Poses of one topic of one bag, in order of their stamps."""
 
-    bag: str
-    frame: str  # that they are in
+    bag: str  # path
+    frame: str  # frame_id of the poses
     stamps: np.ndarray  # (N,) int64, nanoseconds
     poses: np.ndarray  # (N, 4, 4) metres
     covariances: np.ndarray  # (N, 6, 6) as published, NaN where the message has none
-    start: Optional[int] = None  # nanoseconds, when the bag began; None: located, so of nothing earlier
-    warnings: Tuple[str, ...] = ()
+    start: Optional[int] = (
+        None  # nanoseconds, start of the bag; None: computed from images, so there is nothing earlier
+    )
+    warnings: Tuple[str, ...] = ()  # notes on the reading
 
 
 def read_poses(path: str, topic: str) -> RecordedPoses:
-    """The poses on a topic of TYPES. Messages that cannot be used are left out, and counted in the warnings.
+    """Reads the poses on a topic of TYPES. Unusable messages are skipped and counted in the warnings.
 
-    :raises BagError: the bag cannot be read, or there is nothing on the topic that can be used
+    :raises BagError: the bag cannot be read, or no message of the topic is usable
     """
     with BagFile(path) as bag:
-        read = stamped_values(bag, _topic(bag, topic), _pose)
+        read = stamped_values(bag, bag.named(topic, "pose", *TYPES), _pose)
         start = bag.first_received()
     poses, covariances = zip(*read.values.values())
     return RecordedPoses(
@@ -44,16 +48,8 @@ def read_poses(path: str, topic: str) -> RecordedPoses:
     )  # fmt: skip
 
 
-def _topic(bag: BagFile, topic: str) -> str:
-    found = bag.find(topic)
-    if found not in bag.topics(*TYPES):
-        there = ", ".join(bag.topics(*TYPES)) or "none"
-        raise bag.error(f"there are no poses on {topic}", f"topics of poses in it: {there}")
-    return found
-
-
 def _pose(message: Any, first: Any) -> Tuple[np.ndarray, np.ndarray]:
-    """T (4, 4) and covariance. :raises ValueError: it is no pose, or one in another frame than the first."""
+    """T (4, 4) and covariance. :raises ValueError: it is not valid, or not in the frame of the first."""
     frame, expected = frame_name(message.header.frame_id), frame_name(first.header.frame_id)
     if frame != expected:
         raise DamagedMessage(f"its frame is '{frame}', that of the first '{expected}'")
@@ -64,12 +60,12 @@ def _pose(message: Any, first: Any) -> Tuple[np.ndarray, np.ndarray]:
 
 
 def read_frame(
-    path: str, parent: str, frame: str, stamps: Sequence[int], longest_gap: float = LONGEST_GAP
+    path: str, parent: str, frame: str, stamps: Sequence[int], max_gap: float = MAX_GAP
 ) -> Tuple[Dict[int, np.ndarray], List[str]]:
-    """T_parent_frame (4, 4) that tf had at these stamps (nanoseconds); fewer where it was not recorded.
+    """T_parent_frame (4, 4) of tf by stamp (nanoseconds), without stamps at which tf was not recorded.
 
-    :param longest_gap: seconds between two transforms that are interpolated
-    :returns: them, and what is odd about the tf
+    :param max_gap: maximum time between two interpolated transforms, seconds
+    :returns: the transforms, and warnings on the tf
     :raises BagError: the bag cannot be read, or tf does not connect the two
     """
     with BagFile(path) as bag:
@@ -79,8 +75,7 @@ def read_frame(
         except ValueError as error:
             raise bag.error(str(error), "name another frame") from None
         if chain is None:
-            there = ", ".join(tree.frames) or "none"
-            what = f"tf does not connect '{parent}' with '{frame}'; its frames are: {there}"
+            what = f"tf does not connect '{parent}' with '{frame}'; its frames are: {listed(tree.frames)}"
             raise bag.error(what, "name frames that it has")
-    found = {int(stamp): chain.at(int(stamp), longest_gap) for stamp in stamps}
+    found = {int(stamp): chain.at(int(stamp), max_gap) for stamp in stamps}
     return {stamp: T for stamp, T in found.items() if T is not None}, tree.notes

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the messages of one topic say, by their stamps."""
+"""Reads one value per message of a topic, by stamp."""
 
 from typing import Any, Callable, Dict, List, NamedTuple
 
@@ -9,18 +9,18 @@ from sextant.bags.stamps import Losses, StampOrder
 
 
 class StampedValues(NamedTuple):
-    """Of one topic."""
+    """Values of one topic."""
 
-    values: Dict[int, Any]  # by stamp in nanoseconds, growing
-    first: Any  # message
-    notes: List[str]  # how many messages were left out, and why
+    values: Dict[int, Any]  # by stamp in nanoseconds, increasing
+    first: Any  # first message
+    notes: List[str]  # numbers of skipped messages, with the reasons
 
 
 def stamped_values(bag: BagFile, topic: str, value: Callable[[Any, Any], Any]) -> StampedValues:
-    """value(message, the topic's first message) of all messages that can be used.
+    """Computes value(message, first message of the topic) for all usable messages.
 
-    :param value: raises ValueError for a message that cannot be
-    :raises BagError: none can be used, or the clock jumps back
+    :param value: raises ValueError for an unusable message
+    :raises BagError: no message is usable, or the clock jumps back
     """
     order, losses = StampOrder(bag), Losses()
     values: Dict[int, Any] = {}

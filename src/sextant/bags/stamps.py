@@ -1,17 +1,18 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""What stamps tell of a recording, and what was left out of it and why."""
+"""Checks the stamps of recordings, and counts skipped messages."""
 
 from collections import Counter
 from typing import Dict, List, Set
 
-from sextant.bags.bag_file import BagFile, DamagedMessage, Recorded
+from sextant.bags.bag_file import BagFile, Recorded
+from sextant.messages.damaged_message import DamagedMessage
 
-JUMP = 10**9  # nanoseconds that a topic's stamps may fall back: more is no message that was overtaken
+JUMP = 10**9  # nanoseconds; smaller steps back of a topic's stamps are messages out of order
 
 
 class StampOrder:
-    """Watches the stamps of topics."""
+    """Checks the stamps of topics."""
 
     def __init__(self, bag: BagFile):
         self._bag = bag
@@ -19,9 +20,9 @@ class StampOrder:
         self._seen: Dict[str, Set[int]] = {}
 
     def check(self, recorded: Recorded, stamp: int) -> None:
-        """A message's stamp, in nanoseconds; messages that were overtaken by others are fine.
+        """Checks the stamp of a message, nanoseconds; messages may be out of order.
 
-        :raises DamagedMessage: the stamp is zero, or was there before
+        :raises DamagedMessage: the stamp is zero, or a duplicate
         :raises BagError: the clock jumps back
         """
         if stamp <= 0:
@@ -41,22 +42,22 @@ class StampOrder:
 
 
 class Losses:
-    """Counts the messages that were left out, by topic and reason."""
+    """Counts skipped messages by topic and reason."""
 
     def __init__(self) -> None:
         self._used: Counter = Counter()
         self._lost: Dict[str, Counter] = {}
 
     def used(self, topic: str) -> None:
-        """One more message was good."""
+        """Counts a usable message."""
         self._used[topic] += 1
 
     def lost(self, topic: str, reason: str) -> None:
-        """One more message was not."""
+        """Counts a skipped message."""
         self._lost.setdefault(topic, Counter())[reason] += 1
 
     def check(self, bag: BagFile, topic: str) -> None:
-        """:raises BagError: not one message of the topic was good; says what they were"""
+        """:raises BagError: no message of the topic was usable; names the most frequent reason"""
         if self._used[topic]:
             return
         if topic not in self._lost:
@@ -68,7 +69,7 @@ class Losses:
         raise bag.error(what, "name another topic or calibration, or record again")
 
     def notes(self) -> List[str]:
-        """A line for every topic and reason."""
+        """One line per topic and reason."""
         all_of = {topic: sum(lost.values()) + self._used[topic] for topic, lost in self._lost.items()}
         return [
             f"{topic}: {count} of {all_of[topic]} messages were left out: {reason}"

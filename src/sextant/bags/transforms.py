@@ -1,26 +1,23 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""The tree of frames that tf recorded, without a listener."""
+"""Reads the frame tree of recorded tf without a listener."""
 
 from typing import Dict, List, NamedTuple, Optional, Set, Tuple
 
 import numpy as np
 
-from sextant.bags.bag_file import BagFile, DamagedMessage
+from sextant.bags.bag_file import BagFile
 from sextant.geometry.poses import interpolated_poses, pose_of_fields
+from sextant.messages.damaged_message import DamagedMessage
+from sextant.messages.frame_name import frame_name
 
-TF_GAP = 10.0  # seconds between two transforms that are interpolated: what tf2's buffer holds
+TF_GAP = 10.0  # seconds between two interpolated transforms: length of tf2's buffer
 
 Edge = Tuple[str, str]  # parent, child
 
 
-def frame_name(name: str) -> str:
-    """As tf2 has it: without tf's leading slash."""
-    return name.lstrip("/")
-
-
 class _Series:
-    """T_parent_child, at stamps or for ever."""
+    """T_parent_child at stamps, or static."""
 
     def __init__(self) -> None:
         self._stamps: List[int] = []
@@ -33,39 +30,39 @@ class _Series:
         self._poses.append(T)
         self._sorted = None
 
-    def at(self, stamp: int, longest_gap: float) -> Optional[np.ndarray]:
+    def at(self, stamp: int, max_gap: float) -> Optional[np.ndarray]:
         if self.static is not None:
             return self.static
         if self._sorted is None:
             stamps, first = np.unique(np.array(self._stamps, dtype=np.int64), return_index=True)
             self._sorted = stamps, np.array(self._poses)[first]
-        return interpolated_poses(*self._sorted, np.array([stamp], dtype=np.int64), longest_gap)[0]
+        return interpolated_poses(*self._sorted, np.array([stamp], dtype=np.int64), max_gap)[0]
 
 
 class Chain(NamedTuple):
-    """The way through the tree from one frame to another."""
+    """The path through the tree from one frame to another."""
 
     up: List[_Series]  # from the common frame down to the target
     down: List[_Series]  # from the common frame down to the source
 
     @property
     def is_static(self) -> bool:
-        """No joint of it moves."""
+        """Whether all its transforms are static."""
         return all(series.static is not None for series in (*self.up, *self.down))
 
-    def at(self, stamp: int, longest_gap: float = TF_GAP) -> Optional[np.ndarray]:
-        """T_target_source at a stamp (nanoseconds); None where tf was not recorded then.
+    def at(self, stamp: int, max_gap: float = TF_GAP) -> Optional[np.ndarray]:
+        """T_target_source (4, 4) at a stamp (nanoseconds); None if tf was not recorded then.
 
-        :param longest_gap: seconds between two transforms that are interpolated
+        :param max_gap: maximum time between two interpolated transforms, seconds
         """
-        both = [_composed(series, stamp, longest_gap) for series in self]
+        both = [_composed(series, stamp, max_gap) for series in self]
         return None if both[0] is None or both[1] is None else np.linalg.inv(both[0]) @ both[1]
 
 
-def _composed(edges: List[_Series], stamp: int, longest_gap: float) -> Optional[np.ndarray]:
+def _composed(edges: List[_Series], stamp: int, max_gap: float) -> Optional[np.ndarray]:
     T = np.eye(4)
     for edge in edges:
-        step = edge.at(stamp, longest_gap)
+        step = edge.at(stamp, max_gap)
         if step is None:
             return None
         T = T @ step
@@ -73,12 +70,12 @@ def _composed(edges: List[_Series], stamp: int, longest_gap: float) -> Optional[
 
 
 class TransformTree:
-    """Every transform of a recording. A static one holds for all time, whenever it was heard."""
+    """All transforms of a recording. Static ones are valid at all stamps, also before their reception."""
 
     def __init__(self) -> None:
         self._series: Dict[Edge, _Series] = {}
         self._parents: Dict[str, Set[str]] = {}
-        self.notes: List[str] = []  # what is odd about it
+        self.notes: List[str] = []  # warnings
 
     @property
     def frames(self) -> List[str]:
@@ -86,20 +83,22 @@ class TransformTree:
         return sorted({frame for edge in self._series for frame in edge})
 
     def add(self, parent: str, child: str, stamp: int, T: np.ndarray, static: bool) -> None:
-        """T_parent_child at a stamp in nanoseconds. Of several static ones the last counts, as in tf2."""
+        """Adds T_parent_child at a stamp in nanoseconds. The last static one is used, as in tf2."""
         series = self._series.setdefault((parent, child), _Series())
         self._parents.setdefault(child, set()).add(parent)
         if not static:
             series.add(stamp, T)
             return
         if series.static is not None and not np.allclose(series.static, T, atol=1e-6):
-            self.notes.append(f"/tf_static says two things of {child} in {parent}: the last one was taken")
+            self.notes.append(
+                f"/tf_static has different transforms of {child} in {parent}: the last one is used"
+            )
         series.static = T
 
     def chain(self, target: str, source: str) -> Optional[Chain]:
-        """The way from target to source, None where the tree has none.
+        """The path from target to source; None if they are not connected.
 
-        :raises ValueError: a frame on the way has several parents
+        :raises ValueError: a frame on the path has several parents
         """
         above_source = self._climb(source, target)
         if above_source[-1] == target:
@@ -108,30 +107,30 @@ class TransformTree:
         common = next((frame for frame in above_target if frame in above_source), None)
         if common is None:
             return None
-        ways = [way[: way.index(common) + 1] for way in (above_target, above_source)]
-        return Chain(*map(self._edges, ways))
+        paths = [path[: path.index(common) + 1] for path in (above_target, above_source)]
+        return Chain(*map(self._edges, paths))
 
     def _climb(self, frame: str, until: str) -> List[str]:
-        way = [frame]
-        while way[-1] != until and way[-1] in self._parents:
-            parents = self._parents[way[-1]]
+        path = [frame]
+        while path[-1] != until and path[-1] in self._parents:
+            parents = self._parents[path[-1]]
             if len(parents) > 1:
-                raise ValueError(f"tf has several parents of {way[-1]}: {', '.join(sorted(parents))}")
+                raise ValueError(f"tf has several parents of {path[-1]}: {', '.join(sorted(parents))}")
             parent = next(iter(parents))
-            if parent in way:
-                raise ValueError(f"tf goes round in a circle at {parent}")
-            way.append(parent)
-        return way
+            if parent in path:
+                raise ValueError(f"tf has a loop at {parent}")
+            path.append(parent)
+        return path
 
-    def _edges(self, way: List[str]) -> List[_Series]:
-        """From the last frame of the way down to its first."""
-        return [self._series[parent, child] for child, parent in zip(way, way[1:])][::-1]
+    def _edges(self, path: List[str]) -> List[_Series]:
+        """Transforms from the last frame of the path down to its first."""
+        return [self._series[parent, child] for child, parent in zip(path, path[1:])][::-1]
 
 
 def read_transforms(bag: BagFile, tree: Optional[TransformTree] = None) -> TransformTree:
-    """All of /tf and /tf_static, also from outside of the part that is read: they are latched.
+    """Reads all of /tf and /tf_static, also outside of the part to read, because they are latched.
 
-    :param tree: of bags before it, which is added to
+    :param tree: of earlier bags, to add to
     :raises BagError: as BagFile.messages()
     """
     tree, damaged = TransformTree() if tree is None else tree, 0
@@ -151,5 +150,5 @@ def read_transforms(bag: BagFile, tree: Optional[TransformTree] = None) -> Trans
             frames = frame_name(each.header.frame_id), frame_name(each.child_frame_id)
             tree.add(*frames, each.header.stamp.to_nsec(), T, static)
     if damaged:
-        tree.notes.append(f"{damaged} transforms of tf were left out: they hold no pose, or are damaged")
+        tree.notes.append(f"{damaged} transforms of tf were skipped: they are damaged or not valid")
     return tree

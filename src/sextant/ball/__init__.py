@@ -1,3 +1,3 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""A robot that brings a ball through a goal: where the goal is, ways, kicks, and what is done when."""
+"""The ball task: goal detection, path planning, kick planning and the state machine."""

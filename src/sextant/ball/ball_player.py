@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""The whole way from pictures and odometry to commands, without ROS: what the ball task's nodes do together.
+"""The ball task's pipeline from images and odometry to commands, without ROS.
 
 detector -> ObjectLocator -> LandmarkTimeline (pillars) and BallTracker (the ball) -> BallTask
 """
@@ -18,36 +18,36 @@ from sextant.ball.depth_points import DepthPoints
 from sextant.ball.floor_grid import FloorGrid, FloorGridParams
 from sextant.ball.task_view import Action, SeenBall, SeenPillar, TaskView
 from sextant.geometry.plane_poses import composed, rotation
-from sextant.objects.ball_look import BallLook
+from sextant.objects.ball_observations import BallObservations
 from sextant.objects.ball_tracker import BallTracker, BallTrackerParams
-from sextant.objects.ball_view import BallView
+from sextant.objects.ball_visibility import BallVisibility
 from sextant.objects.detection import Detector
 from sextant.objects.object_kinds import BALL, KINDS
 from sextant.objects.object_locator import LocatedObject, ObjectLocator, ObjectLocatorParams
 
-KEPT = 100  # readings of odometry
+MAX_READINGS = 100  # odometry messages
 
 
 class RgbdMount(NamedTuple):
-    """Two cameras on a robot."""
+    """Calibration and mount of a colour and a depth camera."""
 
     colour: "sextant.CameraModel"
     depth: "sextant.CameraModel"
     T_base_colour: np.ndarray  # (4, 4)
-    T_base_depth: np.ndarray
+    T_base_depth: np.ndarray  # (4, 4)
 
 
 def _slam() -> "sextant.LandmarkSlamParams":
     params = sextant.LandmarkSlamParams()
     params.sensor.max_range, params.sensor.min_range, params.sensor.field_of_view = 2.5, 1.0, 0.75
-    params.sensor.separation, params.sensor.width = 0.15, 0.1
-    params.candidates.sightings = 2  # of a pillar beside the robot there are few as it turns
+    params.sensor.min_separation, params.sensor.landmark_width = 0.15, 0.1
+    params.candidates.observations = 2  # of a pillar beside the robot there are few as it turns
     return params
 
 
 @dataclass
 class BallPlayerParams:
-    """Of all parts."""
+    """Parameters of all components."""
 
     locator: ObjectLocatorParams = field(default_factory=ObjectLocatorParams)
     tracker: BallTrackerParams = field(default_factory=BallTrackerParams)
@@ -58,49 +58,51 @@ class BallPlayerParams:
 
 
 class BallPlayer:
-    """Hears odometry and pictures, each with its stamp, and says what to do."""
+    """Processes odometry and images with their stamps, and computes actions."""
 
     def __init__(self, params: BallPlayerParams, mount: RgbdMount, detector: Detector):
         """:raises ValueError: a parameter out of range"""
         self._params, self._mount, self._detector = params, mount, detector
         T_colour_depth = np.linalg.inv(mount.T_base_colour) @ mount.T_base_depth
         self._locator = ObjectLocator(params.locator, mount.colour, mount.depth, T_colour_depth)
-        self._points = DepthPoints(mount.depth, mount.T_base_depth, params.locator.scale)
+        self._points = DepthPoints(mount.depth, mount.T_base_depth, params.locator.depth_scale)
         self.tracker, self.task = BallTracker(params.tracker), BallTask(params.task)
         start = sextant.LandmarkSlam(params.slam, np.zeros(3), 1e-6 * np.eye(3))
         self.timeline = sextant.LandmarkTimeline(params.timeline, start)
         self.grid = FloorGrid(params.grid)
-        self._readings: Deque[Tuple[float, np.ndarray]] = deque(maxlen=KEPT)
-        self.found: List[Tuple[np.ndarray, str]] = []  # boxes of the last picture, and their classes
-        near, far = params.locator.nearest + 0.2, params.slam.sensor.max_range
-        self._in_view = BallView(mount.colour, KINDS[BALL].radius, near, far)
+        self._readings: Deque[Tuple[float, np.ndarray]] = deque(maxlen=MAX_READINGS)
+        self.found: List[Tuple[np.ndarray, str]] = []  # boxes in the last image and their classes
+        near, far = params.locator.min_depth + 0.2, params.slam.sensor.max_range
+        self._ball_visibility = BallVisibility(mount.colour, KINDS[BALL].radius, near, far)
 
     def odometry(self, stamp: float, T_odom_base: np.ndarray) -> None:
-        """(3,) x, y, heading."""
+        """Add an odometry pose. :param T_odom_base: (3,) x, y, heading"""
         if self.timeline.odometry(stamp, T_odom_base):
             self._readings.append((stamp, np.asarray(T_odom_base)))
 
-    def picture(self, stamp: float, colour: np.ndarray, depth: np.ndarray) -> None:
-        """Of a moment at which odometry told something.
+    def add_images(self, stamp: float, colour: np.ndarray, depth: np.ndarray) -> None:
+        """Process the images of a time with odometry.
 
-        :param colour: uint8 (height, width, 3), red first. :param depth: float32 metres, 0: none
-        :raises ValueError: it did not, or a picture is none
+        :param colour: uint8 (height, width, 3), RGB. :param depth: float32 (height, width), metres, 0: none
+        :raises ValueError: no odometry at the stamp, or an invalid image
         """
         T_odom_base = dict(self._readings).get(stamp)
         if T_odom_base is None:
-            raise ValueError(f"odometry told nothing at {stamp} s, when the picture was taken")
+            raise ValueError(f"no odometry at {stamp} s, the stamp of the images")
         found = self._detector.detect(colour)
         names = [self._detector.classes[each] for each in found.classes]
         self.found, kinds = list(zip(found.boxes, names)), [KINDS[name] for name in names]
         places = self._locator.locate(depth, found.boxes, kinds, self._mount.T_base_colour)
         seen = [(name, place) for name, place in zip(names, places) if place is not None]
-        self._see_pillars(stamp, [each for each in seen if each[0] != BALL])
+        self._add_pillars(stamp, [each for each in seen if each[0] != BALL])
         located = [(KINDS[name], place) for name, place in seen]
-        BallLook.of(located, self._mount.T_base_colour, self._in_view).tell(self.tracker, stamp, T_odom_base)
-        self.grid.look(self._points.of(depth), composed(self._T_map_odom(), T_odom_base))
+        BallObservations.of(located, self._mount.T_base_colour, self._ball_visibility).update(
+            self.tracker, stamp, T_odom_base
+        )
+        self.grid.update(self._points.of(depth), composed(self._T_map_odom(), T_odom_base))
 
     def step(self, stamp: float, is_bumped: bool) -> Action:
-        """What to do now."""
+        """Compute the action at a time. :param is_bumped: since the last step"""
         T_map_odom, (_, T_odom_base) = self._T_map_odom(), self._readings[-1]
         slam = self.timeline.slam
         pillars = [
@@ -110,14 +112,14 @@ class BallPlayer:
         pose, ball = composed(T_map_odom, T_odom_base), self._ball(stamp, T_map_odom)
         return self.task.step(TaskView(stamp, pose, pillars, ball, is_bumped, self.grid))
 
-    def _see_pillars(self, stamp: float, seen: List[Tuple[str, LocatedObject]]) -> None:
-        sightings = [
-            sextant.LabelledSighting(
-                sextant.LandmarkLabel(name), sextant.PlaneSighting(place.position, place.covariance)
+    def _add_pillars(self, stamp: float, seen: List[Tuple[str, LocatedObject]]) -> None:
+        observations = [
+            sextant.LabelledObservation(
+                sextant.LandmarkLabel(name), sextant.Observation2D(place.position, place.covariance)
             )
             for name, place in seen
         ]
-        self.timeline.see(stamp, sightings)
+        self.timeline.observe(stamp, observations)
 
     def _ball(self, stamp: float, T_map_odom: np.ndarray) -> Optional[SeenBall]:
         ball = self.tracker.at(stamp)

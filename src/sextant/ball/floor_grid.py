@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""What is known of the floor: where it was seen, and where something stands on it (an occupancy grid)."""
+"""Occupancy grid of the floor from depth images."""
 
 from dataclasses import dataclass
 from typing import Tuple
@@ -15,74 +15,79 @@ NO_OFFSET = np.zeros(2)
 
 @dataclass(frozen=True)
 class FloorGridParams(StrictParams):
-    """Of the grid, and of the points that count in it."""
+    """Size of the grid, and ranges and heights of the points inserted into it."""
 
-    cell: float = param(0.05, within(0.01, 1))  # metres
-    half_side: float = param(8.0, within(1, 100))  # metres from its middle
-    nearest: float = param(0.2, within(0, 100))  # metres; points nearer to the robot do not count
-    farthest: float = param(3.0, within(1e-9, 100))
-    floor: float = param(0.05, within(0, 1))  # metres; points this little above or below the floor are of it
-    low: float = param(0.13, within(0, 10))  # metres; what is lower is no obstacle: a ball may lie there
-    high: float = param(0.6, within(0, 10))  # the robot's height
-    most: int = param(8, within(1, 100))  # looks that are remembered of a cell
+    resolution: float = param(0.05, within(0.01, 1))  # metres
+    half_side: float = param(8.0, within(1, 100))  # metres from the centre to the border
+    min_range: float = param(0.2, within(0, 100))  # metres; nearer points are ignored
+    max_range: float = param(3.0, within(1e-9, 100))  # metres; farther points are ignored
+    floor_tolerance: float = param(0.05, within(0, 1))  # metres above or below the floor that count as floor
+    min_obstacle_height: float = param(0.13, within(0, 10))  # metres; the ball must be lower
+    max_obstacle_height: float = param(0.6, within(0, 10))  # metres, the robot's height
+    max_evidence: int = param(8, within(1, 100))  # limit of a cell's evidence, images
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        for less, more in (("nearest", "farthest"), ("floor", "low"), ("low", "high")):
+        for less, more in (
+            ("min_range", "max_range"),
+            ("floor_tolerance", "min_obstacle_height"),
+            ("min_obstacle_height", "max_obstacle_height"),
+        ):
             if getattr(self, less) >= getattr(self, more):
                 raise ParamError(less, "must be less than", getattr(self, less), more)
 
 
 class FloorGrid:
-    """Cells of the map; each look at one counts for or against something that stands there."""
+    """Evidence for occupied and free cells in the map frame; each depth image counts once per cell."""
 
-    def __init__(self, params: FloorGridParams, middle: np.ndarray = NO_OFFSET):
-        """:param middle: (2,) metres, map: where the robot begins
+    def __init__(self, params: FloorGridParams, center: np.ndarray = NO_OFFSET):
+        """:param center: (2,) metres, map
 
         :raises ValueError: a parameter out of range
         """
         self.params = params
-        self._low = np.asarray(middle) - params.half_side
-        side = round(2.0 * params.half_side / params.cell)
-        self.evidence = np.zeros((side, side), np.int16)  # > 0: something stands there; < 0: floor
+        self._low = np.asarray(center) - params.half_side
+        side = round(2.0 * params.half_side / params.resolution)
+        self.evidence = np.zeros((side, side), np.int16)  # > 0: occupied; < 0: free
         self.seen = np.zeros((side, side), bool)
 
-    def look(self, points: np.ndarray, pose: np.ndarray) -> None:
-        """What one depth image shows; points beyond the map, and those that are NaN, do not count.
+    def update(self, points: np.ndarray, pose: np.ndarray) -> None:
+        """Insert the points of one depth image; points outside the grid and NaN are ignored.
 
         :param points: (n, 3) metres, robot frame, z up. :param pose: (3,) x, y, heading of the robot, map
         """
         params = self.params
         away = np.hypot(points[:, 0], points[:, 1])
-        points = points[(away >= params.nearest) & (away <= params.farthest)]
+        points = points[(away >= params.min_range) & (away <= params.max_range)]
         at = points[:, :2] @ rotation(pose[2]).T + pose[:2]
-        high = points[:, 2]
-        stands = self._counted(at[(high >= params.low) & (high <= params.high)]) >= 2
-        floor = self._counted(at[abs(high) <= params.floor]) >= 1
-        self.evidence += stands
-        self.evidence -= floor & ~stands
-        np.clip(self.evidence, -params.most, params.most, out=self.evidence)
-        self.seen |= floor | stands
+        height = points[:, 2]
+        is_obstacle = (height >= params.min_obstacle_height) & (height <= params.max_obstacle_height)
+        occupied = self._counts(at[is_obstacle]) >= 2
+        free = self._counts(at[abs(height) <= params.floor_tolerance]) >= 1
+        self.evidence += occupied
+        self.evidence -= free & ~occupied
+        np.clip(self.evidence, -params.max_evidence, params.max_evidence, out=self.evidence)
+        self.seen |= free | occupied
 
     def cells(self, points: np.ndarray) -> np.ndarray:
-        """(n, 2) row and column of points (n, 2) of the map; those outside are put to the border."""
-        at = np.floor((np.asarray(points) - self._low) / self.params.cell).astype(int)
+        """Row and column (n, 2) of points (n, 2) in the map; points outside are clipped to the border."""
+        at = np.floor((np.asarray(points) - self._low) / self.params.resolution).astype(int)
         return np.clip(at, 0, len(self.seen) - 1)
 
     def centers(self, cells: np.ndarray) -> np.ndarray:
-        """(n, 2) metres, map, of cells (n, 2)."""
-        return (np.asarray(cells) + 0.5) * self.params.cell + self._low
+        """Centres (n, 2) of cells (n, 2), metres, map."""
+        return (np.asarray(cells) + 0.5) * self.params.resolution + self._low
 
     @property
     def occupied(self) -> np.ndarray:
-        """(side, side) bool; the first index goes along x"""
+        """Occupied cells (side, side), bool; the first index is along x."""
         return self.evidence >= 2
 
     def mark(self, points: np.ndarray) -> None:
-        """Something that was not seen may stand at points (n, 2) of the map, until floor is seen there."""
-        self.evidence[tuple(self.cells(points).T)] = self.params.most
+        """Mark points (n, 2) in the map as occupied until floor is observed there."""
+        self.evidence[tuple(self.cells(points).T)] = self.params.max_evidence
 
-    def _counted(self, points: np.ndarray) -> np.ndarray:
+    def _counts(self, points: np.ndarray) -> np.ndarray:
         counts = np.zeros(self.seen.shape, np.int32)
         inside = (abs(points - self._low - self.params.half_side) < self.params.half_side).all(axis=1)
         np.add.at(counts, tuple(self.cells(points[inside]).T), 1)
@@ -90,7 +95,7 @@ class FloorGrid:
 
 
 def known_box(grid: FloorGrid, points: np.ndarray, margin: float) -> Tuple[slice, slice]:
-    """The part of the grid that holds all that was seen, and some points with a margin in metres."""
+    """Slices of the grid that contain all observed cells and some points (n, 2) with a margin in metres."""
     at = np.concatenate([grid.cells(points - margin), grid.cells(points + margin), np.argwhere(grid.seen)])
     low, high = at.min(axis=0), at.max(axis=0) + 1
     return slice(low[0], high[0]), slice(low[1], high[1])

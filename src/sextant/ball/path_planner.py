@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""The shortest way on the floor that touches nothing: Dijkstra's algorithm (1959) on a grid.
+"""Path planning on the floor: Dijkstra's algorithm (1959) on a costmap.
 
-What stands on the floor is widened by the robot's radius, so that the robot is a point. Near to things and
-where nobody has looked a metre counts as more than one.
+Obstacles are inflated by the robot's radius, so that the robot is a point. Cells near obstacles and cells
+that were not observed have higher costs.
 """
 
 from typing import Dict, List, NamedTuple, Optional, Tuple
@@ -15,92 +15,93 @@ from scipy.sparse.csgraph import dijkstra
 
 from sextant.ball.floor_grid import FloorGrid, known_box
 
-SOFT = 0.12  # metres beyond the clearance within which a way costs more
-NEAR, UNSEEN = 3.0, 1.0  # of it, per metre: where it touches, and where nobody has looked
-OWN = 0.12  # metres about something round within which cells are of it
-ESCAPE = 0.4  # metres about the start in which the robot may be nearer to things than it should
-MARGIN = 0.8  # metres about start and end, at least
+SOFT_MARGIN = 0.12  # metres beyond the clearance with higher costs
+NEAR_COST, UNSEEN_COST = 3.0, 1.0  # additional cost per metre: at the clearance, and of cells not observed
+DISC_MARGIN = 0.12  # metres around a disc in which occupied cells are attributed to it
+ESCAPE = 0.4  # metres around the start in which the clearance may be violated
+MARGIN = 0.8  # metres around start and end
 STEPS = ((1, 0), (0, 1), (1, 1), (1, -1))
 
 
 class Disc(NamedTuple):
-    """Something round on the floor."""
+    """A round obstacle on the floor."""
 
     x: float  # metres, map
     y: float
     radius: float
 
 
-class FreeFloor:
-    """Where the robot's middle may be."""
+class Costmap:
+    """Costmap of the robot's centre on a part of the occupancy grid."""
 
     def __init__(
-        self,
-        grid: FloorGrid,
-        discs: List[Disc],
-        clearance: float,
-        about: np.ndarray,
-        margin: float = MARGIN,
+        self, grid: FloorGrid, discs: List[Disc], clearance: float, about: np.ndarray, margin: float = MARGIN
     ):
-        """:param clearance: of the robot's middle to everything, metres
-        :param about: (n, 2) points that have to be on it, with a margin (metres)
+        """:param discs: round obstacles. :param clearance: from the robot's centre to obstacles, metres
+        :param about: (n, 2) points that the costmap contains, with a margin (metres)
         """
         self._grid, self._box = grid, known_box(grid, about, margin)
-        cell = grid.params.cell
+        cell = grid.params.resolution
         self._low = np.array([part.start for part in self._box])
         occupied = grid.occupied[self._box]
         at = grid.centers(np.stack(np.indices(occupied.shape), axis=-1) + self._low)
-        apart = np.full(occupied.shape, np.inf)
+        clearances = np.full(occupied.shape, np.inf)
         for disc in discs:
-            apart = np.minimum(apart, np.hypot(at[..., 0] - disc.x, at[..., 1] - disc.y) - disc.radius)
-        self.distance = np.minimum(apart, _distances(occupied & (apart > OWN), cell))
+            clearances = np.minimum(
+                clearances, np.hypot(at[..., 0] - disc.x, at[..., 1] - disc.y) - disc.radius
+            )
+        self.distance = np.minimum(clearances, _distances(occupied & (clearances > DISC_MARGIN), cell))
         self.at, self._clearance = at, clearance
         self.is_free = self.distance >= clearance
         self.is_seen = grid.seen[self._box]
         self._costs: Dict[int, Tuple[np.ndarray, np.ndarray]] = {}  # by start
 
     def cell(self, point: np.ndarray) -> Tuple[int, int]:
-        """Row and column of a point (2,) of the map."""
+        """Row and column of a point (2,) in the map."""
         row, column = self._cells(np.asarray(point)[np.newaxis])
         return int(row[0]), int(column[0])
 
     def _cells(self, points: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
-        """(n,) rows and columns of points (n, 2); of those outside, at the border."""
+        """Rows (n,) and columns (n,) of points (n, 2); points outside are clipped to the border."""
         found = np.clip(self._grid.cells(points) - self._low, 0, np.array(self.is_free.shape) - 1)
         return found[:, 0], found[:, 1]
 
-    def holds(self, point: np.ndarray) -> bool:
-        """Whether a point (2,) of the map is on it: of those beyond nothing is known."""
-        half = 0.5 * self._grid.params.cell
+    def contains(self, point: np.ndarray) -> bool:
+        """Whether a point (2,) in the map is on the costmap."""
+        half = 0.5 * self._grid.params.resolution
         return bool(np.all((point >= self.at[0, 0] - half) & (point <= self.at[-1, -1] + half)))
 
-    def allows(self, point: np.ndarray) -> bool:
-        """Whether the robot's middle may be at a point (2,) of the map."""
-        return self.holds(point) and bool(self.is_free[self.cell(point)])
+    def is_free_at(self, point: np.ndarray) -> bool:
+        """Whether the robot's centre may be at a point (2,) in the map."""
+        return self.contains(point) and bool(self.is_free[self.cell(point)])
 
-    def knows(self, point: np.ndarray) -> bool:
-        """Whether it was seen that the robot's middle may be at a point (2,) of the map."""
-        return self.allows(point) and bool(self.is_seen[self.cell(point)])
+    def is_seen_free(self, point: np.ndarray) -> bool:
+        """Whether a point (2,) in the map is free and was observed."""
+        return self.is_free_at(point) and bool(self.is_seen[self.cell(point)])
 
-    def allows_line(self, start: np.ndarray, end: np.ndarray) -> bool:
-        """Whether the robot may go straight."""
-        return self.holds(start) and self.holds(end) and bool(self.is_free[self._between(start, end)].all())
+    def is_line_free(self, start: np.ndarray, end: np.ndarray) -> bool:
+        """Whether the robot may drive straight from start to end."""
+        return (
+            self.contains(start)
+            and self.contains(end)
+            and bool(self.is_free[self._between(start, end)].all())
+        )
 
     def _between(self, start: np.ndarray, end: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
-        count = 2 + int(2.0 * np.linalg.norm(end - start) / self._grid.params.cell)
+        count = 2 + int(2.0 * np.linalg.norm(end - start) / self._grid.params.resolution)
         return self._cells(np.linspace(start, end, count))
 
-    def with_escape(self, start: np.ndarray) -> "FreeFloor":
-        """Where the robot is too near to something it may go away from it. Changes this, and gives it."""
+    def with_escape(self, start: np.ndarray) -> "Costmap":
+        """Free the cells through which a robot too close to an obstacle may move away; returns self."""
         here = self.distance[self.cell(start)]
         if here < self._clearance:
             near = np.hypot(*np.moveaxis(self.at - start, -1, 0)) < ESCAPE
-            self.is_free |= near & (self.distance >= here - 0.5 * self._grid.params.cell)
+            self.is_free |= near & (self.distance >= here - 0.5 * self._grid.params.resolution)
             self._costs.clear()
         return self
 
     def costs(self, start: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
-        """Of the cheapest way to each cell, metres, inf: none; the cell before it, flat, negative: none."""
+        """Costs of the cheapest paths to all cells (metres; inf: none), predecessors (flat; < 0: none)."""
         first = int(np.ravel_multi_index(self.cell(start), self.is_free.shape))
         if first not in self._costs:
             costs, before = dijkstra(self._graph(), directed=False, indices=first, return_predecessors=True)
@@ -108,9 +109,9 @@ class FreeFloor:
         return self._costs[first]
 
     def _graph(self) -> csr_matrix:
-        """Of all cells and their eight neighbours."""
-        near = np.clip((self._clearance + SOFT - self.distance) / SOFT, 0.0, 1.0)
-        weight = 1.0 + NEAR * near + UNSEEN * ~self.is_seen
+        """Weighted graph of all free cells and their eight neighbours."""
+        near = np.clip((self._clearance + SOFT_MARGIN - self.distance) / SOFT_MARGIN, 0.0, 1.0)
+        weight = 1.0 + NEAR_COST * near + UNSEEN_COST * ~self.is_seen
         index = np.arange(self.is_free.size).reshape(self.is_free.shape)
         rows, columns, lengths = [], [], []
         for dx, dy in STEPS:
@@ -119,14 +120,14 @@ class FreeFloor:
             rows.append(index[here][both])
             columns.append(index[there][both])
             mean = 0.5 * (weight[here] + weight[there])[both]
-            lengths.append(np.hypot(dx, dy) * self._grid.params.cell * mean)
+            lengths.append(np.hypot(dx, dy) * self._grid.params.resolution * mean)
         data = np.concatenate(lengths), (np.concatenate(rows), np.concatenate(columns))
         return csr_matrix(data, shape=(index.size, index.size))
 
     def path(self, start: np.ndarray, end: np.ndarray) -> Optional[np.ndarray]:
-        """(n, 2) corners of the cheapest way, from start to end; None: there is none."""
+        """Corners (n, 2) of the cheapest path from start to end; None: no path."""
         goal = self.cell(end)
-        if not (self.holds(start) and self.allows(end)):
+        if not (self.contains(start) and self.is_free_at(end)):
             return None
         costs, before = self.costs(start)
         if not np.isfinite(costs[goal]):
@@ -142,7 +143,7 @@ class FreeFloor:
         return self._straightened(points)
 
     def _straightened(self, points: np.ndarray) -> np.ndarray:
-        """Without the corners that a straight line can do without."""
+        """Remove corners where a straight line is clear."""
         kept = [0]
         while kept[-1] < len(points) - 1:
             here = kept[-1]
@@ -153,22 +154,22 @@ class FreeFloor:
         return points[kept]
 
     def _is_clear(self, start: np.ndarray, end: np.ndarray) -> bool:
-        """Whether a line is not only allowed but as far from things as ways like to be."""
+        """Whether a line is free and keeps the soft margin as well as its ends do."""
         cells = self._between(start, end)
         distance = self.distance[cells]
-        least = min(self._clearance + SOFT, distance[0], distance[-1])
+        least = min(self._clearance + SOFT_MARGIN, distance[0], distance[-1])
         return bool(self.is_free[cells].all() and distance.min() >= least - 1e-6)
 
 
 def _distances(occupied: np.ndarray, cell: float) -> np.ndarray:
-    """Metres from each cell's middle to the nearest thing."""
+    """Distance from each cell's centre to the nearest obstacle, metres."""
     if not occupied.any():
         return np.full(occupied.shape, np.inf)
     return distance_transform_edt(~occupied) * cell - 0.5 * cell
 
 
 def _shifted(dx: int, dy: int) -> Tuple[Tuple[slice, slice], Tuple[slice, slice]]:
-    """All cells with a neighbour so far away, and these neighbours."""
+    """Slices of all cells with a neighbour at this offset, and of these neighbours."""
     columns = slice(None, -1) if dy > 0 else slice(1, None) if dy < 0 else slice(None)
     beside = slice(1, None) if dy > 0 else slice(None, -1) if dy < 0 else slice(None)
     return (slice(None, -1) if dx else slice(None), columns), (slice(1, None) if dx else slice(None), beside)

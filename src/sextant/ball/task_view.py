@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a robot knows of pillars and ball at a moment, and what it does then."""
+"""Input of the ball task, what is known at one time, and its output."""
 
 from typing import List, NamedTuple, Optional
 
@@ -11,42 +11,42 @@ from sextant.ball.goal import Goal
 from sextant.ball.kick_plan import Kick
 from sextant.ball.path_follower import Command
 
-STILL = 0.08  # m/s; a ball that is slower lies
+STILL = 0.08  # m/s; a slower ball is at rest
 NO_PATH = np.zeros((0, 2))
 
 
 class SeenPillar(NamedTuple):
-    """A landmark."""
+    """A pillar in the landmark map."""
 
     class_name: str
     position: np.ndarray  # (2,) metres, map
 
 
 class SeenBall(NamedTuple):
-    """As it is followed."""
+    """The tracked ball."""
 
     position: np.ndarray  # (2,) metres, map
     velocity: np.ndarray  # (2,) m/s
-    stamp: float  # seconds, of the picture that showed it last
+    stamp: float  # seconds, of the last image with the ball
 
     @property
     def is_still(self) -> bool:
-        """Whether it lies."""
+        """Whether the ball is at rest."""
         return float(np.hypot(*self.velocity)) < STILL
 
 
 class TaskView(NamedTuple):
-    """All that is known at a moment."""
+    """What is known at one time."""
 
     stamp: float  # seconds
     pose: np.ndarray  # (3,) x, y, heading of the robot, metres and radians, map
     pillars: List[SeenPillar]
-    ball: Optional[SeenBall]
-    is_bumped: bool
+    ball: Optional[SeenBall]  # None: unknown
+    is_bumped: bool  # since the last view
     grid: FloorGrid
 
     def validate(self) -> None:
-        """:raises ValueError: names the first place that is not finite"""
+        """:raises ValueError: names the first position that is not finite"""
         places = [("pose", self.pose)]
         if self.ball is not None:
             places += [("ball/position", self.ball.position), ("ball/velocity", self.ball.velocity)]
@@ -57,16 +57,16 @@ class TaskView(NamedTuple):
 
 
 class Step(NamedTuple):
-    """What a state does at a moment."""
+    """Result of one step of a state."""
 
     command: Command
-    next: str = ""  # state; empty: it stays
-    reason: str = ""  # why another
+    next: str = ""  # next state; empty: no change
+    reason: str = ""  # for the change of state
     path: np.ndarray = NO_PATH  # (n, 2) metres, map
 
 
 class Action(NamedTuple):
-    """What is to be done, and why."""
+    """Result of one step of the task."""
 
     command: Command
     state: str

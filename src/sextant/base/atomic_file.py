@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Files that are there whole or not at all.
+"""Atomic writing of files.
 
-Who writes holds a lock on what is not yet whole. What has none was left by a program that was killed; it goes
-when the next file is written.
+A temporary file is locked while it is being written. An unlocked one was left by a killed program; it is
+removed when the next file is written.
 """
 
 import errno
@@ -21,15 +21,15 @@ _FOLDERS = ".sextant_"
 
 @contextmanager
 def atomic_file(path: Union[str, Path], mode: str = "w") -> Iterator[IO]:
-    """A temporary file beside path that takes its name when the block ends without an exception.
+    """Opens a temporary file beside path, which replaces path when the block ends without an exception.
 
     :param mode: "w" (UTF-8 text) or "wb"
-    :raises OSError: it cannot be written, the error names it; an old file is left as it was
+    :raises OSError: the file cannot be written; the error names it, and an existing file is left unchanged
     """
     path = Path(path)
     try:
         number, temporary = _temporary_file(path)
-    except OSError as error:  # names the temporary file
+    except OSError as error:  # it names the temporary file
         raise OSError(error.errno, f"cannot be written: {error.strerror}", str(path)) from None
     try:
         with os.fdopen(number, mode, **({} if "b" in mode else {"encoding": "utf-8"})) as file:
@@ -48,10 +48,10 @@ def atomic_file(path: Union[str, Path], mode: str = "w") -> Iterator[IO]:
 
 @contextmanager
 def atomic_files(folder: Union[str, Path]) -> Iterator[Path]:
-    """A temporary folder, all files of which go to the other one when the block ends without an exception.
+    """Creates a temporary folder; its files are moved to folder when the block ends without an exception.
 
-    :raises OSError: the folder is not there, or cannot be written to, or a folder has the name of a file; old
-        files are left as they were
+    :raises OSError: folder does not exist or cannot be written to, or contains a folder with the name of a
+        file; existing files are left unchanged
     """
     _remove_left(Path(folder).glob(f"{_FOLDERS}????????"))
     with tempfile.TemporaryDirectory(dir=folder, prefix=_FOLDERS) as temporary, _locked_folder(temporary):
@@ -65,7 +65,7 @@ def atomic_files(folder: Union[str, Path]) -> Iterator[Path]:
 
 
 def _temporary_file(path: Path) -> Tuple[int, str]:
-    """A new one beside path, open and locked, and its name."""
+    """Creates a locked temporary file beside path; returns its descriptor and name."""
     begin = f".{path.name}.part_"
     _remove_left(path.parent.glob(f"{glob.escape(begin)}????????{glob.escape(path.suffix)}"))
     while True:
@@ -73,7 +73,7 @@ def _temporary_file(path: Path) -> Tuple[int, str]:
         _lock(number)
         if os.fstat(number).st_nlink:
             return number, temporary
-        os.close(number)  # another program took it for one that was left, before there was a lock
+        os.close(number)  # another program removed it as left over, before it was locked
 
 
 @contextmanager
@@ -87,13 +87,13 @@ def _locked_folder(folder: str) -> Iterator[None]:
 
 
 def _lock(number: int) -> None:
-    with suppress(OSError):  # a file system without locks: then nothing is ever taken for left
+    with suppress(OSError):  # a file system without locks: then no left-over file is ever removed
         fcntl.flock(number, fcntl.LOCK_EX)
 
 
 def _remove_left(paths: Iterable[Path]) -> None:
     for path in paths:
-        with suppress(OSError):  # somebody writes it, or it is somebody else's
+        with suppress(OSError):  # another program is writing it, or another user owns it
             number = os.open(path, os.O_RDONLY)
             try:
                 fcntl.flock(number, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -103,7 +103,7 @@ def _remove_left(paths: Iterable[Path]) -> None:
 
 
 def _mode_of(path: Path) -> int:
-    """Permissions of the file that is replaced, or those that a new file would have."""
+    """Returns the permissions of the file to replace, or those of a new file."""
     if path.exists():
         return path.stat().st_mode & 0o777
     mask = os.umask(0)

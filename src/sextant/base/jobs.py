@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""A list of independent jobs: on this machine, or on a Dask cluster, with the same results to the last bit.
+"""Runs independent jobs on this machine or on a Dask cluster, with bit-identical results.
 
 Every job runs with one thread of OpenCV, and of BLAS in worker processes, so that N jobs use N cores and sums
-do not depend on how many there are.
+do not depend on the number of cores.
 """
 
 import asyncio
@@ -26,14 +26,14 @@ from tqdm import tqdm
 
 import sextant._core
 
-PATIENCE = 10.0  # seconds that a scheduler, and then a first worker of it, is waited for
+CLUSTER_TIMEOUT = 10.0  # seconds to wait for the scheduler, and then for its first worker
 
-# Read by the libraries when they are loaded, which in a new process is before any code of ours.
+# The libraries read these variables when they are loaded: in a new process before any code of Sextant.
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "BLIS_NUM_THREADS")
 
 
 class JobError(RuntimeError):
-    """A job that failed; `cause` is what it raised, `trace` where."""
+    """A job failed: its name, the exception that it raised (cause), and the traceback (trace)."""
 
     def __init__(self, name: str, cause: BaseException, trace: str = ""):
         super().__init__(name, cause, trace)
@@ -45,7 +45,7 @@ class JobError(RuntimeError):
 
 
 class SchedulerError(RuntimeError):
-    """The cluster cannot be used, and what to do."""
+    """The cluster cannot be used; the text explains what to do."""
 
 
 class _Outcome(NamedTuple):
@@ -63,17 +63,17 @@ def run_jobs(
     return_errors: bool = False,
     progress: str = "",
 ) -> Iterator[Any]:
-    """Calls function(argument) for each argument, and gives the results in the order of the arguments.
+    """Calls function(argument) for each argument and yields the results in the order of the arguments.
 
-    :param function: of a module, so that worker processes can import it (functools.partial of one is fine)
-    :param jobs: processes at a time; 1: none but this one
-    :param scheduler: tcp://host:port of a Dask cluster instead, whose workers have Sextant installed
-    :param names: of the jobs, for errors; by default the arguments themselves
-    :param return_errors: a job that fails gives its JobError as its result; else the first one ends all
-    :param progress: what is counted in a bar on stderr, if that is a terminal; empty: no bar
-    :raises ValueError: jobs is below 1, or there are not as many names as arguments
+    :param function: a module's function, so that worker processes can import it (functools.partial is fine)
+    :param jobs: number of parallel processes; 1: this process alone
+    :param scheduler: tcp://host:port of a Dask cluster to use instead; its workers need Sextant installed
+    :param names: job names for errors; default: the arguments
+    :param return_errors: yield the JobError of a failed job as its result; False: the first failure ends all
+    :param progress: label of the progress bar on stderr, if that is a terminal; empty: no bar
+    :raises ValueError: jobs is below 1, or the numbers of names and arguments differ
     :raises JobError: a job failed
-    :raises SchedulerError: the cluster is not there in time, or has no worker
+    :raises SchedulerError: the cluster does not answer in time, or has no worker
     """
     arguments = list(arguments)
     names = [str(argument) for argument in arguments] if names is None else list(names)
@@ -99,7 +99,7 @@ def _results(outcomes: Iterator[_Outcome], names: List[str], return_errors: bool
 def _outcomes(
     function: Callable[[Any], Any], arguments: List[Any], jobs: int, scheduler: str, progress: str
 ) -> Iterator[_Outcome]:
-    # disable=None: tqdm looks whether stderr is a terminal
+    # disable=None: no bar unless stderr is a terminal
     bar = tqdm(total=len(arguments), desc=progress, disable=None if progress else True, unit="job")
     with bar:
         if scheduler:
@@ -124,7 +124,7 @@ def _here(function: Callable[[Any], Any], arguments: List[Any], bar: tqdm) -> It
 
 
 def _call(function: Callable[[Any], Any], argument: Any) -> _Outcome:
-    """Of a worker: an error that cannot be pickled would take the whole pool down."""
+    """Runs in a worker. An exception that cannot be pickled would break the whole pool."""
     cv2.setNumThreads(1)
     try:
         return _Outcome(function(argument))
@@ -144,7 +144,7 @@ def _portable(error: Exception) -> Exception:
 def _in_order(
     executor: Executor, function: Callable[[Any], Any], arguments: List[Any], bar: tqdm
 ) -> Iterator[_Outcome]:
-    with as_children_need_it():
+    with worker_environment():
         waiting = deque(_submitted(executor, function, argument) for argument in arguments)
     for future in waiting:
         future.add_done_callback(lambda _: bar.update())
@@ -176,37 +176,35 @@ def _outcome(future: Future) -> _Outcome:
 def _processes(count: int) -> Iterator[Executor]:
     others = set(multiprocessing.active_children())
     # spawn: a fork would copy the locks of OpenCV's and ROS's threads
-    executor = ProcessPoolExecutor(count, multiprocessing.get_context("spawn"), _begin_worker)
+    executor = ProcessPoolExecutor(count, multiprocessing.get_context("spawn"), _initialize_worker)
     finished = False
     try:
         yield executor
         finished = True
     finally:
-        if (
-            not finished
-        ):  # Nobody waits for the jobs that run. Cancelled futures make a pool that breaks stumble.
+        if not finished:  # terminate the workers: cancelling the futures of a broken pool can hang
             for child in set(multiprocessing.active_children()) - others:
                 child.terminate()
         executor.shutdown()
 
 
-def _begin_worker() -> None:
-    """Ctrl-C goes to all processes of the terminal: the first one ends the others."""
+def _initialize_worker() -> None:
+    """Ignores Ctrl-C, which reaches all processes of the terminal: the parent ends its workers."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    threading.Thread(target=_end_with_parent, daemon=True).start()
+    threading.Thread(target=_exit_with_parent, daemon=True).start()
 
 
-def _end_with_parent() -> None:
-    """A parent that is killed ends nobody; its workers would wait for ever for more to do."""
+def _exit_with_parent() -> None:
+    """Ends this worker when its parent was killed; it would wait for more jobs for ever."""
     multiprocessing.parent_process().join()
     os._exit(1)
 
 
 @contextlib.contextmanager
-def as_children_need_it() -> Iterator[None]:
-    """What processes that are started now inherit: one thread, the way to this package, and no interrupt.
+def worker_environment() -> Iterator[None]:
+    """Sets what child processes inherit: one thread, the path of this package, and SIGINT blocked.
 
-    In a devel space of catkin, sys.path leads first to the package's sources, which lack _core.
+    In a devel space of catkin, the package's sources come first in sys.path, and they lack _core.
     """
     before, path = {name: os.environ.get(name) for name in _THREADS}, list(sys.path)
     mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
@@ -224,7 +222,7 @@ def as_children_need_it() -> Iterator[None]:
 
 
 def package_folder() -> str:
-    """The folder that has to come first in sys.path for `import sextant` to find all of it."""
+    """Returns the folder that must come first in sys.path for `import sextant` to find the whole package."""
     return os.path.dirname(os.path.dirname(next(iter(sextant._core.__path__))))
 
 
@@ -237,35 +235,35 @@ def _cluster(address: str) -> Iterator[Executor]:
             "a Dask cluster needs distributed, which is not installed: apt install python3-distributed"
         ) from None
     try:
-        _knock(address)
-        client = Client(address, timeout=PATIENCE, set_as_default=False)
+        _require_scheduler(address)
+        client = Client(address, timeout=CLUSTER_TIMEOUT, set_as_default=False)
     except (OSError, ValueError, asyncio.TimeoutError) as error:
         how = "start one with `dask-scheduler`, workers with `dask-worker ADDRESS`"
         raise SchedulerError(f"no Dask scheduler answers at '{address}' ({error}); {how}") from None
     with client:
         try:
-            client.wait_for_workers(1, timeout=PATIENCE)
+            client.wait_for_workers(1, timeout=CLUSTER_TIMEOUT)
         except (OSError, asyncio.TimeoutError):
             how = f"start some with `dask-worker {address}`"
             raise SchedulerError(f"the Dask scheduler at '{address}' has no worker; {how}") from None
-        # pure: a job is done again for every call, as it is without a cluster
+        # pure=False: repeat a job at every call, as without a cluster
         executor = client.get_executor(pure=False)
         try:
             yield executor
         finally:
-            executor.shutdown(wait=False)  # cancels what nobody waits for
+            executor.shutdown(wait=False)  # cancels the remaining jobs
 
 
-def _knock(address: str) -> None:
-    """A Client that does not get through is noisy about it for long.
+def _require_scheduler(address: str) -> None:
+    """Connects once: a Client that cannot connect fills the log for long.
 
-    :raises ValueError: it is no address; OSError: nobody listens there
+    :raises ValueError: not an address; OSError: no process listens at the address
     """
     parts = re.fullmatch(r"(?:tcp|tls)://(?:\[(.+)\]|([^:/]+)):(\d{1,5})", address)
     if not parts:
         raise ValueError("an address is written as tcp://host:port")
     host = parts.group(1) or parts.group(2)
     try:
-        socket.create_connection((host, int(parts.group(3))), PATIENCE).close()
+        socket.create_connection((host, int(parts.group(3))), CLUSTER_TIMEOUT).close()
     except OverflowError:
         raise ValueError("a port is at most 65535") from None

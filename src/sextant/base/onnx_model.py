@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""A network in an ONNX file that takes one image, run by onnxruntime or by OpenCV's dnn."""
+"""Neural networks in ONNX files with one image as input, run by onnxruntime or by OpenCV's dnn."""
 
 import importlib.util
 import re
@@ -11,32 +11,33 @@ import numpy as np
 
 INSTALL = "install onnxruntime: pip install onnxruntime"
 
-# float32 (1, channels, height, width) to what the model makes
+# float32 (1, channels, height, width) to the model's outputs
 Network = Callable[[np.ndarray], List[np.ndarray]]
 
 
 class ImageInput(NamedTuple):
-    """What a model takes; 0: any."""
+    """Shape of a model's input image; 0: any."""
 
-    channels: int
+    channels: int  # 1 or 3
     height: int  # pixels
-    width: int
+    width: int  # pixels
 
 
-class ModelFacts(NamedTuple):
-    """What a file says of its model."""
+class ModelInfo(NamedTuple):
+    """Input, outputs and metadata of a model."""
 
     input: ImageInput
     outputs: List[str]  # names
-    notes: Dict[str, str]  # that its maker wrote into it, by name
+    metadata: Dict[str, str]  # metadata_props of the file, by name
 
 
-def read_model(path: str) -> ModelFacts:
+def read_model(path: str) -> ModelInfo:
+    """Reads input, outputs and metadata of a model.
+
+    :raises OSError: the file cannot be read
+    :raises ValueError: not an ONNX file, or not a model with one image as input
     """
-    :raises OSError: it cannot be read
-    :raises ValueError: it is no ONNX file, or no model of one image
-    """
-    import onnx  # here: few maps have a model, and it takes time
+    import onnx  # imported here: it is slow, and few place maps have a model
     from google.protobuf.message import DecodeError
 
     try:
@@ -50,13 +51,17 @@ def read_model(path: str) -> ModelFacts:
         raise ValueError(f"{path}: its weights are in another file; save both as one by onnx.save()")
     _check_weights(path, graph)
     tensor = only(path, "input", _inputs_of(path, graph)).type.tensor_type
-    taken = _image_input(path, tensor, tensor.elem_type == onnx.TensorProto.FLOAT)
-    notes = {each.key: each.value for each in model.metadata_props}
-    return ModelFacts(taken, [each.name for each in graph.output], notes)
+    image_input = _image_input(path, tensor, tensor.elem_type == onnx.TensorProto.FLOAT)
+    metadata = {each.key: each.value for each in model.metadata_props}
+    return ModelInfo(image_input, [each.name for each in graph.output], metadata)
 
 
 def only(path: str, what: str, found: Sequence[Any]) -> Any:
-    """:raises ValueError: there are more inputs or outputs than one, or none"""
+    """Returns the only input or output.
+
+    :param what: "input" or "output", for the error
+    :raises ValueError: there is none, or more than one
+    """
     if len(found) != 1:
         names = ", ".join(getattr(each, "name", each) for each in found)
         raise ValueError(f"{path}: has {len(found)} {what}s ({names}); it must have one")
@@ -64,7 +69,7 @@ def only(path: str, what: str, found: Sequence[Any]) -> Any:
 
 
 def _check_weights(path: str, graph: Any) -> None:
-    """:raises ValueError: some are not there; OpenCV would read beyond them, or crash"""
+    """:raises ValueError: weights are missing; OpenCV would read out of bounds or crash"""
     from onnx import numpy_helper
 
     for each in graph.initializer:
@@ -83,10 +88,10 @@ def _image_input(path: str, tensor: Any, is_float: bool) -> ImageInput:
 
 
 def _inputs_of(path: str, graph: Any) -> List[Any]:
-    """:raises ValueError: a node lacks what it works on; OpenCV would crash"""
+    """:raises ValueError: a node lacks an input; OpenCV would crash"""
     weights = {each.name for each in graph.initializer}
-    inputs = [each for each in graph.input if each.name not in weights]  # old files name weights there, too
-    known = {"", *weights, *(each.name for each in inputs)}  # "": an option that is left out
+    inputs = [each for each in graph.input if each.name not in weights]  # old files list weights as inputs
+    known = {"", *weights, *(each.name for each in inputs)}  # "": an omitted optional input
     for node in graph.node:
         lacking = set(node.input) - known
         if lacking:
@@ -96,11 +101,12 @@ def _inputs_of(path: str, graph: Any) -> List[Any]:
 
 
 def open_network(path: str, backend: str, threads: int) -> Network:
-    """The model as a function; it is not thread-safe.
+    """Returns the model as a function, which is not thread-safe.
 
-    :param backend: of BACKENDS, or auto: onnxruntime where it is installed
-    :raises OSError: it cannot be read
-    :raises ValueError: it cannot be run, and what to do
+    :param backend: a name in BACKENDS, or auto: onnxruntime if it is installed, else opencv
+    :param threads: number of threads of onnxruntime; OpenCV ignores it
+    :raises OSError: the file cannot be read
+    :raises ValueError: the model cannot be run; the text explains what to do
     """
     if backend == "auto":
         backend = "onnxruntime" if importlib.util.find_spec("onnxruntime") else "opencv"
@@ -111,13 +117,13 @@ def _by_onnxruntime(path: str, threads: int) -> Network:
     try:
         import onnxruntime  # optional, and not in Debian
     except ImportError as error:
-        raise ValueError(f"backend is onnxruntime: {error}; {INSTALL}, or take opencv") from None
+        raise ValueError(f"backend is onnxruntime: {error}; {INSTALL}, or set opencv") from None
     options = onnxruntime.SessionOptions()
     options.intra_op_num_threads = threads
     options.log_severity_level = 3  # errors
     try:
         session = onnxruntime.InferenceSession(path, options, providers=["CPUExecutionProvider"])
-    except Exception as error:  # its exceptions have no other base
+    except Exception as error:  # onnxruntime's exceptions have no other base class
         raise _cannot(path, "onnxruntime", error) from None
     name = session.get_inputs()[0].name
 

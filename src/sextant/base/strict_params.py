@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Strict parameters, of a component, of a node or of a file.
+"""Strict parameters of a component, a node or a file.
 
-They are stated as a dataclass, the only home of their defaults and of what is allowed:
+A dataclass declares the parameters with their defaults and allowed values:
 
     @dataclass(frozen=True)
     class SimulatorParams(StrictParams):
@@ -13,7 +13,7 @@ They are stated as a dataclass, the only home of their defaults and of what is a
         lens: LensParams = nested(LensParams, "lens_") # flat in parse_params(): lens_width
 
 A value out of range is refused on construction. parse_params() also refuses an unknown name, a wrong type
-or a missing value, with the full name and what is allowed.
+or a missing value; the error names the parameter and the allowed values.
 """
 
 import copy
@@ -22,12 +22,12 @@ import difflib
 import math
 from typing import Any, Callable, Dict, List, Mapping, Sequence, Tuple, Type, TypeVar, get_type_hints
 
-Check = Callable[[Any], str]  # "" or what is allowed
+Check = Callable[[Any], str]  # "" if the value is allowed, else the allowed values
 Params = TypeVar("Params")
 
 
 class ParamError(ValueError):
-    """A value that is not allowed: "name: reason other, is value"; `other` is another field."""
+    """A value is not allowed: "name: reason other, is value"; other is the name of another field."""
 
     def __init__(self, name: str, reason: str, value: Any, other: str = ""):
         super().__init__(name, reason, value, other)
@@ -37,64 +37,64 @@ class ParamError(ValueError):
         return f"{name}: {reason}{' ' * bool(other)}{other}, is {value!r}"
 
     def with_prefix(self, prefix: str) -> "ParamError":
-        """The same of nested parameters."""
+        """Returns the same error with a prefix of nested parameters before the names."""
         name, reason, value, other = self.args
         return ParamError(prefix + name, reason, value, other and prefix + other)
 
 
 @dataclasses.dataclass(frozen=True)
 class StrictParams:
-    """Checks each field on construction; checks of several fields are added in __post_init__()."""
+    """Base class: checks each field on construction. Subclasses check combinations in __post_init__()."""
 
     def __post_init__(self) -> None:
-        """:raises ParamError: names the first field whose value is not allowed"""
+        """:raises ParamError: a value is not allowed; names the first such field"""
         for field in dataclasses.fields(self):
             _check(field, getattr(self, field.name))
 
 
 def param(default: Any, check: Check = lambda value: "") -> Any:
-    """A dataclass field with a default and a check of its value."""
+    """Declares a dataclass field with a default and a check of its value."""
     if isinstance(default, (list, dict)):
         return dataclasses.field(default_factory=lambda: copy.copy(default), metadata={"check": check})
     return dataclasses.field(default=default, metadata={"check": check})
 
 
 def required(check: Check) -> Any:
-    """A dataclass field without a default, with a check of its value."""
+    """Declares a dataclass field without a default, with a check of its value."""
     return dataclasses.field(metadata={"check": check})
 
 
 def nested(cls: type, prefix: str = "", only: Sequence[str] = ()) -> Any:
-    """A dataclass field of parameters that are a dataclass of their own, flat for parse_params().
+    """Declares a field whose parameters are another dataclass; parse_params() takes them by flat names.
 
-    :param prefix: of their flat names
-    :param only: their names, without the prefix, that can be set; empty: all
+    :param prefix: prefix of the flat names
+    :param only: names, without the prefix, that can be set; empty: all
     """
     return dataclasses.field(default_factory=cls, metadata={"prefix": prefix, "only": only})
 
 
 def within(low: float, high: float) -> Check:
-    """low <= value <= high."""
+    """Allows low <= value <= high."""
     return lambda value: "" if low <= value <= high else f"must be within [{low}, {high}]"
 
 
 def above_zero(high: float) -> Check:
-    """0 < value <= high."""
+    """Allows 0 < value <= high."""
     return lambda value: "" if 0.0 < value <= high else f"must be within (0, {high:g}]"
 
 
 def one_of(*allowed: Any) -> Check:
-    """The value is one of these."""
+    """Allows these values."""
     return lambda value: "" if value in allowed else "must be one of " + ", ".join(map(str, allowed))
 
 
 def not_empty(value: Any) -> str:
-    """The value, a string or a list, has something in it."""
+    """Allows strings and lists that are not empty."""
     return "" if value else "must not be empty"
 
 
 def each(check: Check) -> Check:
-    """Every value of a list or dictionary passes the check."""
+    """Allows lists and dictionaries in which every value passes the check."""
 
     def check_all(values):
         items = values.values() if isinstance(values, dict) else values
@@ -103,13 +103,13 @@ def each(check: Check) -> Check:
     return check_all
 
 
-Field = Tuple[dataclasses.Field, Any]  # with its type
+Field = Tuple[dataclasses.Field, Any]  # a field and its type
 
 
 def flat_fields(cls: type, only: Sequence[str] = ()) -> Dict[str, Field]:
-    """All parameters of a dataclass by name, those of nested ones with their prefixes.
+    """Returns all parameters of a dataclass by flat name; names of nested dataclasses have their prefixes.
 
-    Where two nested ones have the same name, its value is set in both.
+    Where two nested dataclasses share a name, its value is set in both.
     """
     flat = {}
     for field, hint in _fields(cls):
@@ -127,7 +127,7 @@ def _fields(cls: type) -> List[Field]:
 
 
 def _nested_names(field: dataclasses.Field, cls: type) -> Dict[str, str]:
-    """Flat names to those without the prefix."""
+    """Returns the names without the prefix by flat name."""
     names = flat_fields(cls, field.metadata.get("only", ()))
     return {field.metadata.get("prefix", "") + name: name for name in names}
 
@@ -135,10 +135,11 @@ def _nested_names(field: dataclasses.Field, cls: type) -> Dict[str, str]:
 def parse_params(
     cls: Type[Params], values: Mapping[str, Any], namespace: str, separator: str = "/"
 ) -> Params:
-    """An instance of the dataclass from a dictionary of parameters by flat names.
+    """Builds an instance of the dataclass from parameters by flat name.
 
-    :param namespace: full name of the node, or the file; with the separator behind it only for the messages
-    :raises ValueError: full name of the first parameter that cannot be taken, and what is allowed
+    :param namespace: full name of the node or path of the file, for errors
+    :param separator: between namespace and parameter, for errors
+    :raises ValueError: a parameter is refused; gives its full name and the allowed values
     """
     known, start = flat_fields(cls), namespace + separator
     for name in values:
@@ -169,7 +170,7 @@ def _built(cls: Type[Params], values: Mapping[str, Any]) -> Params:
     return cls(**arguments)
 
 
-# What sextant._core calls the types of parameters.
+# Parameter types by their names in sextant._core.
 _TYPES = {
     "true/false": bool,
     "whole": int,
@@ -185,7 +186,7 @@ _TYPES = {
 def parse_struct(
     struct: Type[Params], values: Mapping[str, Any], namespace: str, separator: str = "/"
 ) -> Params:
-    """As parse_params(), an instance of a struct of parameters of the core."""
+    """Builds a params struct of the core, as parse_params()."""
     fields = [(name, _TYPES[kind]) for name, kind, _, _, _ in struct.fields()]
     record = dataclasses.make_dataclass(struct.__name__, [(*field, param(None)) for field in fields])
     taken, params = parse_params(record, values, namespace, separator), struct()
@@ -223,7 +224,7 @@ def _checked(name: str, field: Field, value: Any) -> Any:
 
 
 def _converted(hint: Any, value: Any) -> Any:
-    """:raises TypeError: with the name of the type that is allowed"""
+    """:raises TypeError: the value has another type; names the allowed one"""
     if hint is Any:
         return value
     origin = getattr(hint, "__origin__", None)
@@ -241,10 +242,6 @@ def _list(args, value) -> List[Any]:
     return [_converted(args[0], item) for item in value]
 
 
-def _tuple(args, value) -> Tuple[Any, ...]:
-    return tuple(_list(args, value))
-
-
 def _dict(args, value) -> Dict[str, Any]:
     if not isinstance(value, dict):
         raise TypeError("a dictionary")
@@ -255,7 +252,7 @@ def _is_number(value: Any) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
 
 
-_CONTAINERS = {list: _list, tuple: _tuple, dict: _dict}
+_CONTAINERS = {list: _list, tuple: lambda args, value: tuple(_list(args, value)), dict: _dict}
 _SCALARS = {
     bool: ("true or false", lambda value: isinstance(value, bool)),
     int: ("a whole number", lambda value: isinstance(value, int) and not isinstance(value, bool)),

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Whether a calibration is still good, judged by photos of markers at measured distances.
+"""Checks whether a calibration is still valid, from photos of markers at measured distances.
 
-Photos and tape are explained twice: with the calibration as it is, and with a lens that may be another
-(calibration_fit.py). What the second changes is the calibration's error, and how certain that is tells
-whether the photos suffice for a judgement.
+Photos and distances are fitted twice: with the given calibration, and with free lens parameters
+(calibration_fit.py). The difference is the calibration's error; its uncertainty shows whether the photos
+suffice for a decision.
 """
 
 from dataclasses import dataclass, replace
@@ -24,101 +24,101 @@ from sextant.calibration.calibration_fit import (
     fit_calibration,
     project,
 )
-from sextant.calibration.calibration_sightings import Sighting
+from sextant.calibration.calibration_observations import Observation
 
-GOOD, NOT_GOOD, UNKNOWN = 0, 1, 2  # as the command ends
-CERTAIN = 2.0  # standard deviations
-NEAR_CORNER = 0.65  # of the way from the image's middle to its corner
-_NOISY = 4.0  # corners so much noisier than corner_sigma are no marker seen through any lens of this model
-_WRONG_READING = 3.0  # standard deviations of the tape
-_RINGS = {"middle": (0.0, 0.4), "between": (0.4, 0.7), "edge": (0.7, np.inf)}  # of the half diagonal
+GOOD, NOT_GOOD, UNKNOWN = 0, 1, 2  # exit codes of the command
+CERTAIN = 2.0  # confidence limit, standard deviations
+NEAR_CORNER = 0.65  # distance from the image centre, half diagonals
+_NOISY = 4.0  # corner noise over corner_sigma, above which the lens model cannot describe the photos
+_WRONG_READING = 3.0  # error of a tape reading, standard deviations
+_RINGS = {"centre": (0.0, 0.4), "middle": (0.4, 0.7), "edge": (0.7, np.inf)}  # radii, half diagonals
 
 
 @dataclass(frozen=True)
 class CheckParams(StrictParams):
-    """What was measured how exactly, and how far a calibration may be off."""
+    """Uncertainty of the measurements, and tolerances of the calibration."""
 
-    tape_sigma: float = param(0.005, above_zero(1.0))  # metres
-    size_sigma: float = param(0.0003, above_zero(1.0))  # metres, of a marker's edge
-    zero_sigma: float = param(0.05, above_zero(1.0))  # metres from the tape's end to the centre of projection
-    corner_sigma: float = param(0.2, above_zero(10.0))  # pixels, of corners in a sharp photo
-    focal_tolerance: float = param(0.0125, above_zero(1.0))  # share of the focal length
-    centre_tolerance: float = param(0.0125, above_zero(1.0))  # share of the image's width
-    edge_tolerance: float = param(0.01, above_zero(1.0))  # share of the image's width, in its corner
+    tape_sigma: float = param(0.005, above_zero(1.0))  # of a measured distance, metres
+    size_sigma: float = param(0.0003, above_zero(1.0))  # of a marker's edge length, metres
+    zero_sigma: float = param(0.05, above_zero(1.0))  # from the tape's zero to the projection centre, metres
+    corner_sigma: float = param(0.2, above_zero(10.0))  # of corners in a sharp photo, pixels
+    focal_tolerance: float = param(0.0125, above_zero(1.0))  # fraction of the focal length
+    centre_tolerance: float = param(0.0125, above_zero(1.0))  # fraction of the image width
+    edge_tolerance: float = param(0.01, above_zero(1.0))  # in the image corner, fraction of the image width
 
 
 @dataclass(frozen=True)
 class LensDeviation:
-    """One property of the lens: how far the calibration is off (itself minus the truth), in its unit."""
+    """Error of one lens parameter."""
 
     name: str
-    unit: str
-    error: float
-    sigma: float
+    unit: str  # of the following fields
+    error: float  # calibration minus truth
+    sigma: float  # standard deviation of the error
     tolerance: float
 
     @property
     def state(self) -> int:
-        """Not good beyond doubt, or unknown where the tolerance could be exceeded unseen."""
+        """NOT_GOOD if the error is significant, UNKNOWN if it could exceed the tolerance, else GOOD."""
         if abs(self.error) > max(self.tolerance, CERTAIN * self.sigma):
             return NOT_GOOD
         return UNKNOWN if CERTAIN * self.sigma > self.tolerance else GOOD
 
 
 @dataclass(frozen=True)
-class SeenDistance:
-    """All photos of one reading of the tape, as the calibration has them; metres."""
+class DistanceComparison:
+    """Measured and estimated distance of all photos with one tape reading."""
 
-    told: float
-    seen: float
-    photos: int
+    measured: float  # by tape, metres
+    estimated: float  # mean with the given calibration, metres
+    photos: int  # number of photos
 
 
 @dataclass(frozen=True)
 class Ring:
-    """Corners at like distance from the image's middle, through the calibration as it is; pixels."""
+    """Corners at similar distance from the image centre, with the given calibration."""
 
-    name: str
-    residual: float  # RMS
-    noise: float  # what it would be of noise alone
-    corners: int
+    name: str  # key of _RINGS
+    residual: float  # RMS reprojection error, pixels
+    noise: float  # expected from noise alone, pixels
+    corners: int  # number of corners
 
 
 @dataclass(frozen=True)
 class CalibrationCheck:
-    """The judgement, and what it was made from."""
+    """Result of a check."""
 
     state: int  # GOOD, NOT_GOOD or UNKNOWN
-    reasons: List[str]  # in words, at least one
-    deviations: List[LensDeviation]
-    distances: List[SeenDistance]
-    rings: List[Ring]
+    reasons: List[str]  # sentences, at least one
+    deviations: List[LensDeviation]  # one per lens parameter
+    distances: List[DistanceComparison]  # by ascending distance
+    rings: List[Ring]  # from the image centre outwards
     fit: CalibrationFit
 
 
 def check_calibration(
-    calibration: "sextant.CameraCalibration", sightings: Sequence[Sighting], params: CheckParams
+    calibration: "sextant.CameraCalibration", observations: Sequence[Observation], params: CheckParams
 ) -> CalibrationCheck:
-    """Judges a calibration by what was seen through its lens.
+    """Checks a calibration.
 
-    :raises ValueError: params out of range, no sighting, or one that no pose explains
+    :raises ValueError: no observations, or one that no pose explains
     """
-    if not sightings:
+    if not observations:
         raise ValueError("no photo shows a marker")
     sigmas = FitSigmas(params.tape_sigma, params.zero_sigma, params.size_sigma)
-    fit = fit_calibration(calibration, sightings, sigmas)
+    fit = fit_calibration(calibration, observations, sigmas)
     deviations = _deviations(calibration, fit, params)
-    blunders, missing = _blunders(fit, params), _missing(calibration, sightings, deviations)
-    state = _state(deviations, blunders, missing)
+    outliers, missing = _outliers(fit, params), _missing(calibration, observations, deviations)
+    state = _state(deviations, outliers, missing)
     reasons = {
         GOOD: ["the calibration is still good"],
         NOT_GOOD: [_words(each) for each in deviations if each.state == NOT_GOOD],
-        UNKNOWN: [*blunders, *missing],
+        UNKNOWN: [*outliers, *missing],
     }[state]
-    untaped = [replace(each, distance=None) for each in sightings]
+    untaped = [replace(each, distance=None) for each in observations]
     as_it_is = fit_calibration(calibration, untaped, replace(sigmas, lens=1e-9))
-    distances = _seen_distances(sightings, as_it_is)
-    rings = _rings(calibration, sightings, as_it_is, min(1.0, fit.noise_scale))
+    distances = _compare_distances(observations, as_it_is)
+    rings = _rings(calibration, observations, as_it_is, min(1.0, fit.noise_scale))
     return CalibrationCheck(state, reasons, deviations, distances, rings, fit)
 
 
@@ -141,18 +141,18 @@ def _deviations(
 def _words(deviation: LensDeviation) -> str:
     error, sigma = f"{abs(deviation.error):.1f}", f"{deviation.sigma:.1f}"
     if deviation.unit == "%":
-        way = "long" if deviation.error > 0 else "short"
-        return f"the focal length is {error} % +- {sigma} % too {way} (or the markers have another size)"
+        sign = "long" if deviation.error > 0 else "short"
+        return f"the focal length is {error} % +- {sigma} % too {sign} (or the markers have another size)"
     if deviation.name.startswith("principal"):
         return f"the {deviation.name} is off by {deviation.error:+.1f} +- {sigma} pixels"
-    return f"the distortion does not fit at the edges: off by {error} +- {sigma} pixels in the image's corner"
+    return f"the distortion does not fit at the edges: off by {error} +- {sigma} pixels in the image corner"
 
 
-def _blunders(fit: CalibrationFit, params: CheckParams) -> List[str]:
-    """What no lens explains."""
+def _outliers(fit: CalibrationFit, params: CheckParams) -> List[str]:
+    """Returns errors that no lens explains."""
     found = [
-        f"the distance {told:g} m contradicts the others: measure again"
-        for told, error in fit.tape_errors.items()
+        f"the distance {reading:g} m contradicts the others: measure again"
+        for reading, error in fit.tape_errors.items()
         if abs(error) > _WRONG_READING
     ]
     if fit.noise_scale > _NOISY:
@@ -166,36 +166,34 @@ def _blunders(fit: CalibrationFit, params: CheckParams) -> List[str]:
 
 def _missing(
     calibration: "sextant.CameraCalibration",
-    sightings: Sequence[Sighting],
+    observations: Sequence[Observation],
     deviations: Sequence[LensDeviation],
 ) -> List[str]:
-    """Which photos would tell what these do not."""
+    """Returns which further photos are needed for a decision."""
     focal, *centre, edge = deviations
-    missing = _missing_distances(sightings) if focal.state == UNKNOWN else []
-    bare = _bare_corners(calibration, sightings)
+    missing = _missing_distances(observations) if focal.state == UNKNOWN else []
+    bare = _bare_corners(calibration, observations)
     if bare:
-        missing.append(f"no marker near the image's corner: {', '.join(bare)}")
+        missing.append(f"no marker near the image corner: {', '.join(bare)}")
     elif UNKNOWN in (each.state for each in (*centre, edge)):
         missing.append(
-            "too few markers toward the image's corners: more photos there, turned by 20 to 40 degrees"
+            "too few markers near the image corners: take more photos there, tilted by 20 to 40 degrees"
         )
     return missing
 
 
-def _missing_distances(sightings: Sequence[Sighting]) -> List[str]:
-    told = {each.distance for each in sightings if each.distance is not None}
-    far = "the farthest twice the nearest or more"
-    if len(told) < 3:
-        return [f"three measured distances are needed, {far}, not {len(told)}"]
-    if max(told) < 2.0 * min(told):
+def _missing_distances(observations: Sequence[Observation]) -> List[str]:
+    measured = {each.distance for each in observations if each.distance is not None}
+    far = "the farthest at least twice the nearest"
+    if len(measured) < 3:
+        return [f"three measured distances are needed, {far}, not {len(measured)}"]
+    if max(measured) < 2.0 * min(measured):
         return [f"the distances are too close together: {far}"]
-    return [
-        "the distances tell too little of the focal length: more photos, farther apart, a more exact tape"
-    ]
+    return ["the focal length is too uncertain: take more photos, farther apart, with a more exact tape"]
 
 
-def _bare_corners(calibration: "sextant.CameraCalibration", sightings: Sequence[Sighting]) -> List[str]:
-    xy = np.concatenate([each.corners.reshape(-1, 2) for each in sightings])
+def _bare_corners(calibration: "sextant.CameraCalibration", observations: Sequence[Observation]) -> List[str]:
+    xy = np.concatenate([each.corners.reshape(-1, 2) for each in observations])
     offset, radius = _from_middle(calibration, xy)
     names = {"upper left": (-1, -1), "upper right": (1, -1), "lower left": (-1, 1), "lower right": (1, 1)}
     return [
@@ -206,39 +204,40 @@ def _bare_corners(calibration: "sextant.CameraCalibration", sightings: Sequence[
 
 
 def _from_middle(calibration: "sextant.CameraCalibration", pixels: np.ndarray):
-    """Offsets (n, 2) from the image's middle in pixels, and distances (n,) in half diagonals."""
+    """Returns offsets (n, 2) from the image centre in pixels and distances (n,) in half diagonals."""
     size = np.array([calibration.width, calibration.height])
     offset = pixels - 0.5 * (size - 1)
     return offset, np.linalg.norm(offset, axis=1) / (0.5 * np.linalg.norm(size))
 
 
-def _state(deviations: Sequence[LensDeviation], blunders: Sequence[str], missing: Sequence[str]) -> int:
-    """A wrong reading of the tape makes a wrong focal length, but nothing else wrong."""
-    believed = deviations[1:] if blunders else deviations
-    if any(each.state == NOT_GOOD for each in believed):
+def _state(deviations: Sequence[LensDeviation], outliers: Sequence[str], missing: Sequence[str]) -> int:
+    """A wrong tape reading affects the focal length only."""
+    trusted = deviations[1:] if outliers else deviations
+    if any(each.state == NOT_GOOD for each in trusted):
         return NOT_GOOD
-    return UNKNOWN if blunders or missing else GOOD
+    return UNKNOWN if outliers or missing else GOOD
 
 
-def _seen_distances(sightings: Sequence[Sighting], as_it_is: CalibrationFit) -> List[SeenDistance]:
-    seen: Dict[float, List[float]] = {}
-    for sighting, T in zip(sightings, as_it_is.poses):
-        if sighting.distance is not None:
-            seen.setdefault(sighting.distance, []).append(float(np.linalg.norm(T[:3, 3])))
-    return [SeenDistance(told, float(np.mean(each)), len(each)) for told, each in sorted(seen.items())]
+def _compare_distances(observations: Sequence[Observation], fit: CalibrationFit) -> List[DistanceComparison]:
+    estimated: Dict[float, List[float]] = {}
+    for observation, T in zip(observations, fit.poses):
+        if observation.distance is not None:
+            estimated.setdefault(observation.distance, []).append(float(np.linalg.norm(T[:3, 3])))
+    rows = sorted(estimated.items())
+    return [DistanceComparison(measured, float(np.mean(each)), len(each)) for measured, each in rows]
 
 
 def _rings(
-    calibration, sightings: Sequence[Sighting], as_it_is: CalibrationFit, noise_scale: float
+    calibration, observations: Sequence[Observation], as_it_is: CalibrationFit, noise_scale: float
 ) -> List[Ring]:
     camera = sextant.CameraModel(calibration)
     squares, noise, radii = [], [], []
-    for sighting, T in zip(sightings, as_it_is.poses):
-        pixels = sighting.corners.reshape(-1, 2)
-        residuals = project(camera, sighting.points @ T[:3, :3].T + T[:3, 3]) - pixels
+    for observation, T in zip(observations, as_it_is.poses):
+        pixels = observation.corners.reshape(-1, 2)
+        residuals = project(camera, observation.points @ T[:3, :3].T + T[:3, 3]) - pixels
         squares.append(np.mean(residuals**2, axis=1))
-        left = 1.0 - 6.0 / residuals.size  # a pose takes up six residuals
-        noise.append(left * (noise_scale * sighting.sigmas.ravel()) ** 2)
+        left = 1.0 - 6.0 / residuals.size  # a pose has six degrees of freedom
+        noise.append(left * (noise_scale * observation.sigmas.ravel()) ** 2)
         radii.append(_from_middle(calibration, pixels)[1])
     squares, noise, radii = map(np.concatenate, (squares, noise, radii))
     rings = []

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Calibration files as camera_calibration and camera_info_manager write them."""
+"""Reads calibration files of camera_calibration and camera_info_manager."""
 
 import math
 from pathlib import Path
@@ -15,7 +15,7 @@ _MATRICES = {"camera_matrix": (3, 3), "rectification_matrix": (3, 3), "projectio
 
 
 class CalibrationFileError(ValueError):
-    """A file that is no calibration: "file: what is wrong"."""
+    """A file is not a valid calibration: "file: reason"."""
 
     def __init__(self, path: Union[str, Path], what: str):
         super().__init__(str(path), what)
@@ -26,44 +26,40 @@ class CalibrationFileError(ValueError):
 
 
 def read_calibration(path: Union[str, Path]) -> "sextant.CameraCalibration":
-    """The calibration in a YAML file, for raw images.
+    """Reads a YAML file.
 
-    :raises CalibrationFileError: the file cannot be read, a field is missing or has no sense, or the camera
-        model refuses the values
+    :returns: calibration of the raw images
+    :raises CalibrationFileError: the file cannot be read, a field is missing or invalid, or the camera model
+        refuses the values
     """
     try:
-        return _calibration(_table(Path(path)))
+        return _calibration(yaml.safe_load(Path(path).read_text(encoding="utf-8")))
     except OSError as error:
-        raise CalibrationFileError(path, f"cannot be read: {error.strerror}") from None
+        what = f"cannot be read: {error.strerror}"
     except UnicodeDecodeError:
-        raise CalibrationFileError(path, "is no text") from None
+        what = "is not a text file"
     except yaml.YAMLError as error:
         mark = getattr(error, "problem_mark", None)
         line = f" in line {mark.line + 1}" if mark else ""
-        problem = getattr(error, "problem", error)
-        raise CalibrationFileError(path, f"is no YAML{line}: {problem}") from None
+        what = f"is not YAML{line}: {getattr(error, 'problem', error)}"
     except ValueError as error:
-        raise CalibrationFileError(path, str(error)) from None
+        what = str(error)
+    raise CalibrationFileError(path, what)
 
 
-def _table(path: Path) -> Dict[str, Any]:
-    table = yaml.safe_load(path.read_text(encoding="utf-8"))
+def _calibration(table: Any) -> "sextant.CameraCalibration":
     if not isinstance(table, dict):
-        raise ValueError("is no calibration as camera_calibration writes it")
-    return table
-
-
-def _calibration(table: Dict[str, Any]) -> "sextant.CameraCalibration":
+        raise ValueError("is not a calibration file of camera_calibration")
     calibration = sextant.CameraCalibration()
     calibration.width, calibration.height = _pixels(table, "image_width"), _pixels(table, "image_height")
-    # without a model it is plumb_bob, as camera_calibration_parsers has it
+    # the default model is that of camera_calibration_parsers
     calibration.distortion_model = str(table.get("distortion_model", "plumb_bob"))
     calibration.D = _numbers(table, "distortion_coefficients")
     calibration.K, calibration.R, calibration.P = (
         np.reshape(_numbers(table, name, rows, cols), (rows, cols))
         for name, (rows, cols) in _MATRICES.items()
     )
-    sextant.CameraModel(calibration)  # refuses what it cannot project with
+    sextant.CameraModel(calibration)  # validates the values
     return calibration
 
 
@@ -81,24 +77,24 @@ def _pixels(table: Dict[str, Any], name: str) -> int:
 
 
 def _numbers(table: Dict[str, Any], name: str, rows: int = 1, cols: int = 0) -> List[float]:
-    """The data of a matrix; without cols as many as it says of itself."""
+    """Returns the data of a matrix; cols 0: any number of columns."""
     matrix = _field(table, name)
     data = matrix.get("data") if isinstance(matrix, dict) else None
     numbers = [_number(value) for value in data] if isinstance(data, list) else [math.nan]
     if not np.all(np.isfinite(numbers)):
         raise ValueError(f"{name} needs 'data', a list of numbers")
-    told = (matrix.get("rows"), matrix.get("cols"))
+    shape = (matrix.get("rows"), matrix.get("cols"))
     wanted = (rows, cols or len(numbers))
-    if told != wanted or len(numbers) != wanted[0] * wanted[1]:
-        needed = f"{rows} x {cols}" if cols else "as many in one row"
+    if shape != wanted or len(numbers) != wanted[0] * wanted[1]:
+        needed = f"{rows} x {cols}" if cols else "one row of all numbers"
         raise ValueError(
-            f"{name} has {len(numbers)} numbers and says {told[0]} x {told[1]}, it needs {needed}"
+            f"{name} has {len(numbers)} numbers and the shape {shape[0]} x {shape[1]}, it needs {needed}"
         )
     return numbers
 
 
 def _number(value: Any) -> float:
-    """NaN for what is none. 5e-05 is a text to PyYAML, and what camera_info_manager writes."""
+    """Parses a number; NaN if invalid. PyYAML reads 5e-05, as camera_info_manager writes it, as a string."""
     if isinstance(value, bool) or not isinstance(value, (int, float, str)):
         return math.nan
     try:

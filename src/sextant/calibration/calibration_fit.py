@@ -1,74 +1,69 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""How far a calibration is off, by markers whose size and distance are known."""
+"""Estimates the error of a calibration from markers of known size and distance."""
 
+import copy
 from dataclasses import dataclass
 from typing import Dict, List, Optional, Sequence, Tuple
 
 import numpy as np
 
 import sextant
-from sextant.calibration.calibration_sightings import Sighting
+from sextant.calibration.calibration_observations import Observation
 
-COEFFICIENTS = {"plumb_bob": 5, "rational_polynomial": 8, "equidistant": 4}
-# The lens, as CalibrationFit.error has it; then the size's share, the tape's zero and its errors.
+# Indices into CalibrationFit.error; the errors of the tape readings follow in the state of the fit.
 FOCAL, CENTRE_X, CENTRE_Y, EDGE, SIZE, ZERO = range(6)
-LENS = 4
-_ROUNDS, _STEPS = 3, 15
+LENS = 4  # number of lens parameters
+_ROUNDS, _STEPS = 3, 15  # choices of the pose solutions, and Gauss-Newton steps after each
 
 
 @dataclass(frozen=True)
 class FitSigmas:
-    """Standard deviations of what was measured by hand."""
+    """Standard deviations of the priors."""
 
-    tape: float  # of a reading, metres: its photos share the error, and half as much is each one's own
-    zero: float  # of the tape's zero from the lens's centre of projection, metres
-    size: float  # of the markers' edges, all off by the same share, metres
-    lens: float = (
-        0.5  # of the lens: share of the focal length, and of the width for the rest; 0.5 is: unknown
-    )
+    tape: float  # of a reading, common to its photos, metres; each photo has half of it in addition
+    zero: float  # from the tape's zero to the projection centre, metres
+    size: float  # of the markers' edges, which share one relative error, metres
+    lens: float = 0.5  # fraction of the focal length, of the width for the rest; 0.5: unknown
 
 
 @dataclass(frozen=True)
 class CalibrationFit:
-    """The errors that explain the photos best.
+    """Maximum a posteriori estimate of the errors.
 
-    error, covariance: (6,) and (6, 6) of what the lens really has, less what the calibration says: logarithm
-    of the focal length; principal point x and y, pixels; radial distortion as the shift that it makes in the
-    image's corner, pixels; then the logarithm of the markers' true size, and the tape's zero, metres.
+    error contains true minus given values: logarithm of the focal length; principal point x and y, pixels;
+    radial distortion as a shift in the image corner, pixels; logarithm of the marker size; zero of the tape,
+    metres.
     """
 
-    error: np.ndarray
-    covariance: np.ndarray
-    noise_scale: float  # of the corners' residuals over their sigmas
-    tape_errors: Dict[float, float]  # by the reading: how far it seems to be off, over its sigma
-    poses: List[np.ndarray]  # T_camera_object (4, 4) of every sighting
+    error: np.ndarray  # (6,)
+    covariance: np.ndarray  # (6, 6) of error
+    noise_scale: float  # RMS of the corners' residuals over their sigmas
+    tape_errors: Dict[float, float]  # error by reading, standard deviations
+    poses: List[np.ndarray]  # T_camera_object (4, 4) of every observation
 
 
 @dataclass
 class _Normal:
-    """Normal equations, with the poses eliminated block by block (Schur complement)."""
+    """Normal equations of the global parameters g; each pose p is eliminated (Schur complement)."""
 
     H: np.ndarray
     b: np.ndarray
     cost: float
-    blocks: List[Tuple[np.ndarray, np.ndarray, np.ndarray]]  # pose from globals: H_pp, H_pg, b_p
+    blocks: List[Tuple[np.ndarray, np.ndarray, np.ndarray]]  # H_pp, H_pg, b_p of every pose
 
 
 def corner_radius(calibration: "sextant.CameraCalibration") -> float:
-    """Pixels from the principal point to the farthest corner of the image."""
+    """Returns the distance from the principal point to the farthest image corner, pixels."""
     x, y = calibration.K[0, 2], calibration.K[1, 2]
     return float(np.hypot(max(x, calibration.width - x), max(y, calibration.height - y)))
 
 
 def corrected(calibration: "sextant.CameraCalibration", error: np.ndarray) -> "sextant.CameraCalibration":
-    """The calibration with the first four of CalibrationFit.error added."""
-    result = sextant.CameraCalibration()
-    result.width, result.height = calibration.width, calibration.height
-    result.distortion_model, result.R = calibration.distortion_model, calibration.R
-    K, model = np.array(calibration.K), calibration.distortion_model
-    D = list(calibration.D) or [0.0] * COEFFICIENTS[model]
-    # r (1 + k1 r^2) of the polynomial, theta (1 + k1 theta^2) of the equidistant lens: f k1 r^3 pixels
+    """Returns the calibration corrected by the first four elements of CalibrationFit.error."""
+    result, K = copy.copy(calibration), np.array(calibration.K)
+    D = list(calibration.D) or [0.0] * 5  # plumb_bob may have no coefficients
+    # polynomial r (1 + k1 r^2), equidistant theta (1 + k1 theta^2): a shift of f k1 r^3 pixels
     focal = 0.5 * (K[0, 0] + K[1, 1])
     D[0] += error[EDGE] / (focal * (corner_radius(calibration) / focal) ** 3)
     K[:2, :2] *= np.exp(error[FOCAL])
@@ -78,25 +73,26 @@ def corrected(calibration: "sextant.CameraCalibration", error: np.ndarray) -> "s
 
 
 def fit_calibration(
-    calibration: "sextant.CameraCalibration", sightings: Sequence[Sighting], sigmas: FitSigmas
+    calibration: "sextant.CameraCalibration", observations: Sequence[Observation], sigmas: FitSigmas
 ) -> CalibrationFit:
-    """Bundle adjustment over the poses, the lens and what was measured by hand (Gauss-Newton).
+    """Bundle adjustment of poses, lens, marker size and tape errors (Gauss-Newton).
 
-    What the photos do not tell keeps a large variance. Corners noisier than their sigmas widen it.
+    Parameters that the photos do not determine keep a large variance. It is scaled up if the corners are
+    noisier than their sigmas.
 
-    :raises ValueError: a sighting that no pose in front of the camera explains
+    :raises ValueError: no pose in front of the camera explains an observation
     """
-    fit = _Fit(calibration, sightings, sigmas)
+    fit = _Fit(calibration, observations, sigmas)
     result = fit.run(1.0)
     return fit.run(result.noise_scale) if result.noise_scale > 1.0 else result
 
 
 def start_poses(
-    calibration: "sextant.CameraCalibration", sighting: Sighting, size_scale: float = 1.0
+    calibration: "sextant.CameraCalibration", observation: Observation, size_scale: float = 1.0
 ) -> List[np.ndarray]:
-    """T_camera_object (4, 4) by each of its markers alone, both poses of each."""
+    """Returns T_camera_object (4, 4) candidates: both pose solutions of every single marker."""
     camera, poses = sextant.CameraModel(calibration), []
-    for T, size, corners in zip(sighting.T_object_marker, sighting.sizes, sighting.corners):
+    for T, size, corners in zip(observation.T_object_marker, observation.sizes, observation.corners):
         planar = sextant.solve_marker_pose(camera, corners, size * size_scale)
         solutions = [planar.best, planar.alternative] if planar else []
         poses += [each.T_camera_marker @ np.linalg.inv(T) for each in solutions if each]
@@ -104,21 +100,24 @@ def start_poses(
 
 
 class _Fit:
-    def __init__(self, calibration, sightings, sigmas: FitSigmas):
-        self.calibration, self.sightings, self.sigmas = calibration, list(sightings), sigmas
-        self.points = [each.points for each in self.sightings]
-        self.distances = sorted({each.distance for each in self.sightings if each.distance is not None})
-        # As a rule far wider than a lens can be off: only so that there is always an answer.
+    def __init__(self, calibration, observations, sigmas: FitSigmas):
+        self.calibration, self.observations, self.sigmas = calibration, list(observations), sigmas
+        self.points = [each.points for each in self.observations]
+        self.distances = sorted({each.distance for each in self.observations if each.distance is not None})
+        # The prior of the lens is usually uninformative; it keeps the problem well-posed.
         pixels = sigmas.lens * calibration.width
-        size = sigmas.size / float(np.mean(np.concatenate([each.sizes for each in self.sightings])))
+        size = sigmas.size / float(np.mean(np.concatenate([each.sizes for each in self.observations])))
         self.prior = np.array(
             [sigmas.lens, pixels, pixels, pixels, size, sigmas.zero] + [sigmas.tape] * len(self.distances)
         )
 
     def run(self, noise: float) -> CalibrationFit:
-        """:param noise: factor on the corners' sigmas"""
+        """Runs the adjustment.
+
+        :param noise: factor on the corners' sigmas
+        """
         errors, poses = np.zeros(len(self.prior)), None
-        for _ in range(_ROUNDS):  # a better lens may prefer the other of a marker's two poses
+        for _ in range(_ROUNDS):  # a better lens may favour the other pose solution of a marker
             poses = self._choose(errors, poses, noise)
             errors, poses, normal = self._descend(errors, poses, noise)
         residuals = [self._corner_residuals(errors, i, T, noise) for i, T in enumerate(poses)]
@@ -132,11 +131,11 @@ class _Fit:
     def _choose(self, errors, poses, noise) -> List[np.ndarray]:
         lens, size = corrected(self.calibration, errors), float(np.exp(errors[SIZE]))
         chosen = []
-        for i, sighting in enumerate(self.sightings):
-            candidates = start_poses(lens, sighting, size) + ([poses[i]] if poses else [])
+        for i, observation in enumerate(self.observations):
+            candidates = start_poses(lens, observation, size) + ([poses[i]] if poses else [])
             costs = [self._cost(errors, i, T, noise) for T in candidates]
             if not costs or not np.isfinite(min(costs)):
-                raise ValueError(f"{sighting.photo}: no pose in front of the camera explains the marker")
+                raise ValueError(f"{observation.photo}: no pose in front of the camera explains the marker")
             chosen.append(candidates[int(np.argmin(costs))])
         return chosen
 
@@ -176,8 +175,8 @@ class _Fit:
 
     def _normal(self, errors, poses, noise: float) -> Optional[_Normal]:
         cameras = self._cameras(errors)
-        normal = _Normal(np.diag(self.prior**-2.0), errors / self.prior**2, 0.0, [])
-        normal.cost = float(np.sum((errors / self.prior) ** 2))
+        cost = float(np.sum((errors / self.prior) ** 2))
+        normal = _Normal(np.diag(self.prior**-2.0), errors / self.prior**2, cost, [])
         for i, T in enumerate(poses):
             rows = self._rows(cameras, errors, i, T, noise)
             if rows is None:
@@ -191,13 +190,13 @@ class _Fit:
         return normal
 
     def _cameras(self, errors):
-        """The lens, and as many a step beside it."""
+        """Returns camera models at the estimate and one step along each lens parameter; the steps."""
         steps = np.diag([1e-5, 1e-2, 1e-2, 1e-2])
         lenses = [errors[:LENS], *(errors[:LENS] + step for step in steps)]
         return [sextant.CameraModel(corrected(self.calibration, each)) for each in lenses], np.diag(steps)
 
     def _rows(self, cameras, errors, i: int, T: np.ndarray, noise: float):
-        """Residuals over their sigmas, derivatives by the pose (camera's axes) and by all errors; or None."""
+        """Returns whitened residuals and their Jacobians by the pose (camera axes) and by errors, or None."""
         (camera, *beside), steps = cameras
         spread = self.points[i] @ T[:3, :3].T * np.exp(errors[SIZE])
         p = spread + T[:3, 3]
@@ -205,9 +204,10 @@ class _Fit:
         by_point = _point_derivatives(camera, p)
         if pixels is None or by_point is None or any(each is None for each in shifted):
             return None
-        weights = 1.0 / (noise * np.repeat(self.sightings[i].sigmas.ravel(), 2))
-        r = (pixels - self.sightings[i].corners.reshape(-1, 2)).ravel()
-        J_p = np.concatenate([by_point, -by_point @ _cross(spread)], axis=2).reshape(-1, 6)
+        weights = 1.0 / (noise * np.repeat(self.observations[i].sigmas.ravel(), 2))
+        r = (pixels - self.observations[i].corners.reshape(-1, 2)).ravel()
+        by_rotation = -by_point @ np.cross(np.eye(3), spread[:, None])
+        J_p = np.concatenate([by_point, by_rotation], axis=2).reshape(-1, 6)
         J_g = np.zeros((r.size, len(errors)))
         for column, (each, step) in enumerate(zip(shifted, steps)):
             J_g[:, column] = ((each - pixels) / step).ravel()
@@ -219,16 +219,14 @@ class _Fit:
         tape = self._tape_residual(errors, i, T)
         if tape is None:
             return rows
-        j_p, j_g = np.zeros(6), np.zeros(len(errors))
-        j_p[:3] = T[:3, 3] / np.linalg.norm(T[:3, 3]) / (0.5 * self.sigmas.tape)
-        j_g[[ZERO, ZERO + 1 + self.distances.index(self.sightings[i].distance)]] = 1.0 / (
-            0.5 * self.sigmas.tape
-        )
+        j_p, j_g, sigma = np.zeros(6), np.zeros(len(errors)), 0.5 * self.sigmas.tape
+        j_p[:3] = T[:3, 3] / np.linalg.norm(T[:3, 3]) / sigma
+        j_g[[ZERO, ZERO + 1 + self.distances.index(self.observations[i].distance)]] = 1.0 / sigma
         r, J_p, J_g = rows
         return np.append(r, tape), np.vstack([J_p, j_p]), np.vstack([J_g, j_g])
 
     def _tape_residual(self, errors, i: int, T: np.ndarray) -> Optional[float]:
-        distance = self.sightings[i].distance
+        distance = self.observations[i].distance
         if distance is None:
             return None
         reading = errors[ZERO] + errors[ZERO + 1 + self.distances.index(distance)]
@@ -239,18 +237,20 @@ class _Fit:
         pixels = project(sextant.CameraModel(corrected(self.calibration, errors)), p)
         if pixels is None:
             return None
-        sighting = self.sightings[i]
-        return ((pixels - sighting.corners.reshape(-1, 2)) / (noise * sighting.sigmas.reshape(-1, 1))).ravel()
+        observation = self.observations[i]
+        return (
+            (pixels - observation.corners.reshape(-1, 2)) / (noise * observation.sigmas.reshape(-1, 1))
+        ).ravel()
 
 
 def project(camera: "sextant.CameraModel", p: np.ndarray) -> Optional[np.ndarray]:
-    """Pixels (n, 2) of points (n, 3) in the optical frame; None where one is out of the lens's reach."""
+    """Projects points (n, 3) in the optical frame to pixels (n, 2); None if one cannot be projected."""
     pixels = [camera.project(each) for each in p]
     return None if any(each is None for each in pixels) else np.array(pixels)
 
 
 def _point_derivatives(camera: "sextant.CameraModel", p: np.ndarray) -> Optional[np.ndarray]:
-    """(n, 2, 3) of the pixels by the points."""
+    """Returns the (n, 2, 3) Jacobian of the pixels by the points, or None."""
     step = 1e-6
     columns = []
     for axis in np.eye(3):
@@ -259,10 +259,3 @@ def _point_derivatives(camera: "sextant.CameraModel", p: np.ndarray) -> Optional
             return None
         columns.append((after - before) / (2.0 * step))
     return np.stack(columns, axis=2)
-
-
-def _cross(v: np.ndarray) -> np.ndarray:
-    """(n, 3, 3): v x."""
-    zero = np.zeros(len(v))
-    x, y, z = v.T
-    return np.stack([zero, -z, y, z, zero, -x, -y, x, zero], axis=1).reshape(-1, 3, 3)

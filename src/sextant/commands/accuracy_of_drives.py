@@ -1,13 +1,13 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""accuracy_statistics of drives whose truth is known."""
+"""accuracy_statistics for drives with ground truth."""
 
 import argparse
 import functools
 from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Dict, List, Optional, Sequence, Tuple
+from typing import Callable, Dict, List, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from sextant.bags.recorded_poses import RecordedPoses, read_frame, read_poses
 from sextant.base.atomic_file import atomic_files
 from sextant.commands.bag_options import read_bags
 from sextant.commands.command_line import Answer, check_output
-from sextant.commands.located_bags import MapFile, localization_params, located_poses, reading
+from sextant.commands.located_bags import localization_params, located_poses, read_map, reading
 from sextant.evaluation.drive_accuracy import DriveAccuracy, compare, drive_table, write_errors
 from sextant.evaluation.drive_plot import plot_drive
 from sextant.evaluation.trajectory import Trajectory
@@ -26,78 +26,59 @@ from sextant.evaluation.trajectory_metrics import RPE_UNITS
 
 
 @dataclass(frozen=True)
-class DriveJob:
-    """How the poses of a bag are found and compared, as plain values."""
-
-    pose: str  # topic; empty: they are located
-    reading: Optional[BagParams]
-    map_file: MapFile
-    corner_sigma: Optional[float]  # pixels; None: the locator's own
-    truth: Optional[Trajectory]  # None: tf has it
-    truth_frame: str
-    rpe: Tuple[float, str]
-    align: bool
-
-
-@dataclass(frozen=True)
 class MeasuredDrive:
-    """What a job answers."""
+    """Result of measure()."""
 
     accuracy: DriveAccuracy
-    warnings: Tuple[str, ...]
+    warnings: Tuple[str, ...]  # of reading the bag
 
 
 def accuracy_of_drives(options: argparse.Namespace) -> Answer:
-    """Reads the bags, compares poses and truth, writes errors and pictures.
+    """Reads the bags, compares poses with ground truth, and writes errors and plots.
 
-    :raises ValueError, RuntimeError: an option, a bag or a truth that cannot be; nothing was written then
+    :raises ValueError, RuntimeError: an option, bag or ground truth is invalid; nothing was written
     """
     bags = _bags(options)
-    errors, pictures = _files(options.output, bags)
-    for path in (errors, *pictures.values()):
+    errors, plots = _files(options.output, bags)
+    for path in (errors, *plots.values()):
         check_output(path, options.force)
-    job = _job(options)
-    marker_map = job.map_file.read()
-    markers = marker_map.markers if marker_map and not job.align else ()  # aligned is the truth's frame
-    read, notes = read_bags(functools.partial(measure, job=job), bags, options)
+    rpe = _rpe(*options.rpe)
+    measured = functools.partial(_measured(options), rpe=rpe)
+    marker_map = read_map(options)
+    markers = marker_map.markers if marker_map and not options.align else ()  # aligned: in the truth's frame
+    read, notes = read_bags(measured, bags, options)
     drives: Dict[str, DriveAccuracy] = {bag: each.accuracy for bag, each in read}
     with atomic_files(errors.parent) as folder:
         write_errors(folder / errors.name, drives)
         for bag, of in drives.items():
-            plot_drive(str(folder / pictures[bag].name), of.truth, {bag: of.estimate}, markers)
-    written = [f"{errors}: errors of every pose", *(f"{pictures[bag]}: {bag}, drawn" for bag in drives)]
-    return Answer([*notes, *drive_table(drives, job.rpe), *written])
+            plot_drive(str(folder / plots[bag].name), of.truth, {bag: of.estimate}, markers)
+    written = [f"{errors}: errors of every pose", *(f"{plots[bag]}: plot of {bag}" for bag in drives)]
+    return Answer([*notes, *drive_table(drives, rpe), *written])
 
 
 def _bags(options: argparse.Namespace) -> List[str]:
     named = Counter(path.resolve() for path in options.inputs)
     again = [str(bag) for bag, count in named.items() if count > 1]
     if again:
-        raise ValueError(f"{again[0]}: is named twice")
+        raise ValueError(f"{again[0]}: is given twice")
     return [str(path) for path in options.inputs]
 
 
 def _files(name: Path, bags: Sequence[str]) -> Tuple[Path, Dict[str, Path]]:
-    """NAME.csv; by bag, NAME.png or NAME_1.png, NAME_2.png, ..."""
+    """Returns NAME.csv and, by bag, NAME.png or NAME_1.png, NAME_2.png, ..."""
     numbers = [""] if len(bags) == 1 else [f"_{number}" for number in range(1, len(bags) + 1)]
-    pictures = {bag: name.with_name(f"{name.name}{number}.png") for bag, number in zip(bags, numbers)}
-    return name.with_name(f"{name.name}.csv"), pictures
+    plots = {bag: name.with_name(f"{name.name}{number}.png") for bag, number in zip(bags, numbers)}
+    return name.with_name(f"{name.name}.csv"), plots
 
 
-def _job(options: argparse.Namespace) -> DriveJob:
+def _measured(options: argparse.Namespace) -> Callable[..., MeasuredDrive]:
+    """Reads and checks everything but the bags; returns measure() as a function of a bag."""
     if not (options.pose or options.map):
-        raise ValueError("where are the markers? Name a map (--map), or a topic of poses (--pose)")
+        raise ValueError("set a marker map (--map) or a topic of poses (--pose)")
     localization_params(options.corner_sigma)
-    return DriveJob(
-        options.pose,
-        None if options.pose else reading(options, camera_is_base=False),
-        MapFile.of(options),
-        options.corner_sigma,
-        read_trajectory(options.truth) if options.truth is not None else None,
-        options.truth_frame,
-        _rpe(*options.rpe),
-        options.align,
-    )
+    params = None if options.pose else reading(options, camera_is_base=False)
+    truth = read_trajectory(options.truth) if options.truth is not None else None
+    return functools.partial(measure, options=options, params=params, truth=truth)
 
 
 def _rpe(delta: str, unit: str) -> Tuple[float, str]:
@@ -111,24 +92,33 @@ def _rpe(delta: str, unit: str) -> Tuple[float, str]:
     return value, unit
 
 
-def measure(bag: str, job: DriveJob) -> MeasuredDrive:
-    """One drive.
+def measure(
+    bag: str,
+    options: argparse.Namespace,
+    params: Optional[BagParams],
+    truth: Optional[Trajectory],
+    rpe: Tuple[float, str],
+) -> MeasuredDrive:
+    """Compares the poses of one drive with its ground truth.
 
-    :raises ValueError, RuntimeError: it cannot be read, has no pose, or no truth
+    :param params: None: poses are recorded, on topic options.pose
+    :param truth: None: from tf
+    :param rpe: delta and unit of sextant.evaluation.trajectory_metrics.relative_errors()
+    :raises ValueError, RuntimeError: the bag cannot be read, has no pose, or no ground truth
     """
-    poses = read_poses(bag, job.pose) if job.pose else _located(bag, job)
+    poses = _located(bag, options, params) if params else read_poses(bag, options.pose)
     if not len(poses.stamps):
         raise ValueError("; ".join(poses.warnings) or "no marker was seen")
-    truth, notes = job.truth, []
+    notes: List[str] = []
     if truth is None:
-        truth, notes = read_frame(bag, poses.frame, job.truth_frame, poses.stamps)
-    of = compare(truth, poses.stamps, poses.poses, poses.covariances, job.rpe, job.align)
+        truth, notes = read_frame(bag, poses.frame, options.truth_frame, poses.stamps)
+    of = compare(truth, poses.stamps, poses.poses, poses.covariances, rpe, options.align)
     return MeasuredDrive(of, tuple(dict.fromkeys([*poses.warnings, *notes])))
 
 
-def _located(bag: str, job: DriveJob) -> RecordedPoses:
-    drive = read_drive(bag, job.reading)
-    poses = located_poses(drive, job.map_file.read(), localization_params(job.corner_sigma))
+def _located(bag: str, options: argparse.Namespace, params: BagParams) -> RecordedPoses:
+    drive = read_drive(bag, params)
+    poses = located_poses(drive, read_map(options), localization_params(options.corner_sigma))
     return RecordedPoses(
         bag, poses.frame, poses.stamps, poses.poses, poses.covariances,
         warnings=(*drive.warnings, *poses.warnings),

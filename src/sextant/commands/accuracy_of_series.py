@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""accuracy_statistics of a camera that stood still at measured distances."""
+"""accuracy_statistics for a static camera at measured distances."""
 
 import argparse
 import functools
@@ -15,12 +15,12 @@ from sextant.bags.recorded_poses import RecordedPoses, read_poses
 from sextant.commands.bag_options import read_bags
 from sextant.commands.command_line import Answer, check_output
 from sextant.commands.located_bags import (
-    MapFile,
     localization_params,
     located_poses,
     marker_frame,
     measured_marker,
     noted,
+    read_map,
     reading,
 )
 from sextant.evaluation.accuracy_report import AccuracyFiles, accuracy_table, write_accuracy
@@ -29,14 +29,14 @@ from sextant.evaluation.corner_scatter import corner_noise
 from sextant.evaluation.distance_folders import DistanceBag, distance_bags
 from sextant.evaluation.pose_series import (
     AXES,
+    GroundTruth,
     PoseSeries,
-    Truths,
     by_distance,
     pose_series,
     series_statistics,
 )
 
-FACING = np.pi  # roll of an optical frame that looks at the marker whose frame it is in
+FACING = np.pi  # roll of a camera that faces the marker, in the marker's frame
 
 
 class _Found(NamedTuple):
@@ -48,30 +48,32 @@ class _Found(NamedTuple):
 def accuracy_of_series(options: argparse.Namespace) -> Answer:
     """Reads the bags of all distances and writes workbook, plots and parameters.
 
-    :raises ValueError, RuntimeError: an option or a bag that cannot be; nothing was written then
+    :raises ValueError, RuntimeError: an option or bag is invalid; nothing was written
     """
     if len(options.inputs) != 1:
-        raise ValueError("a series is one folder; of drives --truth or --truth-frame tells the truth")
+        raise ValueError("a series is one folder; drives need --truth or --truth-frame")
     files = AccuracyFiles.named(options.output)
     for path in files:
         check_output(path, options.force)
-    truths = true_poses(options)
+    truth = true_poses(options)
     bags = distance_bags(options.inputs[0], options.axis)
     if bags.problems and not options.skip:
-        raise ValueError(f"{bags.problems[0]}; --skip goes on without it")
+        raise ValueError(f"{bags.problems[0]}; --skip continues without it")
     found = (_recorded if options.pose else _located)([each.path for each in bags.bags], options)
     series = _series(bags.bags, found)
-    statistics = [series_statistics(each, truths) for each in series]
+    statistics = [series_statistics(each, truth) for each in series]
     written = write_accuracy(files, series, statistics, found.noise)
     skipped = [f"skipped: {problem}" for problem in bags.problems]
     notes = [*skipped, *found.notes, *_notes(series)]
     return Answer([*notes, *accuracy_table(statistics), *written])
 
 
-def true_poses(options: argparse.Namespace) -> Truths:
-    """Of a marker's frame, the others are 0 and the camera faces it; of another frame nobody knows.
+def true_poses(options: argparse.Namespace) -> GroundTruth:
+    """Returns the true values of the axes that are not measured.
 
-    :raises ValueError: a value that is no number, an axis that there is not
+    In a marker's frame, the defaults are 0 and a camera that faces the marker; else they are unknown.
+
+    :raises ValueError: a value is not a number, or an axis is unknown
     """
     others: Dict[str, Optional[float]] = dict.fromkeys(AXES, None)
     if not (options.pose or options.map):
@@ -82,9 +84,9 @@ def true_poses(options: argparse.Namespace) -> Truths:
             others[axis] = None if value == "unknown" else float(value)
         except ValueError:
             raise ValueError(f"--true {axis}={value}: '{value}' is neither a number nor unknown") from None
-    truths = Truths(options.axis, others)
-    truths.at(0.0)
-    return truths
+    truth = GroundTruth(options.axis, others)
+    truth.at(0.0)
+    return truth
 
 
 def _recorded(bags: Sequence[str], options: argparse.Namespace) -> _Found:
@@ -93,8 +95,8 @@ def _recorded(bags: Sequence[str], options: argparse.Namespace) -> _Found:
 
 
 def _located(bags: Sequence[str], options: argparse.Namespace) -> _Found:
-    localization_params(options.corner_sigma)  # before hours of reading
-    marker_map = MapFile.of(options).read()
+    localization_params(options.corner_sigma)  # fail before reading the bags
+    marker_map = read_map(options)
     if marker_map is None:
         marker_frame(options.family, 0, options.size)
     what = reading(options, camera_is_base=True)
@@ -111,22 +113,28 @@ def _located(bags: Sequence[str], options: argparse.Namespace) -> _Found:
 
 
 def _noise(drives, marker_map: "sextant.MarkerMap", given: Optional[float]) -> Optional[CornerNoise]:
-    """None where it cannot be measured, and need not. :raises ValueError: it needs to be"""
+    """Estimates the corner noise; None if that fails and the noise is given.
+
+    :raises ValueError: that fails and the noise is not given
+    """
     try:
         return corner_noise(drives, {(marker.family, marker.id) for marker in marker_map.markers})
     except ValueError as error:
         if given is None:
-            raise ValueError(f"{error}; --corner-sigma tells it where the series cannot") from None
+            raise ValueError(f"{error}; set --corner-sigma instead") from None
         return None
 
 
 def _series(bags: Sequence[DistanceBag], found: _Found) -> List[PoseSeries]:
-    """By distance. :raises ValueError: there is not one pose"""
+    """Returns one series per distance.
+
+    :raises ValueError: no bag has a pose
+    """
     poses = {each.bag: each for each in found.poses}
     series = [_bag_series(bag, poses[bag.path]) for bag in bags if bag.path in poses]
     if not any(len(each.poses) for each in series):
         reasons = "; ".join([*found.notes, *_notes(series)]) or "no marker was seen"
-        raise ValueError(f"there is not one pose in all bags: {reasons}")
+        raise ValueError(f"no bag has a pose: {reasons}")
     return by_distance(series)
 
 
@@ -136,14 +144,14 @@ def _bag_series(bag: DistanceBag, of: RecordedPoses) -> PoseSeries:
 
 
 def _notes(series: Sequence[PoseSeries]) -> List[str]:
-    """What was left out, and what is there twice."""
+    """Returns notes on poses that were left out or may be duplicates."""
     notes = []
     for each in series:
         for count in each.counts:
             if count.stale or count.invalid:
-                left_out = f"{count.stale} poses stamped before the bag began, {count.invalid} that are none"
+                left_out = f"{count.stale} poses stamped before the bag began, {count.invalid} invalid poses"
                 notes.append(f"{count.bag}: left out: {left_out}")
         again = len(each.stamps) - len(np.unique(each.stamps))
         if again:
-            notes.append(f"{each.distance:g}: {again} poses have another's stamp: is a bag there twice?")
+            notes.append(f"{each.distance:g}: {again} poses have duplicate stamps: is there a copy of a bag?")
     return notes

@@ -1,14 +1,14 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Tells how exact poses are: by measured distances, or along a drive whose truth is known.
+"""Computes the accuracy of poses, at measured distances or along a drive with ground truth.
 
-    accuracy_statistics series --size 0.2     series/0.757, series/1.256, ... each hold bags of a camera that
-                                              stands still so many metres in front of a marker
+    accuracy_statistics series --size 0.2     series/0.757, series/1.256, ... contain bags of a static camera
+                                              at these distances in front of a marker, in metres
     accuracy_statistics drive.bag --truth truth.tum --map map.yaml
     accuracy_statistics drive.bag --truth-frame base_truth --pose /marker_locator/pose
 
-Poses are located in the bags' images or recorded markers, or those that the robot published (--pose). Of a
-series it writes a workbook, plots, and what the locator takes as parameters; of a drive its errors.
+Poses are computed from the bags' images or recorded markers, or read from a topic (--pose). For a series, the
+command writes a workbook, plots and parameters of the locator; for drives, errors and plots.
 """
 
 import argparse
@@ -25,32 +25,35 @@ from sextant.evaluation.trajectory_metrics import RPE, RPE_UNITS
 
 
 def main(arguments: Optional[Sequence[str]] = None) -> int:
-    """:returns: exit code: 0, or 2 when nothing was written."""
+    """Runs the command.
+
+    :returns: exit code: 0, or 2 when nothing was written
+    """
     return run(_parser(), arguments, _answer)
 
 
 def _answer(options: argparse.Namespace) -> Answer:
     of_drives = options.truth is not None or bool(options.truth_frame)
     if options.output.name in ("", "..") or str(options.output).endswith("."):
-        raise ValueError(f"--output {options.output}: is no name that files can begin with")
-    for name, why in _meaningless(options, of_drives).items():
+        raise ValueError(f"--output {options.output}: is not a prefix of file names")
+    for name, why in _unused(options, of_drives).items():
         if getattr(options, name) != _parser().get_default(name):
-            raise ValueError(f"--{name.replace('_', '-')} means nothing {why}")
+            raise ValueError(f"--{name.replace('_', '-')} has no effect {why}")
     return accuracy_of_drives(options) if of_drives else accuracy_of_series(options)
 
 
-def _meaningless(options: argparse.Namespace, of_drives: bool) -> Dict[str, str]:
-    """Options that nobody would look at, and why."""
+def _unused(options: argparse.Namespace, of_drives: bool) -> Dict[str, str]:
+    """Returns unused options with the reason."""
     robot = ("mounts", "base_frame", "odometry")
     chosen = {
-        "of drives, whose truth is a trajectory": ("axis", "true") if of_drives else (),
-        "of a series: its poses are the camera's": () if of_drives else ("align", "rpe", *robot),
-        "with --pose: nothing is located": (
+        "for drives: their ground truth is a trajectory": ("axis", "true") if of_drives else (),
+        "for a series: its poses are the camera's": () if of_drives else ("align", "rpe", *robot),
+        "with --pose: poses are recorded": (
             *("images", "markers", "calibrations", "rectified", "every", "corner_sigma", "marker"),
             *(robot if of_drives else ("map",)),
         ) if options.pose else (),
         "without a map": ("family", "size") if options.pose and not options.map else (),
-        "with --map, which says where all markers are": ("marker",) if options.map else (),
+        "with --map, which has all markers": ("marker",) if options.map else (),
     }  # fmt: skip
     return {name: why for why, names in chosen.items() for name in names}
 
@@ -58,16 +61,16 @@ def _meaningless(options: argparse.Namespace, of_drives: bool) -> Dict[str, str]
 def _parser() -> CommandParser:
     parser = CommandParser(prog="accuracy_statistics", description=__doc__)
     parser.add_argument(
-        "inputs", nargs="+", type=Path, metavar="INPUT", help="the folder of a series, or bags of drives"
+        "inputs", nargs="+", type=Path, metavar="INPUT", help="folder of a series, or bags of drives"
     )
     parser.add_argument(
         "-o", "--output", type=Path, default=Path("accuracy"), metavar="NAME",
-        help="files to write begin with it (default: %(default)s)",
+        help="prefix of the files to write (default: %(default)s)",
     )  # fmt: skip
-    parser.add_argument("--force", action="store_true", help="overwrite files that are there")
-    _add_poses(parser.add_argument_group("which poses"))
-    _add_series(parser.add_argument_group("truth of a series"))
-    _add_drive(parser.add_argument_group("truth of a drive"))
+    parser.add_argument("--force", action="store_true", help="overwrite existing files")
+    _add_poses(parser.add_argument_group("poses"))
+    _add_series(parser.add_argument_group("ground truth of a series"))
+    _add_drive(parser.add_argument_group("ground truth of a drive"))
     bags = parser.add_argument_group("bags")
     for add in (add_bag_options, add_robot_options, add_job_options):
         add(bags)
@@ -75,39 +78,39 @@ def _parser() -> CommandParser:
 
 
 def _add_poses(group) -> None:
-    group.add_argument("--pose", default="", metavar="TOPIC", help="recorded ones; none is located then")
-    group.add_argument("--map", metavar="FILE", help="marker map; its frame is the poses' frame")
+    group.add_argument("--pose", default="", metavar="TOPIC", help="topic of recorded poses")
+    group.add_argument("--map", metavar="FILE", help="marker map; poses are in its frame")
     group.add_argument(
         "--marker", type=int, metavar="ID",
-        help="without a map: the marker that was measured, whose frame is the poses' (default: the only one)",
+        help="without a map: the measured marker; poses are in its frame (default: the only one)",
     )  # fmt: skip
     group.add_argument("--family", default=sextant.DetectorParams().families[0], help="default: %(default)s")
     group.add_argument(
-        "--size", type=float, default=0.2, metavar="METRES", help="edge (default: %(default)s)"
+        "--size", type=float, default=0.2, metavar="METRES", help="edge length (default: %(default)s)"
     )
     group.add_argument(
         "--corner-sigma", type=float, metavar="PIXELS",
-        help="noise of a corner (default: of a series what it shows itself, of a drive the locator's own)",
+        help="corner noise (default: for a series its own estimate, for drives the locator's default)",
     )  # fmt: skip
 
 
 def _add_series(group) -> None:
     group.add_argument(
-        "--axis", choices=AXES, default="z", help="what the folders' names are values of (default: z)"
+        "--axis", choices=AXES, default="z", help="measured axis: folder names are its values (default: z)"
     )
     group.add_argument(
         "--true", nargs="+", type=pair, default=[], metavar="AXIS=VALUE",
-        help="of the other axes, m and rad, or `unknown` (default: in a marker's frame 0, but roll pi, since"
-        " the camera looks at it; else unknown)",
+        help="true values of the other axes, m and rad, or `unknown` (default: in a marker's frame 0, and"
+        " roll pi, since the camera faces the marker; else unknown)",
     )  # fmt: skip
 
 
 def _add_drive(group) -> None:
     truth = group.add_mutually_exclusive_group()
-    truth.add_argument("--truth", type=Path, metavar="FILE", help="trajectory: .tum, .txt, or .csv")
-    truth.add_argument("--truth-frame", default="", metavar="FRAME", help="that tf has in the poses' frame")
-    group.add_argument("--align", action="store_true", help="move the poses onto the truth first (Umeyama)")
+    truth.add_argument("--truth", type=Path, metavar="FILE", help="trajectory, .tum, .txt or .csv")
+    truth.add_argument("--truth-frame", default="", metavar="FRAME", help="tf frame of the true pose")
+    group.add_argument("--align", action="store_true", help="align poses with the truth first (Umeyama)")
     group.add_argument(
         "--rpe", nargs=2, default=[f"{RPE[0]:g}", RPE[1]], metavar=("DELTA", "UNIT"),
-        help=f"of relative errors; units are {', '.join(RPE_UNITS)} (default: {RPE[0]:g} {RPE[1]})",
+        help=f"of relative pose errors; units: {', '.join(RPE_UNITS)} (default: {RPE[0]:g} {RPE[1]})",
     )  # fmt: skip

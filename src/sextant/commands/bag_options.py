@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Options of the commands that read bags, and the reading of many of them."""
+"""Options of commands that read bags, and parallel reading of bags."""
 
 import argparse
 from typing import Any, Callable, Dict, List, Sequence, Tuple
@@ -13,50 +13,53 @@ from sextant.base.jobs import JobError, run_jobs
 
 
 def add_bag_options(group) -> None:
-    """What is read of a bag."""
-    group.add_argument("--images", nargs="+", default=[], metavar="TOPIC")
-    group.add_argument(
-        "--markers", nargs="+", default=[], metavar="TOPIC", help="recorded by marker_detector"
-    )
+    """Adds the options of topics and calibrations."""
+    group.add_argument("--images", nargs="+", default=[], metavar="TOPIC", help="topics of images")
+    group.add_argument("--markers", nargs="+", default=[], metavar="TOPIC", help="topics of marker_detector")
     group.add_argument(
         "--calibrations", nargs="+", type=pair, default=[], metavar="TOPIC=FILE",
-        help="in place of camera_info",
+        help="calibration files that replace camera_info",
     )  # fmt: skip
     group.add_argument(
         "--rectified", nargs="+", default=[], metavar="TOPIC",
-        help="of rectified images; those that are called image_rect... are so without being named",
+        help="topics of rectified images, besides those named image_rect...",
     )  # fmt: skip
-    group.add_argument("--every", type=int, default=1, metavar="N", help="only every n-th image")
+    group.add_argument("--every", type=int, default=1, metavar="N", help="use every n-th image only")
 
 
 def add_robot_options(group) -> None:
-    """Where the cameras are on the robot, and where its wheels had it."""
+    """Adds the options of camera mounts and odometry."""
     add_mount_options(group)
     group.add_argument(
-        "--odometry", default="", metavar="TOPIC", help="default: the only one; none: not used"
+        "--odometry", default="", metavar="TOPIC", help="topic of odometry, or none (default: the only one)"
     )
 
 
 def add_mount_options(group) -> None:
-    """Where the cameras are on the robot."""
+    """Adds the options of camera mounts."""
     group.add_argument(
         "--mounts", nargs="+", type=pair, default=[], metavar="FRAME=X,Y,Z,ROLL,PITCH,YAW",
-        help="of a camera's optical frame on the base, where the bag has no tf",
+        help="poses of optical frames in the base frame, if the bag has no tf",
     )  # fmt: skip
-    group.add_argument("--base-frame", default=BagParams.base_frame, help="default: %(default)s")
+    group.add_argument(
+        "--base-frame", default=BagParams.base_frame, help="base frame of the robot (default: %(default)s)"
+    )
 
 
 def add_job_options(group) -> None:
-    """How many bags are read."""
-    group.add_argument("--skip", action="store_true", help="go on without a bag that cannot be read")
-    group.add_argument("--jobs", type=int, default=1, metavar="N", help="bags that are read at a time")
+    """Adds the options of parallel reading."""
+    group.add_argument("--skip", action="store_true", help="skip bags that cannot be read")
+    group.add_argument("--jobs", type=int, default=1, metavar="N", help="number of bags read in parallel")
     group.add_argument(
-        "--scheduler", default="", metavar="tcp://HOST:PORT", help="of a Dask cluster that reads"
+        "--scheduler", default="", metavar="tcp://HOST:PORT", help="Dask cluster that reads the bags"
     )
 
 
 def pair(text: str) -> Tuple[str, str]:
-    """:raises argparse.ArgumentTypeError: it is not NAME=VALUE."""
+    """Parses NAME=VALUE.
+
+    :raises argparse.ArgumentTypeError: another form
+    """
     name, equals, value = text.partition("=")
     if not (name and equals and value):
         raise argparse.ArgumentTypeError(f"{text!r} is not NAME=VALUE")
@@ -64,11 +67,11 @@ def pair(text: str) -> Tuple[str, str]:
 
 
 def bag_params(options: argparse.Namespace, families: Sequence[str] = (), **others: Any) -> BagParams:
-    """Of add_bag_options() and add_robot_options().
+    """Returns the parameters set by add_bag_options() and add_robot_options().
 
-    :param families: empty: the detector's own
-    :param others: more fields
-    :raises ValueError: one that cannot be
+    :param families: empty: the detector's default
+    :param others: further fields
+    :raises ValueError: an invalid value
     """
     given: Dict[str, Any] = {"families": tuple(families)} if families else {}
     return BagParams(
@@ -80,7 +83,11 @@ def bag_params(options: argparse.Namespace, families: Sequence[str] = (), **othe
 
 
 def read_mounts(pairs: Sequence[Tuple[str, str]]) -> Dict[str, np.ndarray]:
-    """T_base_camera by frame, of --mounts. :raises ValueError: one is no pose"""
+    """Parses --mounts.
+
+    :returns: T_base_camera (4, 4) by camera frame
+    :raises ValueError: an invalid pose
+    """
     return {frame: _mount(frame, text) for frame, text in pairs}
 
 
@@ -97,12 +104,12 @@ def _mount(frame: str, text: str) -> np.ndarray:
 def read_bags(
     read: Callable[[str], Any], bags: Sequence[str], options: argparse.Namespace
 ) -> Tuple[List[Tuple[str, Any]], List[str]]:
-    """read(bag) of every bag, as add_job_options() has it.
+    """Calls read(bag) for every bag, as set by add_job_options().
 
-    :param read: of a module, or functools.partial of one; what it returns has warnings
-    :returns: (bag, result) of every bag, and what was noted on the way
-    :raises JobError: a bag cannot be read, unless they are skipped
-    :raises ValueError: none can
+    :param read: a module's function or functools.partial of one; its result has a field warnings
+    :returns: (bag, result) of every bag, and notes
+    :raises JobError: a bag cannot be read, without --skip
+    :raises ValueError: no bag can be read
     """
     results = run_jobs(
         read, bags, options.jobs, options.scheduler, return_errors=options.skip, progress="bags"

@@ -1,27 +1,28 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""What all commands have in common: how they read their arguments, answer, and refuse."""
+"""Argument parsing, output and errors of all commands."""
 
 import argparse
 import sys
 from pathlib import Path
 from typing import Callable, List, NamedTuple, Optional, Sequence
 
-INTERRUPTED = 130  # exit code of a program that Ctrl-C ended, as shells have it
+INTERRUPTED = 130  # exit code after Ctrl-C, by convention of the shell
 
 
 class CommandParser(argparse.ArgumentParser):
-    """Leaves the lines of its texts as they are; a wrong argument is a ValueError."""
+    """Argument parser that keeps line breaks in its texts and raises ValueError for a wrong argument."""
 
     def __init__(self, **settings):
         super().__init__(formatter_class=argparse.RawDescriptionHelpFormatter, **settings)
 
     def error(self, message: str) -> None:
-        raise ValueError(f"{message} (--help tells more)")
+        """:raises ValueError: always"""
+        raise ValueError(f"{message} (see --help)")
 
 
 class Answer(NamedTuple):
-    """What a command prints, and its exit code."""
+    """Output lines and exit code of a command."""
 
     lines: List[str]
     exit_code: int = 0
@@ -30,9 +31,13 @@ class Answer(NamedTuple):
 def run(
     parser: CommandParser, arguments: Optional[Sequence[str]], work: Callable[[argparse.Namespace], Answer]
 ) -> int:
-    """Prints the answer, or in one line why there is none. Positional arguments may stand anywhere.
+    """Runs a command and prints its answer, or an error in one line.
 
-    :returns: exit code; 2 for bad input, 130 when it was interrupted
+    Positional arguments may follow options.
+
+    :param arguments: None: those of the process
+    :param work: computes the answer from the parsed arguments
+    :returns: exit code; 2 for invalid input, 130 after Ctrl-C
     """
     try:
         lines, exit_code = work(parser.parse_intermixed_args(arguments))
@@ -52,13 +57,14 @@ def run(
 
 
 def check_output(path: Path, force: bool) -> None:
-    """Before anything is computed or written.
+    """Checks a path of an output file before anything is computed.
 
-    :raises ValueError: the file is there and is not to be overwritten, or has no folder
+    :param force: overwrite an existing file
+    :raises ValueError: the file exists and force is False, it is a folder, or its folder does not exist
     """
     if not path.parent.is_dir():
         raise ValueError(f"{path}: there is no folder {path.parent}")
     if path.is_dir():
         raise ValueError(f"{path}: is a folder")
     if (path.exists() or path.is_symlink()) and not force:
-        raise ValueError(f"{path}: is there already; --force overwrites it")
+        raise ValueError(f"{path}: already exists; --force overwrites it")

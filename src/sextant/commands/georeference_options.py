@@ -1,18 +1,18 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Options that say where an overview lies on the earth."""
+"""Options for the geographic corners of an overview."""
 
 import argparse
 from typing import Optional, Tuple
 
-from sextant.place_maps.place_map import GeoCorners, check_georeference
+from sextant.place_maps.place_map import GeoCorners
 
 NAMES = ("north_west", "south_east")
 
 
 def add_corner_options(parser: argparse.ArgumentParser) -> None:
-    """--north-west and --south-east."""
-    group = parser.add_argument_group("where the overview lies (north is up)")
+    """Adds --north-west and --south-east."""
+    group = parser.add_argument_group("geographic position of a north-up overview")
     for name in NAMES:
         option = f"--{name.replace('_', '-')}"
         help_text = f"its {option[2:]} corner, degrees; with = before a minus: {option}=-33.4,-70.6"
@@ -20,9 +20,9 @@ def add_corner_options(parser: argparse.ArgumentParser) -> None:
 
 
 def corners_of(options: argparse.Namespace) -> Optional[GeoCorners]:
-    """What the options say; None: nothing.
+    """Corners by the options; None if they are not set.
 
-    :raises ValueError: one of them, or no coordinates
+    :raises ValueError: only one of them is set, or the coordinates are invalid
     """
     given = [getattr(options, name) for name in NAMES]
     if not any(given):
@@ -30,7 +30,7 @@ def corners_of(options: argparse.Namespace) -> Optional[GeoCorners]:
     if not all(given):
         raise ValueError("an overview has two corners: --north-west and --south-east")
     corners = GeoCorners(*(_coordinates(name, text) for name, text in zip(NAMES, given)))
-    check_georeference(corners)
+    corners.check()
     return corners
 
 

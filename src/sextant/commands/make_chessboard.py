@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Makes the chessboard to calibrate a camera with, and tells what to type then."""
+"""Makes a chessboard for camera calibration, and prints the calibration command."""
 
 import argparse
 from typing import List, Optional
@@ -12,7 +12,10 @@ from sextant.printing.print_layout import Paper
 
 
 def main(arguments: Optional[List[str]] = None) -> int:
-    """:returns: exit code: 0, or 2 where nothing could be made of the arguments."""
+    """Runs the command.
+
+    :returns: exit code: 0, or 2 for invalid arguments
+    """
     return run(_parser(), arguments, _make)
 
 
@@ -25,10 +28,13 @@ def _parser() -> CommandParser:
         metavar="COLUMNSxROWS",
         nargs="?",
         default=(8, 6),
-        help="inner corners, as camera_calibration counts: 8x6, the default, has 9 x 7 squares",
+        help="inner corners, as in camera_calibration: 8x6, the default, has 9 x 7 squares",
     )
     parser.add_argument(
-        "--square", type=float, metavar="METRES", help="edge of a square (default: the largest that fits)"
+        "--square",
+        type=float,
+        metavar="METRES",
+        help="edge length of a square (default: the largest that fits)",
     )
     return parser
 
@@ -42,7 +48,7 @@ def _make(options: argparse.Namespace) -> Answer:
     return Answer(
         [
             f"{options.output}: {columns} x {rows} inner corners, squares of {square} m, {options.page}",
-            "Print at 100 %, measure the 100 mm line, glue it onto something flat. Then:",
+            "Print at 100 %, measure the 100 mm line, glue it onto a flat board. Then:",
             f"roslaunch sextant calibrate.launch size:={columns}x{rows} square:={square}",
         ]
     )

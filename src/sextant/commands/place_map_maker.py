@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Serves a page on which photos are placed on an overview picture by clicks; every click is saved at once.
+"""Serves a web page on which photos are placed on an overview image by clicks; every click is saved at once.
 
-place_map_maker photos/            photos/map.txt, begun or gone on with, at http://127.0.0.1:8080
+place_map_maker photos/            creates or edits photos/map.txt at http://127.0.0.1:8080
 """
 
 import argparse
@@ -16,8 +16,8 @@ from aiohttp import web
 
 from sextant.commands.command_line import Answer, CommandParser, run
 from sextant.commands.georeference_options import add_corner_options, corners_of
-from sextant.place_maps.map_draft import MapDraft
-from sextant.place_maps.map_page import ADDRESS, map_page
+from sextant.place_maps.place_map_draft import PlaceMapDraft
+from sextant.place_maps.place_map_page import ADDRESS, map_page
 
 
 def main(arguments: Optional[Sequence[str]] = None) -> int:
@@ -27,14 +27,11 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
 
 def _parser() -> CommandParser:
     parser = CommandParser(prog="place_map_maker", description=__doc__)
-    parser.add_argument(
-        "folder", metavar="FOLDER", help="of the photos and the overview; more can be added on the page"
-    )
-    parser.add_argument(
-        "--map", default="map.txt", metavar="NAME", help="file in the folder (default: %(default)s)"
-    )
-    parser.add_argument("--port", type=int, default=8080, help="default: %(default)s; 0: a free one")
-    parser.add_argument("--open", action="store_true", help="open it in the browser")
+    add = parser.add_argument
+    add("folder", metavar="FOLDER", help="folder of photos and overview; the page can add more")
+    add("--map", default="map.txt", metavar="NAME", help="map file in the folder (default: %(default)s)")
+    add("--port", type=int, default=8080, help="default: %(default)s; 0: any free one")
+    add("--open", action="store_true", help="open the page in the browser")
     add_corner_options(parser)
     return parser
 
@@ -44,14 +41,14 @@ def _serve(options: argparse.Namespace) -> Answer:
         raise ValueError(f"--map is '{options.map}', expected the name of a file in the folder")
     if not 0 <= options.port <= 65535:
         raise ValueError(f"--port is {options.port}, allowed are 0 to 65535")
-    draft = MapDraft(Path(options.folder) / options.map, corners_of(options))
+    draft = PlaceMapDraft(Path(options.folder) / options.map, corners_of(options))
     asyncio.run(_serve_until_stopped(draft, options.port, options.open))
     place_map = draft.place_map
     count = len(place_map.photos) if place_map else 0
-    return Answer([f"{draft.path}: {count} photos" if place_map else "nothing was made"])
+    return Answer([f"{draft.path}: {count} photos" if place_map else "no map was made"])
 
 
-async def _serve_until_stopped(draft: MapDraft, port: int, open_browser: bool) -> None:
+async def _serve_until_stopped(draft: PlaceMapDraft, port: int, open_browser: bool) -> None:
     runner = web.AppRunner(map_page(draft))
     await runner.setup()
     try:

@@ -1,13 +1,13 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Makes a place map of recorded drives whose poses are known: by tf, or by a topic of poses.
+"""Makes a place map from bags of drives with known poses: by tf, or by a topic of poses.
 
-    make_place_map drive hall.bag -o hall/map.txt                          tf knows map -> base_link
+    make_place_map drive hall.bag -o hall/map.txt                          by tf from map to base_link
     make_place_map drive hall.bag -o hall/map.txt --pose /marker_locator/pose
     make_place_map drive *.bag -o hall/map.txt --map-yaml floor.yaml       on the map of map_server
-    make_place_map drive evening.bag -o hall/map.txt --add                 more pictures of the same places
+    make_place_map drive evening.bag -o hall/map.txt --add                 more photos of the same places
 
-Photos go into the map's folder. Without --map-yaml a sheet is drawn that shows the paths.
+Photos are written to the map's folder. Without --map-yaml an overview with the paths is drawn.
 """
 
 import argparse
@@ -16,7 +16,7 @@ import math
 import os
 from collections import Counter
 from pathlib import Path
-from typing import Dict, List, Sequence, Tuple
+from typing import Dict, Sequence, Tuple
 
 import numpy as np
 
@@ -24,100 +24,92 @@ from sextant.bags.drive_photos import DrivePhoto, DrivePhotos, PhotoParams, read
 from sextant.commands.bag_options import add_job_options, add_mount_options, read_bags, read_mounts
 from sextant.commands.command_line import Answer, CommandParser
 from sextant.commands.place_map_output import add_output_options, existing_map, write_map
-from sextant.place_maps.map_addition import NewPhoto, add_photos
 from sextant.place_maps.overview import draw_paths
-from sextant.place_maps.overview_picture import OverviewPicture, drawn_picture, map_server_picture
+from sextant.place_maps.overview_image import OverviewImage, drawn_overview, overview_from_map_server
 from sextant.place_maps.place_map import MetricFrame, PlaceMap
+from sextant.place_maps.place_map_addition import NewPhoto, add_photos
 
 MARGIN = 3.0  # metres
-# Of the distance: another pass is at most half of it off along the path, so that there is some for the side;
-# photos of one pass are at least nine tenths apart.
+# Relative to --distance: photos of another pass are at most half of it off along the path, which leaves some
+# for the lateral offset; photos of one pass are at least nine tenths apart.
 MERGE = 0.75
 
 
 def parser() -> CommandParser:
-    """Of `make_place_map drive`."""
+    """Parser of `make_place_map drive`."""
     result = CommandParser(prog="make_place_map drive", description=__doc__)
     result.add_argument("bags", nargs="+", metavar="BAG", help="with images and poses")
     add_output_options(result)
-    begin = result.add_mutually_exclusive_group()
-    begin.add_argument("--add", action="store_true", help="to the map that is there, on its overview")
-    begin.add_argument(
-        "--map-yaml", type=Path, metavar="YAML", help="of map_server: its picture is the overview"
-    )
-    begin.add_argument(
-        "--margin", type=float, default=MARGIN, metavar="METRES",
-        help="around the paths, of a drawn overview (default: %(default)s)",
-    )  # fmt: skip
+    begin = result.add_mutually_exclusive_group().add_argument
+    begin("--add", action="store_true", help="add to the existing map, on its overview")
+    begin("--map-yaml", type=Path, metavar="YAML", help="map_server map whose image is the overview")
+    text = "around the paths of a drawn overview (default: %(default)s)"
+    begin("--margin", type=float, default=MARGIN, metavar="METRES", help=text)
     _add_picking(result.add_argument_group("which photos"))
     _add_poses(result.add_argument_group("poses"))
     bags = result.add_argument_group("bags")
-    bags.add_argument("--image", default="", metavar="TOPIC", help="default: that of the only camera")
-    bags.add_argument("--every", type=int, default=1, metavar="N", help="only every n-th image")
+    bags.add_argument("--image", default="", metavar="TOPIC", help="image topic (default: the only one)")
+    bags.add_argument("--every", type=int, default=1, metavar="N", help="use every n-th image")
     add_job_options(bags)
     return result
 
 
 def _add_picking(group) -> None:
-    group.add_argument(
-        "--distance", type=float, default=PhotoParams.distance, metavar="METRES",
-        help="from one to the next (default: %(default)s)",
-    )  # fmt: skip
-    group.add_argument(
-        "--turn", type=float, default=round(math.degrees(PhotoParams.turn)), metavar="DEGREES",
-        help="another one after the camera turned so far (default: %(default)s)",
-    )  # fmt: skip
-    group.add_argument(
-        "--merge", type=float, metavar="METRES",
-        help=f"this near to a place, a photo is one more picture of it (default: {MERGE:g} of --distance)",
-    )  # fmt: skip
+    add, distance, turn = group.add_argument, PhotoParams.distance, round(math.degrees(PhotoParams.turn))
+    text = "between photos (default: %(default)s)"
+    add("--distance", type=float, default=distance, metavar="METRES", help=text)
+    text = "rotation between photos (default: %(default)s)"
+    add("--turn", type=float, default=turn, metavar="DEGREES", help=text)
+    text = f"a photo within this distance of a place is added to it (default: {MERGE:g} of --distance)"
+    add("--merge", type=float, metavar="METRES", help=text)
 
 
 def _add_poses(group) -> None:
-    group.add_argument("--frame", default="", help=f"where tf has the base (default: {PhotoParams.frame})")
-    group.add_argument("--pose", default="", metavar="TOPIC", help="of the base's poses, in place of tf")
+    group.add_argument("--frame", default="", help=f"frame of tf poses (default: {PhotoParams.frame})")
+    group.add_argument("--pose", default="", metavar="TOPIC", help="poses of the base instead of tf")
     add_mount_options(group)
 
 
 def make(options: argparse.Namespace) -> Answer:
     """Reads the bags and writes their map.
 
-    :raises OSError, ValueError, RuntimeError: an option or a bag that cannot be; there is no map of them
+    :raises OSError, ValueError, RuntimeError: an option or a bag is invalid; no map was written
     """
-    begun = existing_map(options)
+    base_map = existing_map(options)
     _check(options)
     reading = functools.partial(read_drive_photos, params=_photo_params(options))
     read, notes = read_bags(reading, options.bags, options)
     drives = [drive for _, drive in read]
     frame, files = _frame(read), {}
-    if begun is None:
-        picture = _overview(options, frame, drives)
-        begun, files = picture.empty_map(options.output.parent), picture.files
-    place = _metric(options.output, begun, frame)
+    if base_map is None:
+        overview = _overview(options, frame, drives)
+        base_map, files = overview.empty_map(options.output.parent), overview.files
+    place = _metric(options.output, base_map, frame)
     photos = _by_name(drives)
-    known = [photo.image for photo in begun.photos if photos.pop(photo.image, None)]
-    notes += [f"{len(known)} photos of these drives are in the map already"] if known else []
-    found = [_new_photo(begun, place, photo) for photo in photos.values()]
-    made, left_out = add_photos(begun, found, _merge(options) / place.resolution)
+    known = [photo.image for photo in base_map.photos if photos.pop(photo.image, None)]
+    notes += [f"{len(known)} photos of these drives are already in the map"] if known else []
+    found = [_new_photo(base_map, place, photo) for photo in photos.values()]
+    made, left_out = add_photos(base_map, found, _merge(options) / place.resolution)
+    reasons = list(map(": ".join, left_out.items()))
     if not made.photos:
-        raise ValueError(f"no photo can be placed: {_told(left_out)[0]} (of {len(left_out)})")
+        raise ValueError(f"no photo can be placed: {reasons[0]} (of {len(reasons)})")
     files.update({name: photo.jpeg for name, photo in photos.items() if name not in left_out})
-    return write_map(options, made, files, _told(left_out), notes)
+    return write_map(options, made, files, reasons, notes)
 
 
 def _check(options: argparse.Namespace) -> None:
-    """Before anything is read."""
+    """Checks the options before any bag is read."""
     if options.pose and options.frame:
-        raise ValueError("--frame means nothing with --pose: its poses say their frame")
+        raise ValueError("--frame cannot be used with --pose: the poses have a frame")
     if not 0 < options.margin < np.inf:
-        raise ValueError(f"--margin is {options.margin:g}, allowed are metres above 0")
+        raise ValueError(f"--margin is {options.margin:g}, it must be above 0 metres")
     if options.merge is not None and not 0 <= options.merge < np.inf:
-        raise ValueError(f"--merge is {options.merge:g}, allowed are metres from 0 on")
+        raise ValueError(f"--merge is {options.merge:g}, it must be at least 0 metres")
     if not 0 < options.turn <= 360:
-        raise ValueError(f"--turn is {options.turn:g}, allowed are degrees above 0, up to 360")
+        raise ValueError(f"--turn is {options.turn:g}, allowed is (0, 360] degrees")
     again = [bag for bag, count in Counter(map(os.path.realpath, options.bags)).items() if count > 1]
     if again:
-        raise ValueError(f"{again[0]}: is named twice")
+        raise ValueError(f"{again[0]}: duplicate bag")
 
 
 def _merge(options: argparse.Namespace) -> float:
@@ -132,7 +124,7 @@ def _photo_params(options: argparse.Namespace) -> PhotoParams:
 
 
 def _frame(read: Sequence[Tuple[str, DrivePhotos]]) -> str:
-    """That all drives are in."""
+    """Common frame of the drives."""
     (first, drive), *others = read
     for bag, other in others:
         if other.frame != drive.frame:
@@ -140,17 +132,17 @@ def _frame(read: Sequence[Tuple[str, DrivePhotos]]) -> str:
     return drive.frame
 
 
-def _overview(options: argparse.Namespace, frame: str, drives: Sequence[DrivePhotos]) -> OverviewPicture:
+def _overview(options: argparse.Namespace, frame: str, drives: Sequence[DrivePhotos]) -> OverviewImage:
     if options.map_yaml:
-        return map_server_picture(options.output.parent, options.map_yaml, frame)
+        return overview_from_map_server(options.output.parent, options.map_yaml, frame)
     image, place = draw_paths([path for drive in drives for path in drive.paths], frame, options.margin)
-    return drawn_picture(f"{options.output.stem}.png", image, place)
+    return drawn_overview(f"{options.output.stem}.png", image, place)
 
 
 def _metric(path: Path, place_map: PlaceMap, frame: str) -> MetricFrame:
     place = place_map.georeference
     if not isinstance(place, MetricFrame):
-        raise ValueError(f"{path}: says nothing of a tf frame, so no pose can be placed in it")
+        raise ValueError(f"{path}: has no tf frame, so poses cannot be placed in it")
     if place.frame != frame:
         raise ValueError(f"{path}: is in '{place.frame}', the poses of the drive are in '{frame}'")
     return place
@@ -168,7 +160,3 @@ def _by_name(drives: Sequence[DrivePhotos]) -> Dict[str, DrivePhoto]:
 def _new_photo(place_map: PlaceMap, place: MetricFrame, photo: DrivePhoto) -> NewPhoto:
     x, y = place.pixel(place_map.overview, *photo.position)
     return NewPhoto(photo.name, x, y, None if photo.yaw is None else place.photo_yaw(photo.yaw))
-
-
-def _told(left_out: Dict[str, str]) -> List[str]:
-    return [f"{name}: {why}" for name, why in left_out.items()]

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Plays the ball task in many simulated worlds, without a window, and tells how often it succeeds.
+"""Plays the ball task in many simulated worlds and prints the success rate.
 
-score_ball_task --worlds 200 --jobs 2 --results worlds.csv     ended at any time, it goes on where it was
+score_ball_task --worlds 200 --jobs 2 --results worlds.csv     resumes after an interruption
 score_ball_task --tasks 3 --seed 17 --worlds 1                 one world
 """
 
@@ -27,7 +27,7 @@ from sextant.simulation.ball_world import TASKS
 
 
 def main(arguments: Optional[Sequence[str]] = None) -> int:
-    """:returns: exit code: 0, or 2 when nothing was played."""
+    """Run the command. :returns: exit code: 0, or 2 for invalid options"""
     return run(_parser(), arguments, _score)
 
 
@@ -35,13 +35,13 @@ def _parser() -> CommandParser:
     parser = CommandParser(prog="score_ball_task", description=__doc__)
     add, default = parser.add_argument, "(default: %(default)s)"
     add("--tasks", type=int, nargs="+", choices=sorted(TASKS), default=sorted(TASKS), metavar="TASK")
-    add("--worlds", type=int, default=200, metavar="N", help=f"of each task {default}")
-    add("--seed", type=int, default=0, metavar="N", help="of the first world; the others follow")
-    add("--jobs", type=int, default=1, metavar="N", help="worlds that are played at a time")
+    add("--worlds", type=int, default=200, metavar="N", help=f"worlds of each task {default}")
+    add("--seed", type=int, default=0, metavar="N", help="of the first world; further worlds count up")
+    add("--jobs", type=int, default=1, metavar="N", help="number of parallel processes")
     add("--detector", choices=("network", "colour"), default="network")
-    add("--model", metavar="ONNX", help="network that finds the objects (default: Sextant's own)")
-    add("--results", type=Path, metavar="CSV", help="one line a world; those in it are not played again")
-    add("--film", type=Path, metavar="FILE", help="of one world: a strip (.png) or an animation (.gif)")
+    add("--model", metavar="ONNX", help="detection network (default: Sextant's own)")
+    add("--results", type=Path, metavar="CSV", help="one line per world; worlds already in it are skipped")
+    add("--film", type=Path, metavar="FILE", help="film of one world: a strip (.png) or an animation (.gif)")
     add("--force", action="store_true", help="overwrite the film")
     return parser
 
@@ -57,13 +57,13 @@ def _score(options: argparse.Namespace) -> Answer:
 
 def _wanted(options: argparse.Namespace) -> List[Match]:
     model = "" if options.detector == "colour" else options.model or str(shipped_model())
-    detector_of(model)  # refuses what cannot be before anything is played
+    detector_of(model)  # raises before anything is played
     seeds = range(options.seed, options.seed + options.worlds)
     return [Match(task, seed, model) for task in options.tasks for seed in seeds]
 
 
 def _filmed(wanted: List[Match], options: argparse.Namespace) -> MatchResult:
-    from sextant.evaluation.ball_film import BallFilm  # only now: matplotlib takes a second to load
+    from sextant.evaluation.ball_film import BallFilm  # matplotlib takes a second to load
 
     if len(wanted) != 1 or options.results:
         raise ValueError("--film is of one world, without --results: give --tasks, --seed and --worlds 1")

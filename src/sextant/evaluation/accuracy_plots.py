@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Pictures of the accuracy by distance: errors, and the spread of the poses against what was published.
+"""Plots of the accuracy by distance: errors, and spread of the poses against the published deviation.
 
-A panel an axis, in centimetres and degrees; logarithmic, because errors grow from millimetres to a metre.
+One panel per axis, in centimetres and degrees; logarithmic, since errors range from millimetres to a metre.
 """
 
 from pathlib import Path
@@ -19,42 +19,42 @@ from sextant.base.plot_colours import COLOURS
 from sextant.evaluation.pose_series import AXES, UNITS, SeriesStatistics
 
 BLUE, RED, GREEN, GREY = COLOURS[0], COLOURS[1], COLOURS[2], "#999999"
-SCALES = (100.0,) * 3 + (180.0 / np.pi,) * 3
-SHOWN = ("cm",) * 3 + ("degrees",) * 3
-FLOOR = 0.05  # of the smallest standard deviation, where a panel ends: what is below is drawn at its rim
-NOTHING = 1e-6  # and not lower than this, centimetres and degrees
-DOTS = 1000  # poses of a distance that are drawn; more are only ink
+SCALES = (100.0,) * 3 + (180.0 / np.pi,) * 3  # to the plotted units
+SHOWN = ("cm",) * 3 + ("degrees",) * 3  # plotted units
+FLOOR = 0.05  # lower limit of a panel, of the smallest standard deviation; smaller values are drawn at it
+MIN_FLOOR = 1e-6  # minimum of this limit, centimetres and degrees
+DOTS = 1000  # maximum number of poses drawn per distance
 
 Panel = Callable[[Axes, Sequence[SeriesStatistics], int], None]
 
 
 def plot_errors(path: Union[str, Path], statistics: Sequence[SeriesStatistics]) -> None:
-    """Bias, standard deviation and RMSE of every axis over the distance.
+    """Plots bias, standard deviation and RMSE of every axis over the distance.
 
-    :param path: picture file; the ending chooses the format (.png, .pdf, .svg)
-    :param statistics: of one series a distance or more, some with poses or none
-    :raises OSError: the file cannot be written; an old one stays as it was
-    :raises ValueError: no statistics, or an ending that is no picture
+    :param path: image file; the ending selects the format (.png, .pdf, .svg)
+    :param statistics: one or more per distance, with or without poses
+    :raises OSError: the file cannot be written; an existing one is unchanged
+    :raises ValueError: no statistics, or the ending is not an image format
     """
     _plot(path, statistics, _draw_errors, "error by distance")
 
 
 def plot_spread(path: Union[str, Path], statistics: Sequence[SeriesStatistics]) -> None:
-    """Every pose's deviation from the mean, their standard deviation, and the published one if there is one.
+    """Plots the deviation of poses from the mean, the standard deviation, and the published one if available.
 
-    Parameters and what is raised as plot_errors().
+    Parameters and errors as plot_errors().
     """
     _plot(path, statistics, _draw_spread, "spread of the poses by distance")
 
 
 def _plot(path: Union[str, Path], statistics: Sequence[SeriesStatistics], draw: Panel, title: str) -> None:
     if not statistics:
-        raise ValueError("there are no statistics to draw")
+        raise ValueError("there are no statistics to plot")
     figure = Figure(figsize=(13, 7.5))
-    canvas = FigureCanvasAgg(figure)  # not pyplot: it needs a window system and has a state of its own
+    canvas = FigureCanvasAgg(figure)  # not pyplot, which needs a window system and has global state
     kind = Path(path).suffix.lstrip(".").lower()
     if kind not in canvas.get_supported_filetypes():
-        raise ValueError(f"{path}: '{kind}' is no picture format")
+        raise ValueError(f"{path}: '{kind}' is not an image format")
     statistics = sorted(statistics, key=lambda each: each.distance)
     panels = figure.subplots(2, 3)
     for axis, axes in enumerate(panels.flat):
@@ -74,7 +74,7 @@ def _draw_errors(axes: Axes, statistics: Sequence[SeriesStatistics], axis: int) 
         chosen = np.where(np.copysign(1.0, bias) == sign, bias, np.nan)
         _line(axes, distance, chosen, marker, color=RED, markersize=7, label=f"bias, estimate too {size}")
     if np.isnan(bias).all() and np.isfinite(std).any():
-        axes.text(0.5, 0.03, "true value not known: no bias", transform=axes.transAxes, ha="center")
+        axes.text(0.5, 0.03, "true value unknown: no bias", transform=axes.transAxes, ha="center")
 
 
 def _draw_spread(axes: Axes, statistics: Sequence[SeriesStatistics], axis: int) -> None:
@@ -86,27 +86,27 @@ def _draw_spread(axes: Axes, statistics: Sequence[SeriesStatistics], axis: int) 
         at = each.distance + random.uniform(-width, width, len(poses))
         deviation = SCALES[axis] * (poses - each.mean[axis])
         _line(axes, at, deviation, ".", color=GREY, markersize=2, alpha=0.5)
-    axes.plot([], [], ".", color=GREY, label="a pose's distance from the mean")
+    axes.plot([], [], ".", color=GREY, label="deviation of a pose from the mean")
     _line(axes, distance, std, "o--", color=BLUE, markersize=5, label="standard deviation")
     if any(np.isfinite(each.published).any() for each in statistics):
         _line(axes, distance, published, "s-", color=GREEN, markersize=5, label="published")
 
 
 def _columns(statistics: Sequence[SeriesStatistics], axis: int, *names: str) -> Tuple[np.ndarray, ...]:
-    """Distances, and a field a name in the unit that is shown."""
+    """Returns the distances and the named fields in the plotted unit."""
     distances = np.array([each.distance for each in statistics])
     values = [[getattr(each, name)[axis] for each in statistics] for name in names]
     return (distances, *(SCALES[axis] * np.array(each) for each in values))
 
 
 def _line(axes: Axes, distances: np.ndarray, values: np.ndarray, form: str, **style: object) -> None:
-    """Sizes of what is a number; a logarithmic axis has no zero."""
+    """Plots absolute values, without NaN; a logarithmic axis has no zero."""
     known = np.isfinite(values)
     axes.plot(distances[known], np.maximum(np.abs(values[known]), np.finfo(float).tiny), form, **style)
 
 
 def _jitter(distances: np.ndarray) -> float:
-    """A fifth of the closest two distances' difference, so that their dots do not mix."""
+    """Returns a fifth of the smallest difference between distances, so that their dots do not overlap."""
     gaps = np.diff(np.unique(distances))
     return 0.2 * float(min(gaps, default=0.5))
 
@@ -130,7 +130,7 @@ def _finish(axes: Axes, statistics: Sequence[SeriesStatistics], axis: int) -> No
 def _limit(axes: Axes, statistics: Sequence[SeriesStatistics], axis: int) -> None:
     deviations = [SCALES[axis] * each.std[axis] for each in statistics if each.std[axis] > 0.0]
     largest = max((max(line.get_ydata(), default=0.0) for line in axes.lines), default=0.0)
-    lowest = max(FLOOR * min(deviations, default=largest), NOTHING)
+    lowest = max(FLOOR * min(deviations, default=largest), MIN_FLOOR)
     axes.set_ylim(lowest, max(2.0 * largest, 100.0 * lowest))
     for line in axes.lines:
         line.set_ydata(np.maximum(line.get_ydata(), lowest))

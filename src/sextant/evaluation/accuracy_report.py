@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""All that is told of series of poses: a table, and the files that go with it."""
+"""Accuracy report of pose series: a table, and files."""
 
 from pathlib import Path
 from typing import List, NamedTuple, Optional, Sequence
@@ -10,22 +10,27 @@ import numpy as np
 from sextant.base.atomic_file import atomic_files
 from sextant.evaluation.accuracy_plots import plot_errors, plot_spread
 from sextant.evaluation.accuracy_workbook import write_workbook
-from sextant.evaluation.accuracy_yaml import CornerNoise, constant_covariance, write_locator_yaml
+from sextant.evaluation.accuracy_yaml import (
+    CornerNoise,
+    constant_covariance,
+    write_constant_covariance,
+    write_corner_noise,
+)
 from sextant.evaluation.pose_series import PoseSeries, SeriesStatistics
 
 
 class AccuracyFiles(NamedTuple):
-    """Files that one name stands for."""
+    """Files of a report."""
 
     workbook: Path
-    errors: Path  # picture
-    spread: Path  # picture
-    noise: Path  # parameters of the locator
-    constant: Path  # parameters of the locator, for those who want one covariance for every pose
+    errors: Path  # plot
+    spread: Path  # plot
+    noise: Path  # parameter corner_sigma of the locator
+    constant: Path  # parameter constant_covariance of the locator
 
     @classmethod
     def named(cls, name: Path) -> "AccuracyFiles":
-        """E.g. accuracy.xlsx, accuracy_errors.png, ..."""
+        """Returns the files with a common prefix, e.g. accuracy.xlsx, accuracy_errors.png, ..."""
         endings = (".xlsx", "_errors.png", "_spread.png", ".yaml", "_constant.yaml")
         return cls(*(name.with_name(name.name + ending) for ending in endings))
 
@@ -36,11 +41,11 @@ def write_accuracy(
     statistics: Sequence[SeriesStatistics],
     noise: Optional[CornerNoise],
 ) -> List[str]:
-    """Writes the files, all of them or none.
+    """Writes all files atomically.
 
-    :param noise: None: not measured, its file is not made
-    :returns: what was written, a line a file, and which one that is there is of an earlier run
-    :raises OSError: one cannot be written
+    :param noise: None: not measured, its file is not written
+    :returns: lines that list the written files, and files left from an earlier run
+    :raises OSError: a file cannot be written
     :raises ValueError: as write_workbook()
     """
     with atomic_files(files.workbook.parent) as folder:
@@ -50,26 +55,26 @@ def write_accuracy(
         plot_spread(within.spread, statistics)
         lines = [
             f"{files.workbook}: every pose, mean, deviation, bias, RMSE and covariance",
-            f"{files.errors}, {files.spread}: the same, drawn",
+            f"{files.errors}, {files.spread}: plots",
         ]
         if noise is not None:
-            write_locator_yaml(within.noise, corner=noise)
-            lines.append(f"{files.noise}: corner noise of this camera, for the locator: rosparam load")
+            write_corner_noise(within.noise, noise)
+            lines.append(f"{files.noise}: corner noise of this camera; load it with rosparam for the locator")
         lines.append(_write_constant(within.constant, files.constant, statistics, series[0].frame))
         older = [path for path, made in zip(files, within) if path.exists() and not made.exists()]
-    return lines + [f"{path}: is of an earlier run, nothing new was written there" for path in older]
+    return lines + [f"{path}: left from an earlier run" for path in older]
 
 
-def _write_constant(path: Path, told: Path, statistics: Sequence[SeriesStatistics], frame: str) -> str:
+def _write_constant(path: Path, target: Path, statistics: Sequence[SeriesStatistics], frame: str) -> str:
     try:
-        write_locator_yaml(path, covariance=constant_covariance(statistics, frame=frame))
+        write_constant_covariance(path, constant_covariance(statistics, frame))
     except ValueError as error:
         return f"no constant covariance: {error}"
-    return f"{told}: one covariance for all poses, for those who want that; in the axes of '{frame}'"
+    return f"{target}: one covariance for all poses, in the axes of '{frame}'"
 
 
 def accuracy_table(statistics: Sequence[SeriesStatistics]) -> List[str]:
-    """Position by distance, millimetres, lines."""
+    """Formats bias, deviation and published deviation of the position by distance, as lines; millimetres."""
     heading = [f"{'':>10} {'':>6}", *(f"{name:>26}" for name in ("bias", "deviation", "published"))]
     lines = ["".join(heading) + "   x y z, mm"]
     for each in statistics:

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""The accuracy statistics as a workbook for a spreadsheet program.
+"""Writes accuracy statistics as a spreadsheet.
 
-Its numbers are formulas over the raw poses: an outlier's row can be deleted, and everything follows.
+Its statistics are formulas over the raw poses, so that rows of outliers can be deleted.
 """
 
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ from sextant.evaluation.trajectory import seconds_text
 FIRST_ROW = 2  # of the data, below the headings
 FIRST_AXIS = 4  # column of x in a sheet of raw poses
 TEXT, DECIMAL, POWER, INTEGER = "General", "0.00000", "0.00E+00", "0"
-UNDEFINED, UNKNOWN = "undefined", "unknown"  # one pose has no deviation; nobody measured that axis
+UNDEFINED, UNKNOWN = "undefined", "unknown"  # deviation of one pose; axis without a true value
 
 FONT = "Calibri"
 HEADING = dict(
@@ -35,20 +35,18 @@ LEFT, RIGHT = Alignment(horizontal="left", indent=1), Alignment(horizontal="righ
 RULE = Border(top=Side(style="thin", color="808080"))
 
 SUMMARY_NOTES = (
-    "Everything but truth and published is a formula over the raw poses: delete an outlier's row there, and"
-    " the numbers follow. std is divided by N - 1, RMSE by N; bias = mean - truth.",
-    "published: root of the mean variance that came with the poses. Honest covariances tell about the std.",
-    "roll, pitch, yaw: about the fixed axes of the reference, R = Rz(yaw) Ry(pitch) Rx(roll). Angles that"
-    " wrap are moved by whole turns to lie next to each other; their columns say so.",
+    "All values but truth and published are formulas over the raw poses: delete the row of an outlier there,"
+    " and they are updated. std is divided by N - 1, RMSE by N; bias = mean - truth.",
+    "published: root of the mean published variance. It is close to std if the covariances are consistent.",
+    "roll, pitch, yaw: about the fixed axes of the reference, R = Rz(yaw) Ry(pitch) Rx(roll). Angles are"
+    " unwrapped by whole turns; the headings of such columns note it.",
 )
 COVARIANCE_NOTES = ("About the mean, divided by N - 1. The unit is the row's times the column's.",)
-BAGS_NOTES = (
-    "stale: left out, stamped before the bag began. invalid: left out, not finite or no rotation.",
-)
+BAGS_NOTES = ("stale: left out, stamped before the bag began. invalid: left out, NaN or not a rotation.",)
 
 
 class _Formula(str):
-    """What is not one is a text, even a bag's name that begins with =."""
+    """A formula. Other strings are text, even the name of a bag that begins with =."""
 
 
 @dataclass(frozen=True)
@@ -61,16 +59,16 @@ class _Column:
 def write_workbook(
     path: Union[str, Path], series: Sequence[PoseSeries], statistics: Sequence[SeriesStatistics]
 ) -> None:
-    """Writes summary, covariances, bags and the raw poses of every distance, whole or not at all.
+    """Writes summary, covariances, bags and raw poses of every distance atomically.
 
-    :param path: ends in .xlsx
-    :param series: as by_distance() gives them
+    :param path: must end in .xlsx
+    :param series: of by_distance()
     :param statistics: of each series, in the same order
     :raises OSError: the file cannot be written
-    :raises ValueError: another ending, no series, statistics of others, or a distance twice
+    :raises ValueError: another ending, no series, statistics of other series, or a duplicate distance
     """
     if not str(path).lower().endswith(".xlsx"):
-        raise ValueError(f"{path}: the workbook's name has to end in .xlsx")
+        raise ValueError(f"{path}: the file name of a workbook must end in .xlsx")
     if not series or [each.distance for each in series] != [each.distance for each in statistics]:
         raise ValueError("a workbook needs series, and the statistics of each of them in the same order")
     if len({each.label for each in statistics}) < len(statistics):
@@ -112,20 +110,20 @@ def _summary(of: SeriesStatistics, axis: int, row: int) -> List[object]:
         _Formula(f'=IF(D{row}>0,AVERAGE({raw}),"{UNDEFINED}")'),
         _Formula(f'=IF(D{row}>1,STDEV({raw}),"{UNDEFINED}")'),
         _Formula(f'=IF(AND(D{row}>0,ISNUMBER(E{row})),F{row}-E{row},"{UNKNOWN}")'),
-        # The mean square about the truth is the variance, divided by N, plus the squared bias.
+        # mean square error = variance divided by N + squared bias
         _Formula(f'=IF(ISNUMBER(H{row}),SQRT(VARP({raw})+H{row}^2),"{UNKNOWN}")'),
         published,
     ]
 
 
 def _distance_column(statistics: Sequence[SeriesStatistics]) -> _Column:
-    """Numbers that show their unit: they can be sorted and drawn."""
+    """Returns the column of distances: numbers with a unit, which can be sorted and plotted."""
     unit = UNITS[AXES.index(statistics[0].axis)]
     return _Column("distance", 12, f'General" {unit}"')
 
 
 def _raw_cells(of: SeriesStatistics, axis: int) -> Optional[str]:
-    """The cells of an axis in the sheet of a distance, None without poses."""
+    """Returns the cells of an axis in the sheet of a distance, None without poses."""
     column = get_column_letter(FIRST_AXIS + axis)
     last = FIRST_ROW + of.count - 1
     return f"'{of.label}'!${column}${FIRST_ROW}:${column}${last}" if of.count else None
@@ -146,7 +144,7 @@ def _write_covariances(sheet: Worksheet, statistics: Sequence[SeriesStatistics])
 
 
 def _covariance(of: SeriesStatistics, i: int, j: int) -> str:
-    """COVAR divides by N, and is old enough for every spreadsheet program."""
+    """Returns the formula of a covariance. COVAR divides by N; all spreadsheet programs have it."""
     first, second = _raw_cells(of, i), _raw_cells(of, j)
     count = f"COUNT({first})"
     formula = f'=IF({count}>1,COVAR({first},{second})*{count}/({count}-1),"{UNDEFINED}")'
@@ -180,7 +178,7 @@ def _write_poses(sheet: Worksheet, series: PoseSeries, of: SeriesStatistics) -> 
 
 def _pose_columns(series: PoseSeries, of: SeriesStatistics) -> List[_Column]:
     moved = (of.poses != series.poses).any(axis=0)
-    remarks = [", moved by whole turns" if each else "" for each in moved]
+    remarks = [", unwrapped" if each else "" for each in moved]
     columns = [_Column("time in the bag, s", 12, DECIMAL), _Column("stamp, s", 22), _Column("bag", 24)]
     columns += [_Column(f"{a}, {u}{remark}", 13, DECIMAL) for a, u, remark in zip(AXES, UNITS, remarks)]
     if np.isfinite(series.covariances).any():
@@ -189,7 +187,7 @@ def _pose_columns(series: PoseSeries, of: SeriesStatistics) -> List[_Column]:
 
 
 def _start(sheet: Worksheet, columns: Sequence[_Column], frozen: str, landscape: bool = False) -> None:
-    """Headings that stay in sight, and pages of the sheet's whole width."""
+    """Writes frozen headings, and sets up pages of the full width of the sheet."""
     for number, column in enumerate(columns, 1):
         cell = sheet.cell(1, number, column.heading)
         for name, style in HEADING.items():
@@ -200,7 +198,7 @@ def _start(sheet: Worksheet, columns: Sequence[_Column], frozen: str, landscape:
     sheet.print_title_rows = "$1:$1"
     sheet.page_setup.orientation = "landscape" if landscape else "portrait"
     sheet.page_setup.paperSize = sheet.PAPERSIZE_A4
-    sheet.page_setup.fitToHeight = 0  # as many pages as it takes
+    sheet.page_setup.fitToHeight = 0  # any number of pages
     sheet.sheet_properties.pageSetUpPr.fitToPage = True
     sheet.print_options.horizontalCentered = True
     sheet.oddHeader.center.text = "&A"

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Pictures of a ball task that is played: what the camera sees, and the floor from above."""
+"""Plots of a ball task: the camera's images, and the floor from above."""
 
 from pathlib import Path
 from typing import List, NamedTuple, Optional, Tuple
@@ -19,34 +19,37 @@ from sextant.geometry.plane_poses import rotation
 from sextant.objects.object_kinds import BALL
 from sextant.simulation.ball_ground import Pillar
 from sextant.simulation.ball_simulation import COLOURS, BallSimulation
-from sextant.simulation.rgbd_camera import RgbdPicture
+from sextant.simulation.rgbd_camera import RgbdImages
 
 KINDS = (".png", ".gif")
-EVERY = 0.4  # simulated seconds from one picture of an animation to the next
-SHOWN = 120  # milliseconds
-STRIP = 6  # pictures of a strip
-SIDE = 3.0  # inches of a picture
-AROUND = 0.4  # metres that are shown about what happens
-LIGHT = 1.6  # of the colours that things reflect
+PERIOD = 0.4  # simulated seconds between frames of an animation
+DURATION = 120  # of an animation, milliseconds
+STRIP = 6  # number of frames in a strip
+SIDE = 3.0  # width of a frame, inches
+AROUND = 0.4  # margin of the floor plan, metres
+LIGHT = 1.6  # brightness factor of the simulated colours
 
 
 class Still(NamedTuple):
-    """One moment."""
+    """State at one time."""
 
     stamp: float  # seconds
-    state: str
-    picture: np.ndarray  # uint8 (height, width, 3)
-    boxes: List[Tuple[np.ndarray, str]]  # (4,) corners of what was found, pixels, and its class
-    robot: np.ndarray  # (3,) x, y, yaw: truth, map of the world
-    ball: np.ndarray  # (2,) truth
-    way: np.ndarray  # (n, 2) that the robot wants to go, map of the world
+    state: str  # of the task
+    image: np.ndarray  # uint8 (height, width, 3)
+    boxes: List[Tuple[np.ndarray, str]]  # detections: (4,) box in pixels, and class
+    robot: np.ndarray  # (3,) true x, y, yaw in the world
+    ball: np.ndarray  # (2,) true position in the world
+    path: np.ndarray  # (n, 2) planned path in the world
 
 
 class BallFilm:
-    """Watches a match (see ball_match.play) and draws it."""
+    """Records a match (see ball_match.play) and draws it."""
 
     def __init__(self, path: Path):
-        """:param path: to be written: a strip (.png) or an animation (.gif). :raises ValueError: neither"""
+        """Sets the file to write: a strip (.png) or an animation (.gif).
+
+        :raises ValueError: another ending
+        """
         if path.suffix not in KINDS:
             raise ValueError(f"{path}: a film is {' or '.join(KINDS)}")
         self._path = path
@@ -54,36 +57,40 @@ class BallFilm:
         self._simulation: Optional[BallSimulation] = None
 
     def watch(
-        self, simulation: BallSimulation, player: BallPlayer, action: Action, picture: Optional[RgbdPicture]
+        self, simulation: BallSimulation, player: BallPlayer, action: Action, picture: Optional[RgbdImages]
     ) -> None:
-        """One moment; it is kept when EVERY has passed, or something else is done."""
+        """Records the state every PERIOD, and when the task's state changes."""
         self._simulation, robot = simulation, simulation.ground.robot
         last = self._stills[-1] if self._stills else None
         if picture is None or (
-            last and last.state == action.state and simulation.ground.stamp < last.stamp + EVERY
+            last and last.state == action.state and simulation.ground.stamp < last.stamp + PERIOD
         ):
             return
         start = simulation.world.robot
-        # The player's map begins where the robot did.
-        way = action.path @ rotation(start[2]).T + start[:2]
+        # The origin of the player's map is the robot's initial pose.
+        path = action.path @ rotation(start[2]).T + start[:2]
         pose = np.array([robot.x, robot.y, robot.yaw])
         still = Still(
             simulation.ground.stamp, action.state, picture.colour, list(player.found), pose,
-            simulation.ground.ball.copy(), way,
+            simulation.ground.ball.copy(), path,
         )  # fmt: skip
         self._stills.append(still)
 
     def write(self) -> None:
-        """:raises OSError: it cannot be written"""
+        """Writes the file.
+
+        :raises OSError: the file cannot be written
+        """
         with atomic_file(self._path, "wb") as file:
             if self._path.suffix == ".png":
                 self._drawn(self._chosen()).save(file, "PNG", optimize=True)
             else:
                 frames = [self._drawn([still]).quantize(64) for still in self._stills]
-                frames[0].save(file, "GIF", save_all=True, append_images=frames[1:], duration=SHOWN, loop=0)
+                rest = frames[1:]
+                frames[0].save(file, "GIF", save_all=True, append_images=rest, duration=DURATION, loop=0)
 
     def _chosen(self) -> List[Still]:
-        """Where something new begins, and between, until there are enough."""
+        """Returns the frames of a strip: changes of the state, and frames between them."""
         new = [i for i, each in enumerate(self._stills) if i == 0 or each.state != self._stills[i - 1].state]
         wanted = np.linspace(0, len(self._stills) - 1, STRIP).round().astype(int)
         kicked = [i for i in new if self._stills[i].state in ("approaching", "kicking", "watching", "done")]
@@ -93,7 +100,7 @@ class BallFilm:
         return [self._stills[i] for i in sorted(set(picked))]
 
     def _drawn(self, stills: List[Still]) -> Image.Image:
-        """Side by side."""
+        """Draws frames side by side."""
         figure = Figure(
             figsize=(SIDE * len(stills), SIDE * (0.85 + self._height())), dpi=100, layout="constrained"
         )
@@ -107,12 +114,12 @@ class BallFilm:
         return Image.fromarray(np.asarray(canvas.buffer_rgba())[..., :3])
 
     def _height(self) -> float:
-        """Of what is shown of the floor, in its widths."""
+        """Returns the height of the floor plan over its width."""
         low, high = self._extent()
         return float((high - low)[1] / (high - low)[0])
 
     def _extent(self) -> Tuple[np.ndarray, np.ndarray]:
-        """Corners (2,) of all that matters on the floor."""
+        """Returns the corners (2,) of the floor plan."""
         goal = [post[:2] for post in self._simulation.world.pillars[:2]]
         at = np.array(
             [*goal, *(each.ball for each in self._stills), *(each.robot[:2] for each in self._stills)]
@@ -121,7 +128,7 @@ class BallFilm:
 
     @staticmethod
     def _draw_camera(axes: Axes, still: Still) -> None:
-        axes.imshow(still.picture)
+        axes.imshow(still.image)
         for (left, top, right, bottom), name in still.boxes:
             box = Rectangle((left, top), right - left, bottom - top, fill=False, lw=1.5, ec=_colour(name))
             axes.add_patch(box)
@@ -139,7 +146,7 @@ class BallFilm:
             Circle(still.ball, self._simulation.ground.ball_params.radius, fc=_colour(BALL), ec="0.3")
         )
         axes.plot(*np.array([each.robot[:2] for each in until]).T, color="0.6", lw=1)
-        axes.plot(*still.way.T, ":", color="tab:red", lw=1)
+        axes.plot(*still.path.T, ":", color="tab:red", lw=1)
         radius, (x, y, yaw) = self._simulation.ground.drive.radius, still.robot
         axes.add_patch(Circle((x, y), radius, fc="0.85", ec="0.2"))
         axes.plot([x, x + radius * np.cos(yaw)], [y, y + radius * np.sin(yaw)], color="0.2")

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""The ball task played in a simulated world, with pictures, network and filter, and what came of it."""
+"""Runs the ball task in a simulated world, with images, detector and filter, and returns the result."""
 
 import time
 from collections import deque
@@ -14,37 +14,37 @@ from sextant.ball.goal import goal_between, goes_through
 from sextant.ball.task_view import Action
 from sextant.objects.detection import Detector
 from sextant.simulation.ball_simulation import BallSimulation, BallSimulationParams
-from sextant.simulation.ball_world import drawn_world
-from sextant.simulation.rgbd_camera import RgbdPicture
+from sextant.simulation.ball_world import random_world
+from sextant.simulation.rgbd_camera import RgbdImages
 
 TICK = 0.05  # seconds between readings of odometry
-PICTURE_TICKS = 2  # from one picture to the next
-LATE_TICKS = 2  # from a picture to when it was worked on
-STOPPED = 0.01  # m/s
-LIMIT = 400.0  # seconds
+PICTURE_TICKS = 2  # ticks between images
+LATE_TICKS = 2  # ticks from an image to its processing
+STOPPED = 0.01  # maximum speed of a standing robot, m/s
+LIMIT = 400.0  # maximum duration, seconds
 
 
 class MatchResult(NamedTuple):
-    """Of one world."""
+    """Result in one world."""
 
     task: int
-    seed: int
-    through: bool  # the ball, between the posts
-    stop: float  # metres from the goal's line to the robot's foremost point, at the end
-    pillars: int  # times that the robot touched one
-    walls: int
-    seconds: float  # simulated
-    goal_seconds: float  # until the ball was through; NaN: it was not
-    kicks: int
-    reason: str  # why it ended
-    wall_seconds: float  # of computing
+    seed: int  # of the world
+    through: bool  # the ball went through the goal
+    stop: float  # final distance from the robot's front to the goal line, metres
+    pillars: int  # number of collisions with pillars
+    walls: int  # number of collisions with walls
+    seconds: float  # simulated time
+    goal_seconds: float  # simulated time until the goal; NaN: no goal
+    kicks: int  # number of kicks
+    reason: str  # why the task ended
+    wall_seconds: float  # computing time
 
 
-Watch = Callable[[BallSimulation, BallPlayer, Action, Optional[RgbdPicture]], None]
+Watch = Callable[[BallSimulation, BallPlayer, Action, Optional[RgbdImages]], None]
 
 
 def mount_of(simulation: BallSimulation) -> RgbdMount:
-    """Of the simulated cameras."""
+    """Returns models and mounts of the simulated cameras."""
     camera = simulation.camera
     models = map(sextant.CameraModel, (camera.colour, camera.depth))
     return RgbdMount(*models, camera.T_base_colour, camera.T_base_depth)
@@ -58,13 +58,13 @@ def play(
     obstacles: Optional[int] = None,
     watch: Optional[Watch] = None,
 ) -> MatchResult:
-    """One world from start to end.
+    """Runs one world from start to end.
 
-    :param obstacles: as drawn_world() has it
-    :param watch: is shown every moment
+    :param obstacles: number of obstacles, as in random_world()
+    :param watch: called at every tick
     """
     begin = time.perf_counter()
-    simulation = BallSimulation(drawn_world(task, seed, obstacles), BallSimulationParams(seed=seed))
+    simulation = BallSimulation(random_world(task, seed, obstacles), BallSimulationParams(seed=seed))
     match = _Match(simulation, BallPlayer(params, mount_of(simulation), detector))
     action = match.advance()
     while not match.is_over(action):
@@ -73,7 +73,7 @@ def play(
             watch(simulation, match.player, action, match.picture)
     ground, robot = simulation.ground, simulation.ground.robot
     touched = [touch.what for touch in ground.touches]
-    stop = match.goal.before(np.array([robot.x, robot.y])) - ground.drive.radius
+    stop = match.goal.distance_before(np.array([robot.x, robot.y])) - ground.drive.radius
     return MatchResult(
         task, seed, not np.isnan(match.through), stop, touched.count("pillar"), touched.count("wall"),
         ground.stamp, match.through, action.kicks, action.reason, time.perf_counter() - begin,
@@ -81,18 +81,18 @@ def play(
 
 
 class _Match:
-    """A world and who plays in it."""
+    """A world and the player in it."""
 
     def __init__(self, simulation: BallSimulation, player: BallPlayer):
         world = simulation.world
         self._simulation, self.player = simulation, player
         self.goal = goal_between(np.array(world.pillars[0][:2]), np.array(world.pillars[1][:2]), world.ball)
-        self.through, self.picture = np.nan, None  # seconds; the picture that was worked on last
-        self._late: Deque[Tuple[int, float, RgbdPicture]] = deque()
+        self.through, self.picture = np.nan, None  # time of the goal, seconds; the last processed image
+        self._late: Deque[Tuple[int, float, RgbdImages]] = deque()
         self._tick = 0
 
     def advance(self) -> Action:
-        """One tick: odometry, a picture if there is one, what the robot does, what becomes of the ball."""
+        """Runs one tick: odometry, an image if one is due, the robot's action, and the ball's motion."""
         ground, player = self._simulation.ground, self.player
         player.odometry(ground.stamp, np.array([ground.rolled.x, ground.rolled.y, ground.rolled.yaw]))
         self._look(ground.stamp)
@@ -106,14 +106,14 @@ class _Match:
         return action
 
     def is_over(self, action: Action) -> bool:
-        """Whether the robot is done and stands, or takes too long."""
+        """Returns whether the task has ended and the robot stands, or the time limit is reached."""
         ground = self._simulation.ground
         return (action.is_ended and abs(ground.robot.speed) < STOPPED) or ground.stamp > LIMIT
 
     def _look(self, stamp: float) -> None:
-        """A picture is worked on some time after it was taken."""
+        """Takes images and processes them with a delay."""
         if self._tick % PICTURE_TICKS == 0:
-            self._late.append((self._tick, stamp, self._simulation.take_picture()))
+            self._late.append((self._tick, stamp, self._simulation.take_images()))
         if self._late[0][0] + LATE_TICKS <= self._tick:
             _, taken, self.picture = self._late.popleft()
-            self.player.picture(taken, self.picture.colour, self.picture.depth)
+            self.player.add_images(taken, self.picture.colour, self.picture.depth)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Many worlds of the ball task played, with a file that remembers those that were."""
+"""Scores the ball task over many worlds, and stores results in a file."""
 
 import csv
 import os
@@ -18,46 +18,47 @@ from sextant.objects.object_locator import ObjectLocatorParams
 from sextant.objects.yolo_detector import YoloDetector, YoloParams
 from sextant.simulation.rgbd_camera import RgbdParams
 
-STOP, STOP_ERROR = 0.2, 0.05  # metres before the goal's line, and how far off counts
-OBSTACLES = {2: 0, 3: 2}  # by task
+STOP, STOP_ERROR = 0.2, 0.05  # metres before the goal line, and tolerance
+OBSTACLES = {2: 0, 3: 2}  # number by task
 
 
 class Match(NamedTuple):
-    """To be played."""
+    """A world to run."""
 
     task: int
-    seed: int
-    model: str  # ONNX file; empty: objects are found by their colour
+    seed: int  # of the world
+    model: str  # ONNX file; empty: detect objects by colour
 
 
 class Score(NamedTuple):
-    """Of many worlds."""
+    """Statistics of many worlds."""
 
-    worlds: int
-    success: float  # share in which the ball went through the goal and the robot stopped where it should
-    through: float  # share in which the ball did
-    untouched: float  # share in which the robot touched no pillar
-    goal_seconds: float  # simulated, median of those in which the ball went through
-    stop_error: float  # metres, root mean square of those that succeeded
-    kicks: float  # mean
-    speed: float  # simulated seconds in one of computing
+    worlds: int  # number of worlds
+    success: float  # fraction with a goal and a correct stop
+    through: float  # fraction with a goal
+    untouched: float  # fraction without a collision with a pillar
+    goal_seconds: float  # median simulated time until the goal
+    stop_error: float  # RMS error of the stop over successful worlds, metres
+    kicks: float  # mean number
+    speed: float  # simulated over computing time
 
 
 def play_match(match: Match, watch: Optional[Watch] = None) -> MatchResult:
-    """With everything in the loop; the depth camera's scale is known, as after estimate_depth_scale.
+    """Runs one world with the complete pipeline; the depth scale is known, as after estimate_depth_scale.
 
-    :param watch: as play() has it
+    :param watch: called at every tick, as in play()
     """
     cv2.setNumThreads(1)
-    params = BallPlayerParams(locator=ObjectLocatorParams(scale=1.0 / RgbdParams().depth_scale))
+    params = BallPlayerParams(locator=ObjectLocatorParams(depth_scale=1.0 / RgbdParams().depth_scale))
     return play(match.task, match.seed, detector_of(match.model), params, OBSTACLES[match.task], watch)
 
 
 def detector_of(model: str) -> Detector:
-    """:param model: ONNX file; empty: by colour
+    """Returns a detector.
 
-    :raises OSError: it cannot be read
-    :raises ValueError: what is wrong with it
+    :param model: ONNX file; empty: by colour
+    :raises OSError: the file cannot be read
+    :raises ValueError: the model is invalid
     """
     if not model:
         return ColourDetector(ColourParams())
@@ -65,12 +66,12 @@ def detector_of(model: str) -> Detector:
 
 
 def is_success(result: MatchResult) -> bool:
-    """Whether the ball went through the goal and the robot stands where it should."""
+    """Returns whether the ball went through the goal and the robot stopped correctly."""
     return result.through and abs(result.stop - STOP) <= STOP_ERROR
 
 
 def score_of(results: Sequence[MatchResult]) -> Score:
-    """:param results: at least one"""
+    """Computes the statistics of one or more results."""
     table = np.array([each[2:9] for each in results], float)
     through, stop, pillars, _, seconds, goal_seconds, kicks = table.T
     is_good = np.array([is_success(each) for each in results])
@@ -87,10 +88,11 @@ def score_of(results: Sequence[MatchResult]) -> Score:
 
 
 def read_results(path: Path) -> Dict[Tuple[int, int], MatchResult]:
-    """Of a file that append_result() wrote, by task and seed; none if it is not there.
+    """Reads a file of append_result().
 
-    :raises OSError: it cannot be read
-    :raises ValueError: file, line and reason
+    :returns: results by task and seed; empty if the file does not exist
+    :raises OSError: the file cannot be read
+    :raises ValueError: "file:line: reason"
     """
     if not path.exists():
         return {}
@@ -103,7 +105,10 @@ def read_results(path: Path) -> Dict[Tuple[int, int], MatchResult]:
 
 
 def append_result(path: Path, result: MatchResult) -> None:
-    """One line, on the disk before it returns: who ends the run loses no world. :raises OSError"""
+    """Appends one line and syncs the file, so that an interrupted run loses no result.
+
+    :raises OSError: the file cannot be written
+    """
     is_new = not path.exists()
     with path.open("a", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")

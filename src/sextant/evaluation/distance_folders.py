@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Bags of measured distances: a folder a distance, named by it, each holding bags."""
+"""Finds bags of measured distances in folders that are named by the distance."""
 
 from pathlib import Path
 from typing import List, NamedTuple
@@ -9,26 +9,27 @@ from sextant.evaluation.pose_series import distance_of_folder
 
 
 class DistanceBag(NamedTuple):
-    """A bag, and the true value that its folder is named by: metres, radians where the axis is an angle."""
+    """A bag and its true distance."""
 
-    distance: float
-    path: str
+    distance: float  # name of the folder: metres, or radians for an angle
+    path: str  # of the bag
 
 
 class DistanceBags(NamedTuple):
-    """What a folder holds."""
+    """Bags in the folders of distances."""
 
     bags: List[DistanceBag]  # by distance, then by name
-    problems: List[str]  # of what is no distance or has no bag, one sentence each
+    problems: List[str]  # one sentence per folder without a distance or bag
 
 
 def distance_bags(folder: Path, axis: str = "z") -> DistanceBags:
-    """The bags of all distances. What begins with a dot is left alone, and so are files that are no bags.
+    """Finds the bags of all distances. Hidden files, and files that are not bags, are ignored.
 
-    :raises ValueError: it is no folder, or there is not one bag in it where bags are expected
+    :param axis: in AXES, whose values the folder names are
+    :raises ValueError: folder does not exist, or contains no bag in a folder of a distance
     """
     if not folder.is_dir():
-        raise ValueError(f"{folder}: there is no such folder; it holds a folder a distance, named like 0.757")
+        raise ValueError(f"{folder}: no such folder; it must contain folders named by distance, e.g. 0.757")
     bags: List[DistanceBag] = []
     problems: List[str] = []
     for each in _seen(folder):
@@ -38,10 +39,10 @@ def distance_bags(folder: Path, axis: str = "z") -> DistanceBags:
             except ValueError as error:
                 problems.append(f"{folder}: {error}")
         elif _is_bag(each):
-            problems.append(f"{each}: is in no folder that is named by its distance")
+            problems.append(f"{each}: is not in a folder named by its distance")
     if not bags:
         reasons = "; ".join(problems) or "it has no folders"
-        raise ValueError(f"{folder}: there is no bag in a folder that is named by its distance: {reasons}")
+        raise ValueError(f"{folder}: there is no bag in a folder named by its distance: {reasons}")
     return DistanceBags(sorted(bags), problems)
 
 
@@ -50,7 +51,7 @@ def _seen(folder: Path) -> List[Path]:
 
 
 def _is_bag(path: Path) -> bool:
-    """Without what `rosbag reindex` keeps of a broken one, beside that."""
+    """Returns whether a file is a bag, but not the backup copy of `rosbag reindex`."""
     name = path.name
     reindexed = name.endswith(".orig.bag") and path.with_name(name[: -len(".orig.bag")] + ".bag").exists()
     return path.is_file() and name.lower().endswith(".bag") and not reindexed
@@ -61,9 +62,9 @@ def _bags_of(folder: Path, axis: str, problems: List[str]) -> List[DistanceBag]:
     bags = [each for each in _seen(folder) if _is_bag(each)]
     for each in _seen(folder):
         if each.name.endswith(".bag.active"):
-            problems.append(f"{each}: its recording was not ended; take .active away and `rosbag reindex` it")
+            problems.append(f"{each}: the recording was not finished; remove .active and `rosbag reindex` it")
         elif each.is_dir() and any(map(_is_bag, each.iterdir())):
-            problems.append(f"{each}: a folder in the folder of a distance is not looked into")
+            problems.append(f"{each}: folders in the folder of a distance are not searched")
     if not bags:
         raise ValueError(f"folder '{folder.name}': there is no bag in it")
     return [DistanceBag(distance, str(bag)) for bag in bags]

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Accuracy of the poses of a drive against its truth, as numbers, a table, and a CSV file."""
+"""Accuracy of the poses of a drive against ground truth, as numbers, a table, and a CSV file."""
 
 import csv
 from dataclasses import dataclass
@@ -36,13 +36,13 @@ HEADER = ("drive", "stamp", "x", "y", "z", "rx", "ry", "rz", "position", "angle"
 
 @dataclass(frozen=True)
 class DriveAccuracy:
-    """Of one drive, at the stamps of its poses that have a truth."""
+    """Errors of one drive, at the stamps of poses with ground truth."""
 
     truth: Trajectory
-    estimate: Trajectory  # in the truth's frame
+    estimate: Trajectory  # in the frame of truth
     covariances: Dict[int, np.ndarray]  # (6, 6) by stamp, of the poses that have one
-    without_truth: int  # poses that were left out
-    singular: int  # covariances that are not positive, and so are in no NEES
+    without_truth: int  # number of poses without ground truth, left out
+    singular: int  # number of covariances that are not positive definite, left out of the NEES
     absolute: TrajectoryErrors  # ATE
     relative: RelativeErrors  # RPE
     nees: Nees
@@ -56,18 +56,20 @@ def compare(
     rpe: Tuple[float, str] = RPE,
     align: bool = False,
 ) -> DriveAccuracy:
-    """Compares poses with the truth, which is interpolated at their stamps.
+    """Compares poses with ground truth, interpolated at their stamps.
 
-    :param stamps: (N,) nanoseconds; poses: (N, 4, 4); covariances: (N, 6, 6), NaN or zero where there is none
+    :param stamps: (N,) nanoseconds
+    :param poses: (N, 4, 4)
+    :param covariances: (N, 6, 6), NaN or zero: none
     :param rpe: delta and unit of relative_errors()
-    :param align: bring the poses onto the truth first; else they are in its frame
-    :raises ValueError: no pose has a truth; as alignment(), relative_errors() and nees()
+    :param align: align the poses with the truth first; False: they are in its frame
+    :raises ValueError: no pose has ground truth; as alignment(), relative_errors() and nees()
     """
     estimate = {int(stamp): T for stamp, T in zip(stamps, poses)}
     known, singular = _known(stamps, covariances)
     at = interpolated_truth(truth, estimate)
     if not at:
-        raise ValueError(f"none of {len(estimate)} poses has a truth of its time: are the clocks the same?")
+        raise ValueError(f"none of {len(estimate)} poses has ground truth at its time: check the clocks")
     shared = {stamp: T for stamp, T in estimate.items() if stamp in at}
     if align:
         T_truth_estimate = alignment(at, shared)
@@ -80,10 +82,10 @@ def compare(
 
 
 def _known(stamps: Sequence[int], covariances: np.ndarray) -> Tuple[Dict[int, np.ndarray], int]:
-    """Covariances that can be used, and how many more were told."""
-    told = {int(stamp): P for stamp, P in zip(stamps, covariances) if np.isfinite(P).all() and np.any(P)}
-    known = {stamp: P for stamp, P in told.items() if _is_positive(P)}
-    return known, len(told) - len(known)
+    """Returns the positive definite covariances and the number of others."""
+    given = {int(stamp): P for stamp, P in zip(stamps, covariances) if np.isfinite(P).all() and np.any(P)}
+    known = {stamp: P for stamp, P in given.items() if _is_positive(P)}
+    return known, len(given) - len(known)
 
 
 def _is_positive(P: np.ndarray) -> bool:
@@ -95,11 +97,14 @@ def _is_positive(P: np.ndarray) -> bool:
 
 
 def drive_table(drives: Mapping[str, DriveAccuracy], rpe: Tuple[float, str]) -> List[str]:
-    """ATE, RPE and NEES of every drive, lines."""
+    """Formats ATE, RPE and NEES of every drive, as lines.
+
+    :param rpe: delta and unit of relative_errors()
+    """
     delta, unit = rpe
     lines: List[str] = []
     for name, each in drives.items():
-        left_out = f", {each.without_truth} without a truth of their time" if each.without_truth else ""
+        left_out = f", {each.without_truth} without ground truth" if each.without_truth else ""
         lines.append(f"{name}: {len(each.estimate)} poses{left_out}")
         rows = (
             ("ATE, m", each.absolute.position),
@@ -115,22 +120,22 @@ def drive_table(drives: Mapping[str, DriveAccuracy], rpe: Tuple[float, str]) -> 
 def _row(title: str, of: ErrorSummary, count: int) -> str:
     if not count:
         return f"  {title:<28} none: the drive is too short"
-    told = f"RMSE {of.rmse:.4f}  mean {of.mean:.4f}  median {of.median:.4f}"
-    return f"  {title:<28} {told}  95 % {of.p95:.4f}  max {of.worst:.4f}"
+    means = f"RMSE {of.rmse:.4f}  mean {of.mean:.4f}  median {of.median:.4f}"
+    return f"  {title:<28} {means}  95 % {of.p95:.4f}  max {of.worst:.4f}"
 
 
 def _nees_row(drive: DriveAccuracy) -> str:
-    of, singular = drive.nees, f"{drive.singular} covariances are not positive"
+    of, singular = drive.nees, f"{drive.singular} covariances are not positive definite"
     if not len(of.values):
         return f"  {'NEES':<28} none: {singular if drive.singular else 'there are no covariances'}"
     verdict = "within" if of.consistent else ("above" if of.mean > of.band[1] else "below")
-    told = f"mean {of.mean:.2f} of 6, {verdict} the 95 % band {of.band[0]:.2f} to {of.band[1]:.2f}"
-    told += f" that {len(of.values)} poses would have if they were independent"
-    return f"  {'NEES':<28} {told}{f'; {singular}' if drive.singular else ''}"
+    text = f"mean {of.mean:.2f} of 6, {verdict} the 95 % band {of.band[0]:.2f} to {of.band[1]:.2f}"
+    text += f" of {len(of.values)} independent poses"
+    return f"  {'NEES':<28} {text}{f'; {singular}' if drive.singular else ''}"
 
 
 def write_errors(path: Union[str, Path], drives: Mapping[str, DriveAccuracy]) -> None:
-    """A row a pose: stamp in seconds, error (sextant.pose_error, m and rad), its norms, NEES if there is one.
+    """Writes a CSV file, one row per pose: stamp (s), error (sextant.pose_error, m and rad), its norms, NEES.
 
     :raises OSError: the file cannot be written
     """

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Picture of a drive: seen from above, and its errors over time."""
+"""Plot of a drive: top view, and errors over time."""
 
 from itertools import cycle
 from pathlib import Path
@@ -19,18 +19,18 @@ from sextant.evaluation.trajectory import Trajectory, TrajectoryErrors, trajecto
 def plot_drive(
     path: str, truth: Trajectory, estimates: Mapping[str, Trajectory], markers: Sequence = ()
 ) -> None:
-    """Writes the picture of a drive.
+    """Writes the plot of a drive.
 
-    :param path: picture file; the ending chooses the format (.png, .pdf, .svg)
-    :param truth: the true trajectory, at least one pose
-    :param estimates: trajectories by name; every stamp is one of truth's
-    :param markers: of the map (sextant.MappedMarker), drawn as the walls' boards seen from above
+    :param path: image file; the ending selects the format (.png, .pdf, .svg)
+    :param truth: true trajectory, at least one pose
+    :param estimates: trajectories by name; their stamps must be in truth
+    :param markers: sextant.MappedMarker of the map, drawn from above
     :raises OSError: the file cannot be written
-    :raises ValueError: as trajectory_errors(), or an ending that is no picture
+    :raises ValueError: as trajectory_errors(), or the ending is not an image format
     """
     errors = {name: trajectory_errors(truth, estimate) for name, estimate in estimates.items()}
     figure = Figure(figsize=(13, 6.5))
-    FigureCanvasAgg(figure)  # not pyplot: it needs a window system and has a state of its own
+    FigureCanvasAgg(figure)  # not pyplot, which needs a window system and has global state
     grid = figure.add_gridspec(2, 2, left=0.05, right=0.98, bottom=0.08, top=0.94, wspace=0.16, hspace=0.22)
     _draw_top_view(figure.add_subplot(grid[:, 0]), truth, estimates, markers)
     start = min(truth)
@@ -50,21 +50,12 @@ def _draw_top_view(
     axes.plot(*_positions(truth), "-", color="black", linewidth=1.0, label="truth")
     for marker in markers:
         _draw_marker(axes, marker)
-    x, y = _positions(truth)
-    _fit(
-        axes,
-        [*x, *(marker.T_map_marker[0, 3] for marker in markers)],
-        [*y, *(marker.T_map_marker[1, 3] for marker in markers)],
-    )
-    axes.set(title="from above", xlabel="x, m", ylabel="y, m", aspect="equal")
+    # Limits from truth and map only: outliers must not enlarge them.
+    shown = np.hstack([_positions(truth), *(marker.T_map_marker[:2, 3:] for marker in markers)])
+    xlim, ylim = np.transpose([shown.min(axis=1) - 0.5, shown.max(axis=1) + 0.5])
+    axes.set(xlim=xlim, ylim=ylim, title="top view", xlabel="x, m", ylabel="y, m", aspect="equal")
     axes.legend(loc="lower right", markerscale=3)
     axes.grid(alpha=0.3)
-
-
-def _fit(axes: Axes, x: Sequence[float], y: Sequence[float]) -> None:
-    """The truth and the map decide what is shown: one wild pose does not shrink the drive to a dot."""
-    axes.set_xlim(min(x) - 0.5, max(x) + 0.5)
-    axes.set_ylim(min(y) - 0.5, max(y) + 0.5)
 
 
 def _draw_marker(axes: Axes, marker) -> None:
@@ -89,5 +80,5 @@ def _draw_errors(
 
 
 def _positions(trajectory: Trajectory) -> np.ndarray:
-    """(2, N) x and y in the order of the stamps, metres."""
+    """Returns (2, N) x and y by ascending stamp, metres."""
     return np.array([trajectory[stamp][:2, 3] for stamp in sorted(trajectory)]).reshape(-1, 2).T

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Poses of a camera that stood still at a measured distance, and what they say of its accuracy.
+"""Series of poses of a static camera at a measured distance, and their statistics.
 
-Poses are T_reference_camera; the reference is usually the marker that the distance was measured from.
+Poses are T_reference_camera; the reference is usually the marker to which the distance was measured.
 Rotations are roll, pitch, yaw about the fixed axes of the reference, R = Rz(yaw) Ry(pitch) Rx(roll), in
-radians; where pitch is a right angle, roll and yaw cannot be told apart, and their numbers mean nothing.
+radians. At a pitch of 90 degrees, roll and yaw are undefined (gimbal lock).
 """
 
 import re
@@ -17,51 +17,51 @@ import sextant
 
 AXES = ("x", "y", "z", "roll", "pitch", "yaw")
 UNITS = ("m", "m", "m", "rad", "rad", "rad")
-SAME_DISTANCE = 6  # decimals: folders "1" and "1.0" are one distance
-FARTHEST = {"m": 100.0, "rad": np.pi}
+SAME_DISTANCE = 6  # decimals; folders "1" and "1.0" are one distance
+MAX_DISTANCE = {"m": 100.0, "rad": np.pi}  # by unit
 TURN = 2.0 * np.pi
 
 
 @dataclass(frozen=True)
 class BagCount:
-    """How many poses of a bag are in a series, and how many were left out."""
+    """Number of poses of a bag that are in a series, and that were left out."""
 
     bag: str
-    poses: int
-    stale: int = 0  # stamped before the bag began: of another place
-    invalid: int = 0  # not finite, or their rotation is none
+    poses: int  # in the series
+    stale: int = 0  # left out: stamped before the bag began
+    invalid: int = 0  # left out: not finite, or not a rotation
 
 
 @dataclass(frozen=True)
 class PoseSeries:
-    """Poses at one distance, of one bag or of several; N may be 0: nothing was seen from there."""
+    """Poses at one distance, of one or more bags; N may be 0."""
 
-    distance: float  # true value of the axis that was measured, metres (radians for an angle)
+    distance: float  # true value of the measured axis, metres (radians for an angle)
     stamps: np.ndarray  # (N,) int64, nanoseconds
     bags: np.ndarray  # (N,) name of each pose's bag
     poses: np.ndarray  # (N, 6) x y z in metres, roll pitch yaw in radians
-    covariances: np.ndarray  # (N, 6, 6) as published, order of PoseWithCovariance; NaN where there was none
-    counts: Tuple[BagCount, ...] = ()  # of every bag, also of one without poses
-    frame: str = ""  # the reference; empty: not told
+    covariances: np.ndarray  # (N, 6, 6) published, order of PoseWithCovariance; NaN: none
+    counts: Tuple[BagCount, ...] = ()  # of all bags, also of those without poses
+    frame: str = ""  # reference frame; empty: unknown
 
 
 @dataclass(frozen=True)
-class Truths:
-    """What is known of the true poses: one axis by the distance, the others here."""
+class GroundTruth:
+    """True values of the six axes; the distance is the true value of one of them."""
 
-    axis: str = "z"  # the one that distances are values of
-    others: Mapping[str, Optional[float]] = field(default_factory=dict)  # 0 if not named, None: not known
+    axis: str = "z"  # measured axis, whose values are the distances
+    others: Mapping[str, Optional[float]] = field(default_factory=dict)  # default 0; None: unknown
 
     def at(self, distance: float) -> np.ndarray:
-        """(6,) true pose in metres and radians, NaN where it is not known.
+        """Returns the true pose (6,) at a distance, in metres and radians; NaN: unknown.
 
-        :raises ValueError: an axis that there is not, the distance's own among the others, a value not finite
+        :raises ValueError: an unknown axis, the measured axis among the others, or a value that is not finite
         """
         for axis in (self.axis, *self.others):
             if axis not in AXES:
-                raise ValueError(f"'{axis}' is no axis, allowed are {', '.join(AXES)}")
+                raise ValueError(f"'{axis}' is not an axis, allowed are {', '.join(AXES)}")
         if self.axis in self.others:
-            raise ValueError(f"the true {self.axis} is the distance, it cannot be given as well")
+            raise ValueError(f"the true {self.axis} is the distance, it cannot be set as well")
         values = {axis: self.others.get(axis, 0.0) for axis in AXES}
         values[self.axis] = distance
         for axis, value in values.items():
@@ -72,43 +72,43 @@ class Truths:
 
 @dataclass(frozen=True)
 class SeriesStatistics:
-    """Accuracy of a series, (6,) arrays in the order of AXES. NaN says that there is none: of one pose no
-    deviation, of an unknown truth no bias and no RMSE.
+    """Accuracy of a series, (6,) arrays in the order of AXES. NaN: undefined (deviation of one pose, bias and
+    RMSE without a true value).
 
-    std and covariance divide by N - 1, rmse by N, so that rmse^2 = bias^2 + std^2 (N - 1) / N.
+    std and covariance are divided by N - 1, rmse by N: rmse^2 = bias^2 + std^2 (N - 1) / N.
     """
 
-    distance: float
-    axis: str  # whose value the distance is
-    count: int
+    distance: float  # metres, or radians for an angle
+    axis: str  # measured axis
+    count: int  # number of poses
     truth: np.ndarray
-    mean: np.ndarray  # angles within half a turn of the truth, else of 0
+    mean: np.ndarray  # angles within half a turn of the truth; of 0 if that is unknown
     std: np.ndarray
     bias: np.ndarray  # mean - truth
     rmse: np.ndarray
     covariance: np.ndarray  # (6, 6) about the mean
-    published: np.ndarray  # root of the mean variance that was published
-    poses: np.ndarray  # (N, 6) the series', angles by whole turns moved next to their mean
+    published: np.ndarray  # root of the mean published variance
+    poses: np.ndarray  # (N, 6) of the series, angles unwrapped to their mean
 
     @property
     def label(self) -> str:
-        """The distance in as many digits as it has, with its unit."""
+        """The distance with its unit, without trailing zeros."""
         digits = f"{self.distance + 0.0:.{SAME_DISTANCE}f}".rstrip("0").rstrip(".")
         return f"{digits} {UNITS[AXES.index(self.axis)]}"
 
 
 def distance_of_folder(name: str, axis: str = "z") -> float:
-    """The true value that a folder is named by: metres, radians where the axis is an angle.
+    """Parses the name of a folder: metres, or radians if the axis is an angle.
 
-    Negative values are coordinates like others (an axis may be one along the wall).
+    Negative values are allowed, since the axis may be any coordinate.
 
-    :raises ValueError: a name that is no plain number, or a value that no room has
+    :raises ValueError: the name is not a plain number, or the value is out of range
     """
     if not re.fullmatch(r"[+-]?(\d+\.?\d*|\.\d+)", name, re.ASCII):
-        raise ValueError(f"folder '{name}': its name is no distance, expected a number like 0.757")
+        raise ValueError(f"folder '{name}': its name is not a distance, expected a number like 0.757")
     unit = UNITS[AXES.index(axis)]
-    if abs(float(name)) > FARTHEST[unit]:
-        raise ValueError(f"folder '{name}': more than {FARTHEST[unit]:.4g} {unit}; is it in {unit}?")
+    if abs(float(name)) > MAX_DISTANCE[unit]:
+        raise ValueError(f"folder '{name}': more than {MAX_DISTANCE[unit]:.4g} {unit}; is it in {unit}?")
     return float(name)
 
 
@@ -121,20 +121,22 @@ def pose_series(
     start: Optional[int] = None,
     frame: str = "",
 ) -> PoseSeries:
-    """The series of one bag, without the poses that are none.
+    """Builds the series of one bag, without invalid poses.
 
+    :param distance: true value of the measured axis, metres or radians
+    :param bag: name
     :param stamps: (N,) nanoseconds
     :param poses: (N, 4, 4) T_reference_camera, or (N, 6) x y z roll pitch yaw
-    :param covariances: (N, 6, 6) as published, or None; zeros say, as usual in ROS, that it is not known
-    :param start: of the bag, nanoseconds: an earlier pose is left over from another place
-    :param frame: that the poses are in
-    :raises ValueError: shapes that do not fit
+    :param covariances: (N, 6, 6) published, or None; all zeros: unknown, by the convention of ROS
+    :param start: of the bag, nanoseconds; earlier poses are stale
+    :param frame: reference frame
+    :raises ValueError: inconsistent shapes
     """
     stamps = np.asarray(stamps, dtype=np.int64).reshape(-1)
     count = len(stamps)
     poses = np.asarray(poses, dtype=float)
     if poses.shape not in ((count, 4, 4), (count, 6)) and poses.size + count > 0:
-        raise ValueError(f"poses are of the shape {poses.shape}, expected ({count}, 4, 4) or ({count}, 6)")
+        raise ValueError(f"poses have the shape {poses.shape}, expected ({count}, 4, 4) or ({count}, 6)")
     fresh = np.full(count, True) if start is None else stamps >= start
     valid = fresh & np.array([_is_pose(pose) for pose in poses], dtype=bool)
     return PoseSeries(
@@ -171,15 +173,15 @@ def _covariances(covariances: Optional[np.ndarray], count: int) -> np.ndarray:
 
 
 def by_distance(series: Sequence[PoseSeries]) -> List[PoseSeries]:
-    """One series a distance, ascending; the bags of a distance follow one another in their order.
+    """Joins series of the same distance, keeping the order of their bags; sorts by distance.
 
-    :raises ValueError: they are not all in one frame
+    :raises ValueError: they have different frames
     """
     frames = {each.frame: each.counts[0].bag for each in series if each.counts}
     if len(frames) > 1:
-        told = ", ".join(f"'{frame}' in {bag}" for frame, bag in frames.items())
-        raise ValueError(f"the poses are not all in one frame: {told}")
-    at = [round(each.distance, SAME_DISTANCE) + 0.0 for each in series]  # + 0.0: there is no -0
+        listed = ", ".join(f"'{frame}' in {bag}" for frame, bag in frames.items())
+        raise ValueError(f"the poses are not all in one frame: {listed}")
+    at = [round(each.distance, SAME_DISTANCE) + 0.0 for each in series]  # + 0.0: turns -0.0 into 0.0
     return [_joined(here, [s for s, d in zip(series, at) if d == here]) for here in sorted(set(at))]
 
 
@@ -193,12 +195,12 @@ def _joined(distance: float, series: Sequence[PoseSeries]) -> PoseSeries:
     )
 
 
-def series_statistics(series: PoseSeries, truths: Truths) -> SeriesStatistics:
-    """Mean, deviation, bias, RMSE and covariance of a series.
+def series_statistics(series: PoseSeries, ground_truth: GroundTruth) -> SeriesStatistics:
+    """Computes mean, deviation, bias, RMSE and covariance of a series.
 
-    :raises ValueError: as Truths.at()
+    :raises ValueError: as GroundTruth.at()
     """
-    truth = truths.at(series.distance)
+    truth = ground_truth.at(series.distance)
     poses = _without_turns(series.poses, truth)
     count = len(poses)
     nothing = np.full(6, np.nan)
@@ -208,7 +210,7 @@ def series_statistics(series: PoseSeries, truths: Truths) -> SeriesStatistics:
     mean_square = np.square(poses - truth).mean(axis=0) if count else nothing
     return SeriesStatistics(
         distance=series.distance,
-        axis=truths.axis,
+        axis=ground_truth.axis,
         count=count,
         truth=truth,
         mean=mean,
@@ -222,8 +224,7 @@ def series_statistics(series: PoseSeries, truths: Truths) -> SeriesStatistics:
 
 
 def _without_turns(poses: np.ndarray, truth: np.ndarray) -> np.ndarray:
-    """Angles next to each other, then all of them moved by the same whole turns so that their mean is nearest
-    to the truth."""
+    """Unwraps the angles around their mean, and moves the mean by whole turns closest to the truth."""
     poses = poses.copy()
     angles = poses[:, 3:]
     if len(angles):
@@ -233,15 +234,15 @@ def _without_turns(poses: np.ndarray, truth: np.ndarray) -> np.ndarray:
 
 
 def _circular_mean(angles: np.ndarray) -> np.ndarray:
-    """Of each column, Mardia and Jupp 2000, "Directional statistics", eq. 2.2.4."""
+    """Returns the circular mean of each column (Mardia and Jupp 2000, "Directional statistics", 2.2.4)."""
     return np.arctan2(np.sin(angles).mean(axis=0), np.cos(angles).mean(axis=0))
 
 
 def published_sigmas(series: PoseSeries) -> np.ndarray:
-    """(N, 6) standard deviations that were published, of the axes of the poses; NaN where there are none.
+    """Returns the published standard deviations (N, 6) of x y z roll pitch yaw; NaN: none.
 
-    Published rotations are about fixed axes, the poses' are roll, pitch and yaw: rotation_axes() at the mean
-    leads from one to the other. Where its pitch is a right angle there are none.
+    Published rotations are about fixed axes; rotation_axes() at the mean converts them to roll, pitch and
+    yaw. They are NaN in gimbal lock.
     """
     if len(series.poses) == 0:
         return np.empty((0, 6))
@@ -253,15 +254,15 @@ def published_sigmas(series: PoseSeries) -> np.ndarray:
 
 
 def rotation_axes(rpy: np.ndarray) -> np.ndarray:
-    """(3, 3) J with delta = J d(roll, pitch, yaw) to first order, where R becomes Exp(delta) R: its columns
-    are the axes that roll, pitch and yaw turn about, in the axes of the reference."""
+    """Returns the Jacobian J (3, 3) with delta = J d(roll, pitch, yaw) to first order, where R becomes
+    Exp(delta) R. Its columns are the axes of roll, pitch and yaw in the reference frame."""
     _, pitch, yaw = rpy
     after_roll = sextant.pose_from_xyz_rpy(np.zeros(3), [0.0, pitch, yaw])[:3, 0]
     return np.stack([after_roll, [-np.sin(yaw), np.cos(yaw), 0.0], [0.0, 0.0, 1.0]], axis=1)
 
 
 def _root_mean_square(values: np.ndarray) -> np.ndarray:
-    """(6,) over the rows of (N, 6) that are numbers, NaN without any."""
+    """Returns (6,) over the rows of (N, 6), ignoring NaN; NaN without values."""
     known = ~np.isnan(values)
     squares = np.where(known, values, 0.0) ** 2
     return np.sqrt(squares.sum(axis=0) / np.where(known.any(axis=0), known.sum(axis=0), np.nan))

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Errors of a series of poses against the truth, frame by frame, as numbers and as a table.
+"""Errors of a trajectory against ground truth, as numbers and as a table.
 
-A trajectory is a dictionary from the stamp of a frame in nanoseconds to T_map_base, a 4x4 array in metres.
+A trajectory is a dictionary from the stamp of an image in nanoseconds to T_map_base, a 4x4 array in metres.
 """
 
 from dataclasses import dataclass
@@ -17,38 +17,38 @@ Trajectory = Dict[int, np.ndarray]
 
 @dataclass(frozen=True)
 class TrajectoryErrors:
-    """Errors of the frames that had a pose, in the order of their stamps."""
+    """Absolute trajectory errors of the images with a pose, by ascending stamp."""
 
     stamps: np.ndarray  # (N,) int64, nanoseconds
     position: np.ndarray  # (N,) distance to the true position, metres
-    angle: np.ndarray  # (N,) angle of the rotation between true and estimated, radians, [0, pi]
-    frames: int  # frames with a truth, with or without a pose
+    angle: np.ndarray  # (N,) rotation angle between truth and estimate, radians, [0, pi]
+    frames: int  # number of images with ground truth, with or without a pose
 
 
 @dataclass(frozen=True)
 class ErrorSummary:
-    """Of a series, in its unit; NaN without samples."""
+    """Statistics of errors, in their unit; NaN without samples."""
 
     mean: float
-    p95: float  # 95th percentile, linear between samples
-    worst: float
+    p95: float  # 95th percentile, linearly interpolated
+    worst: float  # maximum
     median: float = np.nan
     rmse: float = np.nan  # root of the mean square
 
 
 def seconds_text(stamp: int) -> str:
-    """Of nanoseconds. A text: a spreadsheet's numbers have 15 digits, today's stamps 19."""
+    """Formats nanoseconds as seconds. A double has only 15 digits, a stamp 19."""
     return f"{stamp // 10**9}.{stamp % 10**9:09d}"
 
 
 def trajectory_errors(truth: Trajectory, estimate: Trajectory) -> TrajectoryErrors:
-    """Errors of an estimate at the stamps that it shares with the truth.
+    """Computes the errors of an estimate.
 
-    :raises ValueError: a pose has a stamp that no truth has; a silently dropped pose would flatter
+    :raises ValueError: a stamp is not in truth; dropping its pose would hide an error
     """
     unknown = sorted(set(estimate) - set(truth))
     if unknown:
-        raise ValueError(f"{len(unknown)} poses without a truth of their stamp, the first at {unknown[0]} ns")
+        raise ValueError(f"{len(unknown)} poses without ground truth, the first at {unknown[0]} ns")
     stamps = sorted(estimate)
     errors = np.array([sextant.pose_error(truth[stamp], estimate[stamp]) for stamp in stamps]).reshape(-1, 6)
     return TrajectoryErrors(
@@ -60,7 +60,7 @@ def trajectory_errors(truth: Trajectory, estimate: Trajectory) -> TrajectoryErro
 
 
 def summarize(values: np.ndarray) -> ErrorSummary:
-    """Summary of an (N,) array of errors, in its unit."""
+    """Computes the statistics of an (N,) array of errors, in its unit."""
     if len(values) == 0:
         return ErrorSummary(np.nan, np.nan, np.nan)
     return ErrorSummary(
@@ -73,7 +73,7 @@ def summarize(values: np.ndarray) -> ErrorSummary:
 
 
 def error_table(errors: Mapping[str, TrajectoryErrors]) -> str:
-    """A line a series: mean, 95 % and worst error in cm and degrees, and how many frames had a pose."""
+    """Formats mean, 95 % and worst error in cm and degrees and the number of poses, one line per name."""
     width = max(map(len, errors), default=0)
     indent = " " * width
     columns = f"{'mean':>7} {'95 %':>7} {'worst':>8}"

@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Trajectories in files: TUM's text format, and CSV with a header.
+"""Trajectory files: TUM's text format, and CSV with a header.
 
-TUM: `stamp tx ty tz qx qy qz qw` a line, separated by blanks, `#` begins a comment; seconds and metres
+TUM: lines `stamp tx ty tz qx qy qz qw`, separated by blanks, `#` begins a comment; seconds and metres
 (https://cvg.cit.tum.de/data/datasets/rgbd-dataset/file_formats).
-CSV: commas; the header names the columns (COLUMNS), in any order, and other columns are left alone: what
-`rostopic echo -p` writes of poses with a header, and EuRoC's ground truth, can be read as they are.
+CSV: the header names the columns (COLUMNS), in any order; other columns are ignored. Output of
+`rostopic echo -p` for stamped poses and EuRoC's ground truth can be read directly.
 """
 
 from decimal import Decimal
@@ -16,15 +16,15 @@ import numpy as np
 
 import sextant
 from sextant.base.atomic_file import atomic_file
-from sextant.evaluation.trajectory import Trajectory
+from sextant.evaluation.trajectory import Trajectory, seconds_text
 from sextant.geometry.poses import quaternion_of
 
 FIELDS = ("stamp", "x", "y", "z", "qx", "qy", "qz", "qw")
 SECOND, NANOSECOND = Decimal(10**9), Decimal(1)
-LATEST = 2**32 * 10**9  # nanoseconds; ROS counts seconds in 32 bits
-NORM_TOLERANCE = 1e-3  # of a quaternion: files with four decimals stay below
+MAX_STAMP = 2**32 * 10**9  # nanoseconds; ROS stores seconds in 32 bits
+NORM_TOLERANCE = 1e-3  # of a quaternion, enough for four decimals
 
-# Names that a column of the header may have in place of the field's own, in lower case.
+# Alternative names of the columns in a header, in lower case.
 COLUMNS: Dict[str, Tuple[str, ...]] = {
     "stamp": ("time", "timestamp", "t", "stamp_ns", "#timestamp [ns]", "#timestamp", "field.header.stamp"),
     **{axis: (f"t{axis}", f"p_rs_r_{axis} [m]", f"p{axis}") for axis in "xyz"},
@@ -33,30 +33,30 @@ COLUMNS: Dict[str, Tuple[str, ...]] = {
 IN_NANOSECONDS = ("stamp_ns", "#timestamp [ns]", "#timestamp", "field.header.stamp")
 ROS_POSES = ("field.pose.", "field.pose.pose.", "field.transform.")  # of PoseStamped, Odometry, Transform…
 
-WRITTEN = {".csv": ",", ".tum": " ", ".txt": " "}  # what stands between two fields
+SEPARATORS = {".csv": ",", ".tum": " ", ".txt": " "}  # by file name ending
 
 FilePath = Union[str, Path]
 
 
 def read_trajectory(path: FilePath) -> Trajectory:
-    """A trajectory of a file, read as its ending says: .csv, or .tum or .txt for TUM's format.
+    """Reads a trajectory from a .csv file, or from a .tum or .txt file in TUM's format.
 
     :returns: T_map_base by stamp in nanoseconds, see sextant.evaluation.trajectory
-    :raises OSError: it cannot be read
-    :raises ValueError: "file:line: reason", or an ending that says nothing
+    :raises OSError: the file cannot be read
+    :raises ValueError: "file:line: reason", or an unknown ending
     """
     readers = {".csv": read_csv, ".tum": read_tum, ".txt": read_tum}
     return readers[_checked_ending(path, readers)](path)
 
 
 def read_tum(path: FilePath) -> Trajectory:
-    """A trajectory of a file in TUM's format; raises as read_trajectory()."""
+    """Reads a trajectory in TUM's format; raises as read_trajectory()."""
     rows = ((number, line.split()) for number, line in _lines(path))
     return _trajectory(path, rows, FIELDS, SECOND)
 
 
 def read_csv(path: FilePath) -> Trajectory:
-    """A trajectory of a CSV file with a header; raises as read_trajectory()."""
+    """Reads a trajectory from a CSV file with a header; raises as read_trajectory()."""
     lines = _lines(path, comments=False)
     first, header = next(lines, (1, ""))
     names = [name.strip().lower() for name in header.split(",")]
@@ -70,15 +70,15 @@ def read_csv(path: FilePath) -> Trajectory:
 
 
 def write_trajectory(path: FilePath, trajectory: Trajectory) -> None:
-    """Writes a trajectory atomically, in the format that the ending says; as read_trajectory() reads it.
+    """Writes a trajectory atomically; the ending selects the format, as in read_trajectory().
 
     :raises OSError: the file cannot be written
-    :raises ValueError: an ending that says nothing
+    :raises ValueError: unknown ending
     """
-    ending = _checked_ending(path, WRITTEN)
-    comma = WRITTEN[ending]
+    ending = _checked_ending(path, SEPARATORS)
+    comma = SEPARATORS[ending]
     rows = [
-        [f"{stamp // 10**9}.{stamp % 10**9:09d}", *(repr(float(value)) for value in _fields_of(T))]
+        [seconds_text(stamp), *(repr(float(value)) for value in (*T[:3, 3], *quaternion_of(T[:3, :3])))]
         for stamp, T in sorted(trajectory.items())
     ]
     with atomic_file(path) as file:
@@ -86,19 +86,15 @@ def write_trajectory(path: FilePath, trajectory: Trajectory) -> None:
         file.writelines(comma.join(row) + "\n" for row in rows)
 
 
-def _fields_of(T: np.ndarray) -> List[float]:
-    return [*T[:3, 3], *quaternion_of(T[:3, :3])]
-
-
 def _checked_ending(path: FilePath, known: Iterable[str]) -> str:
     ending = Path(path).suffix.lower()
     if ending not in known:
-        raise ValueError(f"{path}: a trajectory's file ends in {', '.join(sorted(known))}")
+        raise ValueError(f"{path}: the file name of a trajectory must end in {', '.join(sorted(known))}")
     return ending
 
 
 def _lines(path: FilePath, comments: bool = True) -> Iterator[Tuple[int, str]]:
-    """Number and text of every line that is not blank; a spreadsheet's byte order mark is left out."""
+    """Yields number and text of every line that is not blank, without a byte order mark."""
     try:
         with open(path, encoding="utf-8-sig") as file:
             for number, line in enumerate(file, 1):
@@ -106,7 +102,7 @@ def _lines(path: FilePath, comments: bool = True) -> Iterator[Tuple[int, str]]:
                 if line:
                     yield number, line
     except UnicodeDecodeError:
-        raise ValueError(f"{path}: is no text in UTF-8") from None
+        raise ValueError(f"{path}: is not UTF-8 text") from None
 
 
 def _field_of_name() -> Dict[str, str]:
@@ -119,13 +115,13 @@ def _field_of_name() -> Dict[str, str]:
 
 
 def _fields(names: Sequence[str]) -> List[str]:
-    """The field that each column of a header holds, empty for one that is left alone."""
+    """Returns the field of each column of a header; empty: ignored."""
     known = _field_of_name()
     fields = [known.get(name, "") for name in names]
     for field in FIELDS:
         columns = [name for name, each in zip(names, fields) if each == field]
         if not columns:
-            raise ValueError(f"no column '{field}'; the header names {', '.join(FIELDS)}, commas between")
+            raise ValueError(f"no column '{field}'; the header must be {','.join(FIELDS)}")
         if len(columns) > 1:
             raise ValueError(f"more than one column for '{field}': {', '.join(columns)}")
     return fields
@@ -140,12 +136,12 @@ def _trajectory(
         try:
             stamp, pose = _stamped_pose(row, fields, unit)
             if stamp in lines:
-                raise ValueError(f"the stamp of line {lines[stamp]} again")
+                raise ValueError(f"duplicate stamp, as in line {lines[stamp]}")
         except ValueError as error:
             raise ValueError(f"{path}:{number}: {error}") from None
         trajectory[stamp], lines[stamp] = pose, number
     if not trajectory:
-        raise ValueError(f"{path}: no pose in it")
+        raise ValueError(f"{path}: contains no pose")
     return trajectory
 
 
@@ -169,12 +165,12 @@ def _number(field: str, text: str) -> float:
 
 
 def _nanoseconds(text: str, unit: Decimal) -> int:
-    """Decimal, not float: a float of today's seconds is only good to 0.2 microseconds."""
+    """Parses a stamp. Decimal, since a float resolves today's seconds to 0.2 microseconds only."""
     try:
         stamp = Decimal(text.strip())
     except ArithmeticError:
         raise ValueError(f"stamp is '{text.strip()}', not a number") from None
-    if not (stamp.is_finite() and 0 <= stamp < LATEST / unit):
+    if not (stamp.is_finite() and 0 <= stamp < MAX_STAMP / unit):
         unit_name = "seconds" if unit == SECOND else "nanoseconds"
-        raise ValueError(f"stamp is '{text.strip()}', no time in {unit_name}")
+        raise ValueError(f"stamp is '{text.strip()}', not a time in {unit_name}")
     return int((stamp * unit).to_integral_value())

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Colours of classes of landmarks: those that the nodelet shows in rviz."""
+"""Colours of landmark classes, as the nodelet shows them in rviz."""
 
 import colorsys
 from typing import Tuple
@@ -20,7 +20,7 @@ NAMED = {
 
 
 def colour_of_class(class_name: str) -> Colour:
-    """The colour that is in the name; of other names, one that is the same wherever it is computed."""
+    """Colour named in the class, or else one derived from a hash of the class."""
     named = (colour for name, colour in NAMED.items() if name in class_name)
     return next(named, None) or _of_hue(_hash(class_name) * 2654435769 % 2**32 / 2**32)
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a run of landmark SLAM came to, in words."""
+"""Summary of a run of landmark SLAM as text."""
 
 from collections import defaultdict
 from typing import Dict, List
@@ -10,25 +10,26 @@ import numpy as np
 import sextant
 from sextant.landmarks.slam_run import SlamRun
 
-NIS_BAND = (0.7, 1.4)  # of its mean by degree of freedom, where the noise that was told may be right
-FEWEST = 100  # degrees of freedom, below which the mean says nothing
-LOST_SHARE = 0.2  # of the time; more is told
+NIS_BAND = (0.7, 1.4)  # of the mean NIS per degree of freedom, within which the noise may be correct
+MIN_NIS_DOF = 100  # degrees of freedom, below which the mean NIS is not significant
+MAX_LOST_SHARE = 0.2  # of the time, above which there is a warning
 
 
 def summary(run: SlamRun) -> List[str]:
-    """A line for the drive, for every class, and for what became of sightings."""
+    """Lines on the drive, each class of landmarks, the observations and the changes of the map."""
     tally = run.tally
-    drives = sum(bool(leg.odometry) for leg in run.legs)
-    drive = f"{tally.way:.1f} m in {tally.duration:.1f} s"
+    drives = sum(bool(segment.odometry) for segment in run.segments)
+    drive = f"{tally.distance:.1f} m in {tally.duration:.1f} s"
     drive += f", {drives} drives" if drives > 1 else ""
     drive += f", lost for {tally.lost:.1f} s" if tally.lost else ""
     lines = [drive, *_classes(run)]
     lines.append(
-        f"sightings: {tally.known} of known landmarks, {tally.doubtful} in doubt, {tally.rejected} rejected"
+        f"observations: {tally.associated} associated, {tally.ambiguous} ambiguous, {tally.rejected} rejected"
     )
-    lines.append(f"landmarks: {tally.begun} begun, {tally.merged} merged, {tally.removed} removed")
-    if tally.nis_width:
-        lines.append(f"NIS by degree of freedom: {tally.nis / tally.nis_width:.2f} (right is 1)")
+    changes = f"{tally.initialized} initialized, {tally.merged} merged, {tally.removed} removed"
+    lines.append("landmarks: " + changes)
+    if tally.nis_dof:
+        lines.append(f"NIS per degree of freedom: {tally.nis / tally.nis_dof:.2f} (expected: 1)")
     return lines
 
 
@@ -38,58 +39,58 @@ def _classes(run: SlamRun) -> List[str]:
     for landmark, label, key in zip(slam.filter.landmarks, slam.labels, slam.keys):
         block = covariance[at : at + 2, at : at + 2]
         at += 2 if landmark.heading is None else 3
-        of_class[label.class_name].append((np.sqrt(np.linalg.eigvalsh(block)[-1]), run.tally.seen[key]))
+        sigma = np.sqrt(np.linalg.eigvalsh(block)[-1])
+        of_class[label.class_name].append((sigma, run.tally.observations[key]))
     return [_class(name, rows) for name, rows in sorted(of_class.items())] or ["no landmark"]
 
 
 def _class(name: str, rows: List) -> str:
-    sigmas, seen = zip(*rows)
+    sigmas, counts = zip(*rows)
     many = f"{len(rows)} landmark" + ("s" if len(rows) > 1 else "")
-    return f"{name}: {many}, seen {sum(seen)} times, deviation at most {max(sigmas):.3f} m"
+    return f"{name}: {many}, {sum(counts)} observations, standard deviation up to {max(sigmas):.3f} m"
 
 
 def warnings(run: SlamRun) -> List[str]:
-    """What its user should look at, and what to do about it."""
-    leaps = run.timeline.leaps
-    leapt = [f"odometry leapt {leaps} times: as if the robot had been put elsewhere"] if leaps else []
-    return [*leapt, *_noise(run), *_arrivals(run), *_lost(run)]
+    """Problems of the run, each with what to do about it."""
+    jumps = run.timeline.jumps
+    jumped = [f"odometry jumped {jumps} times: the robot was lost after each"] if jumps else []
+    return [*jumped, *_noise(run), *_arrivals(run), *_lost(run)]
 
 
 def _noise(run: SlamRun) -> List[str]:
-    """A NIS far from 1 says that the told noise is wrong; not whether of odometry or of the sensor."""
+    """A NIS far from 1 shows that the noise is wrong, but not whether that of odometry or of the sensor."""
     tally = run.tally
-    if tally.nis_width < FEWEST:
+    if tally.nis_dof < MIN_NIS_DOF:
         return []
-    nis = tally.nis / tally.nis_width
+    nis = tally.nis / tally.nis_dof
     if NIS_BAND[0] <= nis <= NIS_BAND[1]:
         return []
     size, direction = ("small", "raise") if nis > 1 else ("large", "lower")
     return [
-        f"the NIS is {nis:.2f}: the noise that is told is too {size}. {direction.capitalize()} way_by_way, "
-        f"turn_by_way and turn_by_turn (odometry), or what tells the sightings has to {direction} their "
-        f"covariances; by a factor of about {np.sqrt(nis):.2g} in deviations, if it is all in one of them"
+        f"the NIS is {nis:.2f}: the noise that is set is too {size}. {direction.capitalize()} "
+        "translation_from_translation, rotation_from_translation and rotation_from_rotation (odometry), "
+        f"or the covariances of the observations; by a factor of about {np.sqrt(nis):.2g} in standard "
+        "deviations, if all of it is in one of them"
     ]
 
 
 def _arrivals(run: SlamRun) -> List[str]:
-    arrivals, lines = run.tally.arrivals, []
+    arrivals = run.tally.arrivals
     early, late = run.tally.early, arrivals[sextant.Arrival.TOO_LATE] - run.tally.early
-    told: Dict[str, int] = {
-        "are of before the first odometry": early,
-        f"came too late: raise lag ({run.params.timeline.lag:g} s)": late,
-        "came twice, and were taken once": arrivals[sextant.Arrival.DUPLICATE],
+    counts: Dict[str, int] = {
+        "are older than the first odometry": early,
+        f"are too late: raise lag ({run.params.timeline.lag:g} s)": late,
+        "are duplicates, and were applied once": arrivals[sextant.Arrival.DUPLICATE],
     }
-    for what, count in told.items():
-        if count:
-            lines.append(f"{count} of {sum(arrivals.values())} sets of sightings {what}")
-    return lines
+    total = sum(arrivals.values())
+    return [f"{count} of {total} scans {what}" for what, count in counts.items() if count]
 
 
 def _lost(run: SlamRun) -> List[str]:
     tally, lines = run.tally, []
-    if tally.lost > LOST_SHARE * tally.duration:
+    if tally.lost > MAX_LOST_SHARE * tally.duration:
         share = tally.lost / tally.duration
-        lines.append(f"the robot was lost for {share:.0%} of the time: is it the map of this place?")
+        lines.append(f"the robot was lost for {share:.0%} of the time: is this the map of this place?")
     if run.timeline.is_lost:
-        lines.append("the robot is lost at the end: what it saw since then is not in the map")
+        lines.append("the robot is lost at the end: the observations since then are not in the map")
     return lines

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Which markers of a map were seen together, and what little holds some of them to the rest."""
+"""Connections between the markers of a map through images that show several of them, and their weak spots."""
 
 from collections import Counter
 from dataclasses import dataclass
@@ -13,32 +13,33 @@ from scipy.sparse.csgraph import breadth_first_order, maximum_flow
 
 Key = Tuple[str, int]  # family, id
 Pair = Tuple[Key, Key]  # in ascending order
-Image = AbstractSet[Key]  # the markers that one image shows; of several cameras, those of one instant
+Image = AbstractSet[Key]  # markers in one image, or in the images of several cameras at one instant
 
-FEW_IMAGES = 10  # below which a connection is weak
-FEW_IMAGES_OF_A_PAIR = 30  # and below which it is if all of them show the same two markers
+FEW_IMAGES = 10  # a connection through fewer images is weak
+FEW_IMAGES_OF_A_PAIR = 30  # the same, if all images show the same two markers
 
 
 @dataclass(frozen=True)
 class Cut:
-    """The fewest images without which some markers have no connection with the rest."""
+    """A minimum cut: the fewest images whose removal separates some markers from the rest."""
 
-    markers: FrozenSet[Key]  # those on one side
-    images: int
-    links: Tuple[Pair, ...]  # seen in those images: (one of markers, one of the rest), in ascending order
+    markers: FrozenSet[Key]  # markers on one side
+    images: int  # number of images in the cut
+    links: Tuple[Pair, ...]  # pairs in those images: (one of markers, one of the rest), in ascending order
 
     @property
     def is_weak(self) -> bool:
+        """Whether the connection has too few images."""
         return self.images < (FEW_IMAGES_OF_A_PAIR if len(self.links) == 1 else FEW_IMAGES)
 
 
 def count_links(images: Sequence[Image]) -> Dict[Pair, int]:
-    """In how many images each pair of markers is; pairs that are in none are left out."""
+    """Returns the number of images that show both markers, by pair; pairs without images are omitted."""
     return dict(Counter(pair for image in images for pair in combinations(sorted(image), 2)))
 
 
 def components(images: Sequence[Image]) -> List[FrozenSet[Key]]:
-    """Markers that images connect, in ascending order of their first."""
+    """Returns the connected components, sorted by their first marker."""
     found: List[set] = []
     for image in images:
         touched = [each for each in found if each & image]
@@ -46,23 +47,24 @@ def components(images: Sequence[Image]) -> List[FrozenSet[Key]]:
     return sorted((frozenset(each) for each in found if each), key=min)
 
 
-def cuts(images: Sequence[Image], holders: Collection[Key]) -> Dict[Key, Cut]:
-    """For each marker but the holders: the cut that takes the fewest images to part it from them.
+def cuts(images: Sequence[Image], anchors: Collection[Key]) -> Dict[Key, Cut]:
+    """Computes the minimum cut between each marker and the anchors.
 
-    A maximum flow (max-flow min-cut theorem) through a graph whose only limits are the images: one that shows
-    three markers counts once, though it makes three pairs. Of equal cuts it is the one nearest to the marker.
+    By the max-flow min-cut theorem, in a graph where only images limit the flow: an image of three markers
+    counts once, although it shows three pairs. Of equal cuts, the one closest to the marker is returned.
 
-    :param holders: markers that hold the frame
-    :returns: 0 images for a marker that none connects with a holder; nothing if no image shows a holder
+    :param anchors: markers that define the map frame
+    :returns: cuts by marker, anchors excluded; 0 images if the marker is not connected; empty if no image
+        shows an anchor
     """
-    network = _Network(images, holders)
-    if not network.holders.intersection(network.keys):
+    network = _Network(images, anchors)
+    if not network.anchors.intersection(network.keys):
         return {}
-    return {key: network.cut(key) for key in network.keys if key not in network.holders}
+    return {key: network.cut(key) for key in network.keys if key not in network.anchors}
 
 
 def weak_cuts(images: Sequence[Image], found: Collection[Cut]) -> List[Cut]:
-    """The weak ones of cuts(), each once and told of its smaller side, the weakest first."""
+    """Returns the distinct weak cuts of cuts(), described from the smaller side, the weakest first."""
     everything = frozenset().union(*images)
     weak = {_seen_from_smaller_side(cut, everything) for cut in found if cut.is_weak}
     return sorted(weak, key=lambda cut: (cut.images, sorted(cut.markers)))
@@ -76,32 +78,30 @@ def _seen_from_smaller_side(cut: Cut, everything: FrozenSet[Key]) -> Cut:
 
 
 class _Network:
-    """Flow network: a root behind the holders, the markers, and an entrance and an exit a set of markers."""
+    """Flow network: a sink behind the anchors, a node per marker, an entry and an exit node per image set."""
 
-    def __init__(self, images: Sequence[Image], holders: Collection[Key]):
+    def __init__(self, images: Sequence[Image], anchors: Collection[Key]):
         self.keys = sorted(frozenset().union(*images))
-        self.holders = set(holders)
+        self.anchors = set(anchors)
         self._node = {key: 1 + i for i, key in enumerate(self.keys)}
         self._sets = Counter(frozenset(image) for image in images if len(image) > 1)
         self._without_limit = 1 + sum(self._sets.values())
         self._capacity = self._build()
 
     def _build(self) -> csr_matrix:
-        edges = [(self._node[key], 0, self._without_limit) for key in self.keys if key in self.holders]
+        edges = [(self._node[key], 0, self._without_limit) for key in self.keys if key in self.anchors]
         for i, (markers, count) in enumerate(self._sets.items()):
-            entrance, leave = self._gates(i)
-            edges.append((entrance, leave, count))
+            entrance = 1 + len(self.keys) + 2 * i
+            exit_node = entrance + 1
+            edges.append((entrance, exit_node, count))
             edges += [(self._node[key], entrance, self._without_limit) for key in markers]
-            edges += [(leave, self._node[key], self._without_limit) for key in markers]
+            edges += [(exit_node, self._node[key], self._without_limit) for key in markers]
         size = 1 + len(self.keys) + 2 * len(self._sets)
         rows, columns, values = np.array(edges, dtype=np.int32).reshape(-1, 3).T
         return csr_matrix((values, (rows, columns)), shape=(size, size), dtype=np.int32)
 
-    def _gates(self, i: int) -> Tuple[int, int]:
-        entrance = 1 + len(self.keys) + 2 * i
-        return entrance, entrance + 1
-
     def cut(self, key: Key) -> Cut:
+        """Computes the minimum cut between a marker and the anchors."""
         found = maximum_flow(self._capacity, self._node[key], 0)
         rest = self._capacity - found.flow
         rest.eliminate_zeros()

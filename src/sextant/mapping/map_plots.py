@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Pictures of a marker map that was made of a drive: seen from above, and what its sightings leave over."""
+"""Plots of a marker map from a recording: top view, and residuals of the observations."""
 
 import io
 from typing import List, Sequence
@@ -13,32 +13,32 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from sextant.base.plot_colours import COLOURS
-from sextant.mapping.map_plan import MapPlan
+from sextant.mapping.map_drawing import MapPlan
 from sextant.mapping.map_quality import MapQuality, MarkerQuality
 
 BLUE, RED = COLOURS[0], COLOURS[1]
 DOTS_PER_INCH = 110
-ROW = 50  # markers in a row of boxes; more do not leave room for their names
-LEAST_RESIDUAL = 0.01  # px: a logarithmic axis has no zero
+ROW = 50  # markers per row of boxes, limited by the width of their names
+MIN_RESIDUAL = 0.01  # px: a logarithmic axis has no zero
 
 
-def plan_view(made, quality: MapQuality) -> bytes:
-    """The map from above: markers, how uncertain they are, what connects them, the path of the base.
+def plan_view(result, quality: MapQuality) -> bytes:
+    """Plots the map from above: markers, their uncertainty and connections, and the path of the base.
 
-    :param made: sextant.MadeMap with one marker or more
+    :param result: sextant.MappingResult with one marker or more
     :returns: a PNG
     """
-    plan = MapPlan(made, quality)
+    plan = MapPlan(result, quality)
     figure = Figure(figsize=plan.figure_size)
-    FigureCanvasAgg(figure)  # not pyplot: it needs a window system and has a state of its own
+    FigureCanvasAgg(figure)  # not pyplot, which needs a window system and has global state
     plan.draw(figure.add_axes(plan.axes_place))
     return _png(figure)
 
 
 def residual_boxes(quality: MapQuality) -> bytes:
-    """A box a marker: quartiles and median of its used sightings, whiskers to 5 and 95 %; dots: left out.
+    """Plots residuals by marker: a box of the used observations (whiskers 5 and 95 %), dots of the others.
 
-    :param quality: of one marker or more
+    :param quality: of a map with one marker or more
     :returns: a PNG
     """
     markers = quality.markers
@@ -69,7 +69,7 @@ def _draw_boxes(axes: Axes, markers: Sequence[MarkerQuality], names: List[str]) 
         box.set(facecolor=BLUE, alpha=0.5)
     for x, marker in zip(at, markers):
         left_out = _visible(marker.left_out_rms)
-        # Side by side, or many look like one.
+        # Spread them, or many look like one.
         spread = x + 0.5 * (np.arange(left_out.size) % 7 - 3) / 7
         axes.plot(spread, left_out, ".", color=RED, markersize=4)
     axes.set_xticks(list(at))
@@ -82,12 +82,12 @@ def _draw_boxes(axes: Axes, markers: Sequence[MarkerQuality], names: List[str]) 
 
 
 def _visible(residuals: np.ndarray) -> np.ndarray:
-    return np.maximum(residuals, LEAST_RESIDUAL)
+    return np.maximum(residuals, MIN_RESIDUAL)
 
 
 def _legend() -> List[Line2D]:
     return [
-        Line2D([], [], color=BLUE, alpha=0.5, linewidth=8, label="sightings the map was made of"),
+        Line2D([], [], color=BLUE, alpha=0.5, linewidth=8, label="used observations"),
         Line2D([], [], color=RED, linestyle="", marker=".", label="left out, since they do not fit"),
     ]
 

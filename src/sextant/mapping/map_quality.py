@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""How good a map is that was made of a recorded drive: plain numbers, marker by marker."""
+"""Quality of a marker map from a recording, marker by marker."""
 
 from collections import Counter, defaultdict
 from dataclasses import dataclass
@@ -11,14 +11,14 @@ import numpy as np
 import sextant
 from sextant.mapping.map_links import Cut, Image, Key, Pair, components, count_links, cuts, weak_cuts
 
-MISFIT_SHARE = 0.2  # of a marker's sightings left out, from which something is wrong with it
-MISFIT_SIGHTINGS = 5
-UNCERTAIN_POSITION = 0.05  # m, standard deviation from which a marker is named
-UNCERTAIN_ROTATION = 0.05  # rad
-DOUBTFUL = 12.8  # chi-square of 3 degrees of freedom that one right entry of 200 exceeds
-SWAPPED = 0.25  # of the way between two places: so far at most each is from where the other was known
+MISFIT_SHARE = 0.2  # of a marker's observations; a marker with more left out does not fit
+MISFIT_OBSERVATIONS = 5  # minimum number of those left out
+UNCERTAIN_POSITION = 0.05  # m, standard deviation above which a marker is uncertain
+UNCERTAIN_ROTATION = 0.05  # rad, the same
+DOUBTFUL = 12.8  # chi-square quantile of 3 degrees of freedom, exceeded by one correct entry in 200
+SWAPPED = 0.25  # maximum distance from the other's known position, as a fraction of the offset
 
-Seen = Sequence[Sequence[Sequence[Key]]]
+Seen = List[List[List[Key]]]  # markers by instant, view and detection
 
 
 @dataclass(frozen=True)
@@ -26,199 +26,190 @@ class MarkerQuality:
     """A marker of the map."""
 
     key: Key
-    known: bool  # before the drive
-    holds: bool  # the frame of the map; of known ones, those that were used and not found wrong
-    sightings: int  # in the whole recording
-    used_rms: np.ndarray  # (U,) of each sighting the map was made of, pixels
-    left_out_rms: np.ndarray  # (L,) of each that does not fit, pixels; others could not be compared
-    position_sigma: float  # along the worst axis, metres
-    rotation_sigma: float  # about the worst axis, radians
-    neighbours: Tuple[Key, ...]  # in one image with it
-    images: Optional[int]  # the fewest that connect it with those that hold the frame; None: it is one
+    known: bool  # it was in the known map
+    is_anchor: bool  # it defines the map frame: a known marker that was used and is not wrong
+    observations: int  # in the whole recording
+    used_rms: np.ndarray  # (U,) RMS residual of each used observation, pixels
+    left_out_rms: np.ndarray  # (L,) RMS residual of each observation that does not fit, pixels
+    position_sigma: float  # standard deviation along the worst axis, metres
+    rotation_sigma: float  # standard deviation about the worst axis, radians
+    neighbours: Tuple[Key, ...]  # markers seen in one image with it
+    images: Optional[int]  # in the minimum cut to the anchors; None: it is an anchor
 
     @property
     def rms(self) -> float:
-        """Pixels; not a number where no sighting was used."""
+        """RMS residual of the used observations, pixels; NaN without any."""
         return float(np.sqrt(np.mean(np.square(self.used_rms)))) if self.used_rms.size else float("nan")
 
     @property
     def worst(self) -> float:
-        """Pixels, of those that were used; not a number where none was."""
+        """Largest residual of a used observation, pixels; NaN without any."""
         return float(self.used_rms.max()) if self.used_rms.size else float("nan")
 
     @property
     def does_not_fit(self) -> bool:
+        """Whether too many observations were left out, or all."""
         used, left_out = self.used_rms.size, self.left_out_rms.size
-        often = left_out >= MISFIT_SIGHTINGS and left_out > MISFIT_SHARE * (used + left_out)
-        return often or (self.sightings > 0 and used == 0)
+        often = left_out >= MISFIT_OBSERVATIONS and left_out > MISFIT_SHARE * (used + left_out)
+        return often or (self.observations > 0 and used == 0)
 
     @property
     def is_uncertain(self) -> bool:
+        """Whether the standard deviation of position or rotation is large."""
         return self.position_sigma > UNCERTAIN_POSITION or self.rotation_sigma > UNCERTAIN_ROTATION
 
 
 @dataclass(frozen=True)
 class WrongEntry:
-    """A known marker against what all else says of it."""
+    """A known marker whose entry contradicts all other observations."""
 
     key: Key
-    known_position: np.ndarray  # (3,) metres, in the map
-    offset: np.ndarray  # (3,) from there to where all else shows it, metres, in the map's axes
-    rotation: float  # radians
+    known_position: np.ndarray  # (3,) of the entry, in the map, metres
+    offset: np.ndarray  # (3,) from there to the observed position, in the axes of the map, metres
+    rotation: float  # between known and observed orientation, radians
 
 
 @dataclass(frozen=True)
-class ElsewhereMarker:
-    """A marker that some images show at another place than its own in the map."""
+class ConflictingMarker:
+    """A marker that some images show at another position than its own in the map."""
 
     key: Key
-    place: np.ndarray  # (3,) in the map, metres
-    position: np.ndarray  # (3,) the other place, metres
-    images: int  # that say so
-    witnesses: Tuple[Key, ...]  # by which those images were located
+    place: np.ndarray  # (3,) position in the map, metres
+    position: np.ndarray  # (3,) conflicting position, metres
+    images: int  # number of images that show it there
+    witnesses: Tuple[Key, ...]  # markers that localized those images
 
 
 @dataclass(frozen=True)
 class Unconnected:
-    """Markers that were seen together, but not with the map's."""
+    """Markers that are connected to each other, but not to the map."""
 
     keys: FrozenSet[Key]
-    images: int  # that do show one of them together with one of the map, but could not be used
+    images: int  # number of images that also show a marker of the map, but could not be used
 
 
 @dataclass(frozen=True)
 class MapQuality:
-    """Everything that a user should know of a map that was made."""
+    """Quality of a map and its markers."""
 
     markers: List[MarkerQuality]  # in the order of the map
-    links: Dict[Pair, int]  # images that show both and that the map was made of
-    weak: List[Cut]  # the weakest first
-    wrong: List[WrongEntry]  # the worst first; what was known of them was not used
-    doubtful: List[WrongEntry]  # the worst first; they may be wrong, but hold the frame
-    swapped: List[Pair]  # of wrong or moved ones: each hangs where the other was known
-    elsewhere: List[ElsewhereMarker]  # the most clearly so first
-    twice: List[Key]  # not in the map: moved during the recording, or printed twice
-    ambiguous: List[Key]  # not in the map: two places explain what was seen of them
+    links: Dict[Pair, int]  # number of used images that show both markers
+    weak: List[Cut]  # weak connections, the weakest first
+    wrong: List[WrongEntry]  # entries that were rejected, the worst first
+    doubtful: List[WrongEntry]  # entries that may be wrong but were used, the worst first
+    swapped: List[Pair]  # wrong or moved markers, each at the known position of the other
+    conflicting: List[ConflictingMarker]  # the clearest first
+    inconsistent: List[Key]  # not in the map: moved during the recording, or printed twice
+    ambiguous: List[Key]  # not in the map: two poses explain their observations
     unconnected: List[Unconnected]  # not in the map
-    odometry: bool  # it connects images, besides what they show
+    odometry: bool  # the recording has odometry, which connects images as well
 
     def name(self, key: Key) -> str:
-        """The id alone where all markers are of one family."""
-        families = {family for family, _ in (*self.absent, *(each.key for each in self.markers))}
+        """Returns the id if all markers are of one family, else FAMILY/ID."""
+        families = {family for family, _ in (*self.unmapped, *(each.key for each in self.markers))}
         return str(key[1]) if families <= {key[0]} else f"{key[0]}/{key[1]}"
 
     @property
-    def absent(self) -> List[Key]:
+    def unmapped(self) -> List[Key]:
         """Markers that were seen, but are not in the map."""
         unconnected = (key for group in self.unconnected for key in group.keys)
-        return sorted({*self.twice, *self.ambiguous, *unconnected})
+        return sorted({*self.inconsistent, *self.ambiguous, *unconnected})
 
 
 def map_quality(
-    made: sextant.MadeMap,
-    instants: Sequence[sextant.RecordedInstant],
-    seen: Seen,
-    known: Optional[sextant.MarkerMap] = None,
+    result: sextant.MappingResult, instants: Sequence[sextant.RecordedInstant], known: sextant.MarkerMap
 ) -> MapQuality:
-    """Judges a map.
+    """Evaluates a map.
 
-    :param instants: that it was made of
-    :param seen: of every instant, of every view: (family, id) of its detections, in their order
-    :param known: the map that was handed to make_marker_map(); None or empty: there was none
-    :raises ValueError: seen is not of these instants
+    :param result: of sextant.make_marker_map()
+    :param instants: the recording
+    :param known: the known map that was given to make_marker_map(); may be empty
     """
-    _require_fit(made, instants, seen)
-    known = sextant.MarkerMap() if known is None else known
-    images = _used_images(made, seen)
-    holders = _holders(made, known)
-    found = cuts(images, holders)
-    wrong = _entries([each for each in made.known if each.wrong], known)
-    doubtful = [each for each in made.known if not each.wrong and each.squared_distance > DOUBTFUL]
-    elsewhere = _elsewhere(made)
+    seen: Seen = [
+        [[(each.family, each.id) for each in view.detections] for view in instant.views]
+        for instant in instants
+    ]
+    images = _used_images(result, seen)
+    anchors = _anchors(result, known)
+    found = cuts(images, anchors)
+    wrong = _entries([each for each in result.known if each.wrong], known)
+    doubtful = [each for each in result.known if not each.wrong and each.squared_distance > DOUBTFUL]
+    conflicting = _conflicting(result)
     return MapQuality(
-        markers=_markers(made, seen, known, holders, found, images),
+        markers=_markers(result, seen, known, anchors, found, images),
         links=count_links(images),
         weak=weak_cuts(images, list(found.values())),
         wrong=wrong,
         doubtful=_entries(doubtful, known),
-        swapped=swapped_pairs(_known_and_seen(wrong, elsewhere, known)),
-        elsewhere=elsewhere,
-        twice=sorted(made.twice),
-        ambiguous=sorted(made.ambiguous),
-        unconnected=_unconnected(made, seen),
+        swapped=swapped_pairs(_known_and_seen(wrong, conflicting, known)),
+        conflicting=conflicting,
+        inconsistent=sorted(result.inconsistent),
+        ambiguous=sorted(result.ambiguous),
+        unconnected=_unconnected(result, seen),
         odometry=any(instant.T_odom_base is not None for instant in instants),
     )
 
 
-def _require_fit(made, instants: Sequence, seen: Seen) -> None:
-    views = [len(instant.views) for instant in instants]
-    if [len(each) for each in seen] != views:
-        raise ValueError("seen must have a list for every view of every instant")
-    for each in made.residuals:
-        if each.instant >= len(seen) or each.detection >= len(seen[each.instant][each.view]):
-            raise ValueError(f"seen has no detection {each.detection} in a view of instant {each.instant}")
-
-
 def _key_of(residual, seen: Seen) -> Key:
-    return tuple(seen[residual.instant][residual.view][residual.detection])
+    return seen[residual.instant][residual.view][residual.detection]
 
 
-def _used_images(made, seen: Seen) -> List[Image]:
-    """Of an instant: its cameras hold together by their mounts."""
+def _used_images(result, seen: Seen) -> List[Image]:
+    """Returns the used markers by instant: the mounts connect the cameras of an instant."""
     markers = defaultdict(set)
-    for each in made.residuals:
+    for each in result.residuals:
         if each.used:
             markers[each.instant].add(_key_of(each, seen))
     return [markers[instant] for instant in sorted(markers)]
 
 
-def _holders(made, known) -> Collection[Key]:
-    wrong = {(each.family, each.id) for each in made.known if each.wrong}
+def _anchors(result, known) -> Collection[Key]:
+    wrong = {(each.family, each.id) for each in result.known if each.wrong}
     given = {(each.family, each.id) for each in known.markers} - wrong
     if given:
         return given
-    # Nobody named one: the maker chose it, and holds it exactly, or but for height and tilt on a floor.
-    exact = {(each.family, each.id) for each in made.map.markers if not np.any(each.covariance)}
-    return exact or {(each.family, each.id) for each in made.known}
+    # Without a known map, the map maker chose one and fixed it, or on a floor all but height and tilt.
+    exact = {(each.family, each.id) for each in result.map.markers if not np.any(each.covariance)}
+    return exact or {(each.family, each.id) for each in result.known}
 
 
-def _markers(made, seen: Seen, known, holders, found: Dict[Key, Cut], images) -> List[MarkerQuality]:
-    sightings = Counter(tuple(key) for instant in seen for view in instant for key in view)
+def _markers(result, seen: Seen, known, anchors, found: Dict[Key, Cut], images) -> List[MarkerQuality]:
+    observations = Counter(key for instant in seen for view in instant for key in view)
     used, left_out, neighbours = defaultdict(list), defaultdict(list), defaultdict(set)
-    for each in made.residuals:
+    for each in result.residuals:
         (used if each.used else left_out)[_key_of(each, seen)].append(each.rms)
     for a, b in count_links(images):
         neighbours[a].add(b)
         neighbours[b].add(a)
-    result = []
-    for marker in made.map.markers:
+    qualities = []
+    for marker in result.map.markers:
         key = (marker.family, marker.id)
-        result.append(
+        qualities.append(
             MarkerQuality(
                 key=key,
                 known=known.find(*key) is not None,
-                holds=key in holders and bool(used[key]),
-                sightings=sightings[key],
+                is_anchor=key in anchors and bool(used[key]),
+                observations=observations[key],
                 used_rms=np.array(used[key]),
                 left_out_rms=np.array(left_out[key]),
                 position_sigma=_worst_sigma(marker.covariance[:3, :3]),
                 rotation_sigma=_worst_sigma(marker.covariance[3:, 3:]),
                 neighbours=tuple(sorted(neighbours[key])),
-                images=_images_to(key, holders, found),
+                images=_images_to(key, anchors, found),
             )
         )
-    return result
+    return qualities
 
 
-def _images_to(key: Key, holders: Collection[Key], found: Dict[Key, Cut]) -> Optional[int]:
-    """The fewest that connect it with the holders; None for one of those."""
-    if key in holders:
+def _images_to(key: Key, anchors: Collection[Key], found: Dict[Key, Cut]) -> Optional[int]:
+    """Returns the number of images in the cut to the anchors; None for an anchor."""
+    if key in anchors:
         return None
     return found[key].images if key in found else 0
 
 
 def _worst_sigma(covariance: np.ndarray) -> float:
-    """Along the largest axis of the ellipsoid."""
+    """Returns the standard deviation along the major axis of the covariance ellipsoid."""
     return float(np.sqrt(max(np.linalg.eigvalsh(covariance)[-1], 0.0)))
 
 
@@ -235,23 +226,23 @@ def _entries(checks: Sequence, known) -> List[WrongEntry]:
     ]
 
 
-def _elsewhere(made) -> List[ElsewhereMarker]:
+def _conflicting(result) -> List[ConflictingMarker]:
     return [
-        ElsewhereMarker(
+        ConflictingMarker(
             (each.family, each.id),
-            made.map.find(each.family, each.id).T_map_marker[:3, 3],
+            result.map.find(each.family, each.id).T_map_marker[:3, 3],
             each.T_map_marker[:3, 3],
             each.images,
             tuple(sorted(each.witnesses)),
         )
-        for each in made.second_places
+        for each in result.conflicting_poses
     ]
 
 
-def _known_and_seen(wrong, elsewhere, known) -> Dict[Key, Tuple[np.ndarray, np.ndarray]]:
-    """Of every known marker that hangs elsewhere: where it was known, and where it hangs."""
+def _known_and_seen(wrong, conflicting, known) -> Dict[Key, Tuple[np.ndarray, np.ndarray]]:
+    """Returns known and observed position (3,) of every known marker at another position."""
     places = {}
-    for each in elsewhere:
+    for each in conflicting:
         entry = known.find(*each.key)
         if entry is not None:
             places[each.key] = (entry.T_map_marker[:3, 3], each.position)
@@ -260,23 +251,23 @@ def _known_and_seen(wrong, elsewhere, known) -> Dict[Key, Tuple[np.ndarray, np.n
 
 
 def swapped_pairs(places: Dict[Key, Tuple[np.ndarray, np.ndarray]]) -> List[Pair]:
-    """Pairs of which each hangs where the other was known.
+    """Finds pairs of markers, each at the known position of the other.
 
-    :param places: of markers that hang elsewhere: (3,) where it was known, (3,) where it hangs; metres
+    :param places: known (3,) and observed (3,) position of displaced markers, metres
     """
 
-    def hangs_at(a: Key, b: Key) -> bool:
-        known, hangs = places[a]
-        return np.linalg.norm(hangs - places[b][0]) <= SWAPPED * np.linalg.norm(hangs - known)
+    def is_at(a: Key, b: Key) -> bool:
+        known, observed = places[a]
+        return np.linalg.norm(observed - places[b][0]) <= SWAPPED * np.linalg.norm(observed - known)
 
     keys = sorted(places)
-    return [(a, b) for i, a in enumerate(keys) for b in keys[i + 1 :] if hangs_at(a, b) and hangs_at(b, a)]
+    return [(a, b) for i, a in enumerate(keys) for b in keys[i + 1 :] if is_at(a, b) and is_at(b, a)]
 
 
-def _unconnected(made, seen: Seen) -> List[Unconnected]:
-    keys = {tuple(key) for key in made.unconnected}
-    mapped = {(each.family, each.id) for each in made.map.markers}
-    shown = [{tuple(key) for view in instant for key in view} for instant in seen]
+def _unconnected(result, seen: Seen) -> List[Unconnected]:
+    keys = {tuple(key) for key in result.unconnected}
+    mapped = {(each.family, each.id) for each in result.map.markers}
+    shown = [{key for view in instant for key in view} for instant in seen]
     groups = components([image & keys for image in shown])
     return [Unconnected(group, _images_of_both(shown, group, mapped)) for group in groups]
 

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Report on a marker map that was made of a drive: one HTML file that needs nothing else."""
+"""Report on a new marker map: one self-contained HTML file."""
 
 import base64
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Dict, List, Mapping, Sequence, Tuple, Union
 
@@ -11,20 +11,18 @@ import numpy as np
 from jinja2 import Environment, StrictUndefined
 
 from sextant.base.atomic_file import atomic_file
-from sextant.mapping.map_findings import count, findings, list_findings, verdict
+from sextant.mapping.map_findings import count, list_findings, verdict
 from sextant.mapping.map_links import Key
 from sextant.mapping.map_plots import plan_view, residual_boxes
 from sextant.mapping.map_quality import MapQuality, MarkerQuality
 from sextant.mapping.map_report_template import TEMPLATE
 
-__all__ = ["MapOrigin", "findings", "write_map_report"]
-
-LINKS = 30  # rows; the weakest ones
-NOTABLE_SCALE = 1.5  # of the known markers' deviations, from which it is told
+LINKS = 30  # maximum number of rows, the weakest ones
+NOTABLE_SCALE = 1.5  # of the known markers' deviations, above which the report mentions it
 HEADS = (
     "marker",
     "to note",
-    "sightings",
+    "observations",
     "used",
     "left out",
     "RMS, px",
@@ -38,14 +36,12 @@ HEADS = (
 
 @dataclass(frozen=True)
 class MapOrigin:
-    """What a map was made of."""
+    """Inputs from which a map was made."""
 
-    bags: Sequence[str]
-    cameras: Sequence[str]  # in the order of MadeMap.noise_scales
-    corner_sigma: float  # pixels, of the parameters
-    options: Mapping[str, object] = field(default_factory=dict)
-    versions: Mapping[str, str] = field(default_factory=dict)  # of programs
-    title: str = "Marker map"
+    bags: Sequence[str]  # paths
+    cameras: Sequence[str]  # in the order of MappingResult.noise_scales
+    corner_sigma: float  # of the parameters, pixels
+    options: Mapping[str, object]  # of the command, by name
 
 
 @dataclass(frozen=True)
@@ -58,36 +54,36 @@ class _Row:
 class _Table:
     heads: Tuple[str, ...]
     rows: List[_Row]
-    text: Tuple[int, ...] = (0,)  # columns that are no numbers
+    text: Tuple[int, ...] = (0,)  # columns of text
 
 
-def write_map_report(path: Union[str, Path], made, quality: MapQuality, origin: MapOrigin) -> None:
-    """Writes the report; an old one is replaced when the new one is whole.
+def write_map_report(path: Union[str, Path], result, quality: MapQuality, origin: MapOrigin) -> None:
+    """Writes the report atomically.
 
-    :param made: sextant.MadeMap with one marker or more; quality: map_quality() of it
+    :param result: sextant.MappingResult with one marker or more
+    :param quality: map_quality() of result
     :raises OSError: the file cannot be written
     :raises ValueError: the map has no marker
     """
     environment = Environment(autoescape=True, undefined=StrictUndefined)
-    page = environment.from_string(TEMPLATE).render(_content(made, quality, origin))
+    page = environment.from_string(TEMPLATE).render(_content(result, quality, origin))
     with atomic_file(path, "wb") as file:
-        # Names of files need not be UTF-8: Python reads their other bytes as surrogates.
+        # File names need not be UTF-8: Python represents other bytes as surrogates.
         file.write(page.encode("utf-8", "backslashreplace"))
 
 
-def _content(made, quality: MapQuality, origin: MapOrigin) -> Dict[str, object]:
+def _content(result, quality: MapQuality, origin: MapOrigin) -> Dict[str, object]:
     return {
-        "title": origin.title,
         "verdict": verdict(quality),
         "findings": list_findings(quality),
-        "plan": base64.b64encode(plan_view(made, quality)).decode(),
+        "plan": base64.b64encode(plan_view(result, quality)).decode(),
         "markers": _marker_table(quality),
         "wrong": _wrong_table(quality),
         "links": _link_table(quality),
         "links_note": _links_note(quality),
         "residuals": base64.b64encode(residual_boxes(quality)).decode(),
-        "cameras": _camera_table(made, origin),
-        "notes": _noise_notes(made),
+        "cameras": _camera_table(result, origin),
+        "notes": _noise_notes(result),
         "origin": _origin_table(origin),
     }
 
@@ -106,11 +102,11 @@ def _marker_table(quality: MapQuality) -> _Table:
 
 
 def _marker_row(quality: MapQuality, marker: MarkerQuality, words: Sequence[str]) -> _Row:
-    role = "holds the frame" if marker.holds else "known before" if marker.known else ""
+    role = "defines the frame" if marker.is_anchor else "known before" if marker.known else ""
     cells = (
         quality.name(marker.key),
         "; ".join(filter(None, [*words, role])),
-        str(marker.sightings),
+        str(marker.observations),
         str(marker.used_rms.size),
         str(marker.left_out_rms.size),
         _number(marker.rms, 2),
@@ -142,13 +138,13 @@ def _wrong_table(quality: MapQuality) -> _Table:
         for each in quality.wrong
     ]
     return _Table(
-        ("marker", "x, cm", "y, cm", "z, cm", "in all, cm", "rotation, deg", "to note"), rows, (0, 6)
+        ("marker", "x, cm", "y, cm", "z, cm", "total, cm", "rotation, deg", "to note"), rows, (0, 6)
     )
 
 
 def _link_table(quality: MapQuality) -> _Table:
     weak = {frozenset(pair) for cut in quality.weak for pair in cut.links}
-    # The weak first, then those with the fewest images.
+    # Weak links first, then those with the fewest images.
     order = sorted(quality.links.items(), key=lambda link: (frozenset(link[0]) not in weak, link[1], link[0]))
     rows = [
         _Row(
@@ -161,30 +157,30 @@ def _link_table(quality: MapQuality) -> _Table:
 
 
 def _links_note(quality: MapQuality) -> str:
-    shown = f"; shown are the {LINKS} weakest" if len(quality.links) > LINKS else ""
+    shown = f"; the {LINKS} weakest are shown" if len(quality.links) > LINKS else ""
     return (
-        f"Pairs of markers that were seen in one image the map was made of: {len(quality.links)}{shown}. "
-        "A weak link is what alone connects some markers with the rest."
+        f"Pairs of markers that were seen in one used image: {len(quality.links)}{shown}. "
+        "Some markers are connected to the rest only by a weak link."
     )
 
 
-def _camera_table(made, origin: MapOrigin) -> _Table:
-    names = [*origin.cameras, *(f"camera {i}" for i in range(len(origin.cameras), len(made.noise_scales)))]
+def _camera_table(result, origin: MapOrigin) -> _Table:
+    names = [*origin.cameras, *(f"camera {i}" for i in range(len(origin.cameras), len(result.noise_scales)))]
     rows = [
         _Row((name, f"{scale * origin.corner_sigma:.2f}", f"{scale:.2f}"))
-        for name, scale in zip(names, made.noise_scales)
+        for name, scale in zip(names, result.noise_scales)
     ]
-    return _Table(("camera", "noise of a corner, px", f"times the {origin.corner_sigma:g} px told"), rows)
+    return _Table(("camera", "corner noise, px", f"over the assumed {origin.corner_sigma:g} px"), rows)
 
 
-def _noise_notes(made) -> List[str]:
+def _noise_notes(result) -> List[str]:
     notes = [
-        f"{made.correlated_images:.1f} images in a row say as much as one, since their errors are alike."
+        f"{result.correlated_images:.1f} consecutive images count as one, since their errors are correlated."
     ]
-    scales = (("positions", made.known_position_scale), ("rotations", made.known_rotation_scale))
+    scales = (("positions", result.known_position_scale), ("rotations", result.known_rotation_scale))
     notes += [
-        f"The {what} of the known markers scatter {scale:.1f} times as far as their deviations say; "
-        "they were believed accordingly less."
+        f"The {what} of the known markers scatter {scale:.1f} times their standard deviations; "
+        "their weights were reduced accordingly."
         for what, scale in scales
         if scale >= NOTABLE_SCALE
     ]
@@ -194,5 +190,4 @@ def _noise_notes(made) -> List[str]:
 def _origin_table(origin: MapOrigin) -> _Table:
     rows = [_Row(("recording", str(bag))) for bag in origin.bags]
     rows += [_Row((str(name), str(value))) for name, value in origin.options.items()]
-    rows += [_Row((f"version of {name}", str(version))) for name, version in origin.versions.items()]
     return _Table(("what", "value"), rows, (0, 1))

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Page of a report on a marker map (jinja2); whatever it shows is within it."""
+"""HTML template (jinja2) of the report on a marker map; it has no external resources."""
 
 TEMPLATE = """\
 <!DOCTYPE html>
@@ -9,7 +9,7 @@ TEMPLATE = """\
 <meta charset="utf-8">
 <meta http-equiv="Content-Security-Policy"
   content="default-src 'none'; img-src data:; style-src 'unsafe-inline'">
-<title>{{ title }}</title>
+<title>Marker map</title>
 <style>
 body { font-family: sans-serif; max-width: 82rem; margin: 1.5rem auto; padding: 0 1rem; color: #222; }
 h1 { margin-bottom: 0.2rem; }
@@ -39,37 +39,38 @@ p.note { color: #555; max-width: 60rem; }
 {%- endfor %}
 </table>
 {%- endmacro %}
-<h1>{{ title }}</h1>
+<h1>Marker map</h1>
 <p class="verdict">{{ verdict }}</p>
 {% if findings %}
-<h2>What needs a look</h2>
+<h2>Findings</h2>
 <ol class="findings">
 {%- for finding in findings %}
 <li><b>{{ finding.fact }}</b>: <span class="advice">{{ finding.advice }}</span></li>
 {%- endfor %}
 </ol>
 {% endif %}
-<h2>Seen from above</h2>
-<p class="note">Lines are markers, squares are markers that lie flat; the short stroke points to where a
-marker looks. Names in bold are of markers that are listed above.</p>
+<h2>Top view</h2>
+<p class="note">Lines are markers, squares are horizontal markers; the short stroke is a marker's normal.
+Names of markers with findings are bold.</p>
 <img alt="the map from above" src="data:image/png;base64,{{ plan }}">
 <h2>Markers</h2>
 <p class="note">Position and rotation are standard deviations along and about each marker's worst axis,
-against the markers that hold the frame. Sightings that are neither used nor left out are of images that do
-not help. "Images to the frame": without so many, no image would connect a marker with those.</p>
+relative to the markers that define the frame. Observations that are neither used nor left out are in images
+that add no information. "Images to the frame": the fewest images whose removal would disconnect the marker
+from the markers that define the frame.</p>
 {{ table(markers) }}
 {% if wrong.rows %}
 <h2>Entries that were wrong</h2>
-<p class="note">Where the images show a marker, minus where it was known, along the map's axes.</p>
+<p class="note">Observed minus known position, along the axes of the map.</p>
 {{ table(wrong) }}
 {% endif %}
 <h2>Links</h2>
 <p class="note">{{ links_note }}</p>
 {{ table(links) }}
 <h2>Residuals</h2>
-<p class="note">How far the corners of a marker lie from where the map has them, sighting by sighting; boxes
-reach from quartile to quartile, whiskers from 5 to 95 %. A box that stands out among the others is a marker
-that is bent, loose or of another size than told; many dots above a box, one that was moved.</p>
+<p class="note">Reprojection error of each observation of a marker; boxes show the quartiles, whiskers 5 and
+95 %. A box that stands out is a marker that is bent, loose or of another size than set; many dots above a
+box, one that was moved.</p>
 <img alt="residuals of every marker" src="data:image/png;base64,{{ residuals }}">
 <h2>Noise</h2>
 {{ table(cameras) }}

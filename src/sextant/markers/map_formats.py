@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Marker maps of other packages, read and written by the name of their format."""
+"""Reads and writes marker maps in the formats of Sextant and of other packages."""
 
 from dataclasses import dataclass
 from typing import Callable, Dict, List, Tuple
@@ -10,7 +10,6 @@ from sextant.base.atomic_file import atomic_file
 from sextant.markers.formats.apriltag_ros import format_apriltag_ros, read_apriltag_ros
 from sextant.markers.formats.fiducial_slam import FIELDS as FIDUCIAL_SLAM_FIELDS
 from sextant.markers.formats.fiducial_slam import format_fiducial_slam, read_fiducial_slam
-from sextant.markers.formats.located_yaml import read_yaml
 from sextant.markers.formats.map_file import MapFileError, MapFormatParams, ReadMap, WrittenMap, read_text
 from sextant.markers.formats.sextant_map import (
     has_yaml_ending,
@@ -21,6 +20,7 @@ from sextant.markers.formats.sextant_map import (
 )
 from sextant.markers.formats.tagslam import read_tagslam
 from sextant.markers.formats.tagslam_writer import format_tagslam
+from sextant.markers.formats.yaml_table import read_yaml
 
 Reader = Callable[[str, MapFormatParams], ReadMap]
 Writer = Callable[[sextant.MarkerMap, str], List[str]]
@@ -28,23 +28,23 @@ Writer = Callable[[sextant.MarkerMap, str], List[str]]
 
 @dataclass(frozen=True)
 class MapFormat:
-    """How a format is read and written, and which options its reader needs, and which it takes besides."""
+    """Reader and writer of a format, and the fields of MapFormatParams that the reader uses."""
 
     read: Reader
     write: Writer
-    needs: Tuple[str, ...] = ()
-    takes: Tuple[str, ...] = ("frame",)
+    needs: Tuple[str, ...] = ()  # required fields
+    takes: Tuple[str, ...] = ("frame",)  # optional fields
 
 
 def _atomic(format_map: Callable[[sextant.MarkerMap], WrittenMap]) -> Writer:
     def write(marker_map: sextant.MarkerMap, path: str) -> List[str]:
-        written = format_map(marker_map)
+        text, warnings = format_map(marker_map)
         try:
             with atomic_file(path) as file:
-                file.write(written.text)
+                file.write(text)
         except OSError as error:
             raise MapFileError(f"{path}: cannot be written: {error.strerror}") from None
-        return written.warnings
+        return warnings
 
     return write
 
@@ -58,31 +58,32 @@ FORMATS: Dict[str, MapFormat] = {
     ),
     "tagslam": MapFormat(read_tagslam, _atomic(format_tagslam), takes=("frame", "family", "bundle")),
 }
-# what only one of the YAML formats has at its top
-YAML_SIGNS = {
+# top-level keys that identify a YAML format
+YAML_KEYS = {
     "yaml": {"frame", "markers"},
     "apriltag_ros": {"standalone_tags", "tag_bundles"},
     "tagslam": {"bodies"},
 }
-THEIR_NAMES = {"tags.yaml": "apriltag_ros", "tagslam.yaml": "tagslam", "poses.yaml": "tagslam"}
-TEXT_FIELDS = 7
+FORMAT_OF_FILE_NAME = {"tags.yaml": "apriltag_ros", "tagslam.yaml": "tagslam", "poses.yaml": "tagslam"}
+TEXT_FIELDS = 7  # name Tx Ty Tz Rx Ry Rz
 
 
 def read_map(path: str, name: str, params: MapFormatParams) -> ReadMap:
-    """The map of a file in the format of a name in FORMATS.
+    """Reads a map file.
 
-    :raises MapFileError: the file is none, "file:line: reason"; an option that the format needs is not there;
-        one is there that the file says itself
+    :param name: name of the format in FORMATS
+    :raises MapFileError: the file is malformed ("file:line: reason"), an option that the format needs is
+        missing, or an option is set that the file itself defines
     """
     given = {key for key, value in vars(params).items() if value is not None}
     wanted = FORMATS[name]
     missing = [key for key in wanted.needs if key not in given]
     if missing:
-        told = " and ".join(missing)
-        raise MapFileError(f"{path}: {name} does not say the markers' {told}: give {_flags(missing)}")
-    idle = sorted(given.difference(wanted.needs, wanted.takes))
-    if idle:
-        raise MapFileError(f"{path}: {name} has no use for {_flags(idle)}")
+        lacking = " and ".join(missing)
+        raise MapFileError(f"{path}: {name} does not contain the markers' {lacking}: set {_flags(missing)}")
+    unused = sorted(given.difference(wanted.needs, wanted.takes))
+    if unused:
+        raise MapFileError(f"{path}: {name} does not use {_flags(unused)}")
     _require_in_range(params)
     read = wanted.read(path, params)
     if not read.marker_map.markers:
@@ -99,29 +100,34 @@ def _require_in_range(params: MapFormatParams) -> None:
 
 
 def write_map(marker_map: sextant.MarkerMap, path: str, name: str) -> List[str]:
-    """Writes the file whole or not at all, in the format of a name in FORMATS.
+    """Writes a map file atomically.
 
-    :returns: what the file does not hold, a sentence each
-    :raises MapFileError: the format cannot hold the map, or the file cannot be written
+    :param name: name of the format in FORMATS
+    :returns: warnings, one for each kind of information that the format cannot represent
+    :raises MapFileError: the format cannot represent the map (an empty one only YAML), or the file cannot be
+        written
     """
+    if name != "yaml" and not marker_map.markers:
+        raise MapFileError("the map has no markers")
     return FORMATS[name].write(marker_map, path)
 
 
 def guess_read_format(path: str) -> str:
-    """Name of the format that the content is of.
+    """Guesses the format of a file from its content.
 
-    :raises MapFileError: no file, or none or several formats that it could be
+    :returns: name in FORMATS
+    :raises MapFileError: the file cannot be read, or no format or several fit
     """
     found = _guess_yaml(path) if has_yaml_ending(path) else _guess_lines(path)
     if len(found) != 1:
-        told = " and ".join(found) or "no format that is known"
-        raise MapFileError(f"{path}: looks like {told}; say which it is: --from {'|'.join(FORMATS)}")
+        candidates = " and ".join(found) or "no known format"
+        raise MapFileError(f"{path}: looks like {candidates}; name the format: --from {'|'.join(FORMATS)}")
     return found[0]
 
 
 def _guess_yaml(path: str) -> List[str]:
     names = set(read_yaml(path))
-    return [name for name, signs in YAML_SIGNS.items() if names & signs]
+    return [name for name, signs in YAML_KEYS.items() if names & signs]
 
 
 def _guess_lines(path: str) -> List[str]:
@@ -135,15 +141,17 @@ def _guess_lines(path: str) -> List[str]:
 
 
 def guess_write_format(path: str) -> str:
-    """Sextant's YAML by its ending; other endings, and other packages' names, are not guessed.
+    """Guesses Sextant's YAML from the ending; file names of other packages and other endings are refused.
 
-    :raises MapFileError: it could be another format
+    :returns: name in FORMATS
+    :raises MapFileError: the format is ambiguous
     """
     base = path.rpartition("/")[2]
-    if base in THEIR_NAMES:
-        raise MapFileError(f"{path}: say --to {THEIR_NAMES[base]}, whose name this is, or --to yaml")
+    if base in FORMAT_OF_FILE_NAME:
+        package = FORMAT_OF_FILE_NAME[base]
+        raise MapFileError(f"{path}: is a file name of {package}; set --to {package} or --to yaml")
     if not has_yaml_ending(path):
-        raise MapFileError(f"{path}: the ending does not tell the format; say --to {'|'.join(FORMATS)}")
+        raise MapFileError(f"{path}: the ending does not define the format; set --to {'|'.join(FORMATS)}")
     return "yaml"
 
 

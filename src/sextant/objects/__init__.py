@@ -1,3 +1,3 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Objects on the floor: found in pictures, located by depth, and a ball that is followed."""
+"""Object detection in images, localization by depth, and tracking of a ball."""

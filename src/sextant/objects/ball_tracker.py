@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Follows one ball by its sightings, in a frame that does not jump: odometry's."""
+"""Tracking of one ball in the odometry frame, which has no jumps."""
 
 from dataclasses import dataclass
 from typing import Callable, List, NamedTuple, Optional, Sequence, Tuple
@@ -11,151 +11,146 @@ from sextant.base.strict_params import StrictParams, nested, param, within
 from sextant.objects.ball_motion import (
     BallModes,
     BallMotionParams,
-    distance,
-    jumped,
-    merged,
-    moved_on,
-    seen_again,
-    seen_first,
+    combined,
+    initial_modes,
+    predicted,
+    predicted_with_transitions,
+    squared_distance,
+    updated,
 )
 
-GATE = 13.8  # squared deviations, which 0.1 % of the sightings of a ball are beyond
-LATEST = 1.0  # seconds that a look may come later than others
+GATE = 13.8  # squared Mahalanobis distance; 0.1 % quantile of chi-squared with 2 degrees of freedom
+MAX_DELAY = 1.0  # seconds by which an image may arrive after later ones
 
-Sighting = Tuple[np.ndarray, np.ndarray]  # position (2,) and covariance (2, 2), metres
+Observation = Tuple[np.ndarray, np.ndarray]  # position (2,) and covariance (2, 2), metres
 
 
 @dataclass(frozen=True)
 class BallTrackerParams(StrictParams):
-    """When a ball is believed, and how long."""
+    """When a track is confirmed, moved and deleted."""
 
-    begin: int = param(2, within(1, 100))  # sightings that agree, from which on there is a ball
-    move: int = param(4, within(1, 100))  # the same elsewhere while it is not seen, after which it is there
-    missed: int = param(8, within(1, 10000))  # looks that should show it and do not, after which it is gone
-    memory: float = param(60.0, within(0.1, 3600))  # seconds after its last sighting that it is believed
-    motion: BallMotionParams = nested(BallMotionParams)
+    confirm_hits: int = param(2, within(1, 100))  # consistent observations that confirm a ball
+    relocate_hits: int = param(4, within(1, 100))  # consistent observations elsewhere that move the ball
+    max_misses: int = param(8, within(1, 10000))  # images that miss a ball in view; then it is deleted
+    max_age: float = param(60.0, within(0.1, 3600))  # seconds since the last observation; then it is deleted
+    motion: BallMotionParams = nested(BallMotionParams, "ball_")
 
 
 class BallEstimate(NamedTuple):
-    """Where a ball is, and how fast."""
+    """Position and velocity of a ball in the frame of its observations."""
 
     position: np.ndarray  # (2,) metres
     velocity: np.ndarray  # (2,) m/s
-    covariance: np.ndarray  # (4, 4) of both
-    seen: float  # seconds, stamp of the last sighting
+    covariance: np.ndarray  # (4, 4) of position and velocity
+    seen: float  # seconds, stamp of the last observation
 
 
 class _Track(NamedTuple):
-    """What is known after a look."""
+    """A ball hypothesis."""
 
-    stamp: float  # of the last sighting, seconds
-    modes: BallModes  # then
-    missed: int = 0  # looks since then in which it should have been seen
+    stamp: float  # of the last observation, seconds
+    modes: BallModes  # at that stamp
+    hits: int = 1  # consistent observations before it is confirmed
+    misses: int = 0  # images since the last observation in which the ball was in view
 
 
-class _Rival(NamedTuple):
-    """Another ball, or the first."""
+class _Scan(NamedTuple):
+    """The observations of one image."""
 
     stamp: float
-    modes: BallModes
-    seen: int  # times
+    observations: Sequence[Observation]
+    is_visible: Callable[[np.ndarray], bool]
 
 
-class _Look(NamedTuple):
-    stamp: float
-    sightings: Sequence[Sighting]
-    should_see: Callable[[np.ndarray], bool]
+class _State(NamedTuple):
+    """The tracker after a scan."""
+
+    scan: _Scan
+    track: Optional[_Track]  # confirmed
+    candidate: Optional[_Track]  # not confirmed
 
 
-class _Known(NamedTuple):
-    """After a look."""
-
-    look: _Look
-    track: Optional[_Track]
-    rival: Optional[_Rival]
-
-
-_NOTHING = _Known(_Look(-np.inf, [], lambda position: False), None, None)
+_INITIAL = _State(_Scan(-np.inf, [], lambda position: False), None, None)
 
 
 class BallTracker:
-    """Looks may come late and in any order within a second."""
+    """Tracks a ball; images may arrive in any order within MAX_DELAY."""
 
     def __init__(self, params: BallTrackerParams):
-        """:raises ValueError: a setting out of range"""
+        """:raises ValueError: a parameter out of range"""
         self._params = params
-        self._known: List[_Known] = [_NOTHING]  # by stamp
+        self._states: List[_State] = [_INITIAL]  # by stamp
 
-    def look(
-        self, stamp: float, sightings: Sequence[Sighting], should_see: Callable[[np.ndarray], bool]
+    def update(
+        self, stamp: float, observations: Sequence[Observation], is_visible: Callable[[np.ndarray], bool]
     ) -> None:
-        """One picture.
+        """Add the observations of one image, then process later images again.
 
         :param stamp: seconds
-        :param sightings: of balls in it; none: there is none in it
-        :param should_see: whether a ball at a position (2,) would be in it
+        :param observations: of all balls in the image, most certain first
+        :param is_visible: whether a ball at a position (2,) would be detected in the image
         """
-        later = [each.look for each in self._known if each.look.stamp > stamp]
-        self._known = [each for each in self._known if each.look.stamp <= stamp]
-        if not self._known:
-            self._known = [_NOTHING]  # it is older than all that is remembered
-        for look in (_Look(stamp, sightings, should_see), *later):
-            self._known.append(self._after(self._known[-1], look))
-        newest = self._known[-1].look.stamp
-        # One before the oldest that may come, for it to begin with.
-        while len(self._known) > 1 and self._known[1].look.stamp < newest - LATEST:
-            del self._known[0]
+        later = [each.scan for each in self._states if each.scan.stamp > stamp]
+        self._states = [each for each in self._states if each.scan.stamp <= stamp]
+        if not self._states:
+            self._states = [_INITIAL]  # older than every stored state
+        for scan in (_Scan(stamp, observations, is_visible), *later):
+            self._states.append(self._after(self._states[-1], scan))
+        newest = self._states[-1].scan.stamp
+        # Keep one state older than MAX_DELAY: the oldest scan accepted starts from it.
+        while len(self._states) > 1 and self._states[1].scan.stamp < newest - MAX_DELAY:
+            del self._states[0]
 
     def at(self, stamp: float) -> Optional[BallEstimate]:
-        """At any later moment, or one within the last second; None: nobody knows."""
-        track = next((each.track for each in reversed(self._known) if each.look.stamp <= stamp), None)
-        if track is None or stamp - track.stamp > self._params.memory:
+        """Estimate at a later time or within the last MAX_DELAY seconds; None: no confirmed ball."""
+        track = next((each.track for each in reversed(self._states) if each.scan.stamp <= stamp), None)
+        if track is None or stamp - track.stamp > self._params.max_age:
             return None
-        mean, covariance = merged(moved_on(track.modes, stamp - track.stamp, self._params.motion))
+        mean, covariance = combined(predicted(track.modes, stamp - track.stamp, self._params.motion))
         return BallEstimate(mean[:2], mean[2:], covariance, track.stamp)
 
     def clear(self) -> None:
-        """Forgets everything."""
-        self._known = [_NOTHING]
+        """Delete all tracks."""
+        self._states = [_INITIAL]
 
-    def _after(self, known: _Known, look: _Look) -> _Known:
-        track, used = self._followed(known.track, look)
+    def _after(self, state: _State, scan: _Scan) -> _State:
+        track, used = self._updated_track(state.track, scan)
         if used is not None:
-            return _Known(look, track, None)
-        rival = self._rival(known.rival, look)
-        needed = self._params.begin if track is None else self._params.move
-        if rival is not None and rival.seen >= needed:
-            return _Known(look, _Track(rival.stamp, rival.modes), None)
-        return _Known(look, track, rival)
+            return _State(scan, track, None)
+        candidate = self._updated_candidate(state.candidate, scan)
+        needed = self._params.confirm_hits if track is None else self._params.relocate_hits
+        if candidate is not None and candidate.hits >= needed:
+            return _State(scan, candidate, None)
+        return _State(scan, track, candidate)
 
-    def _followed(self, track: Optional[_Track], look: _Look) -> Tuple[Optional[_Track], Optional[int]]:
-        """The track after a look, and which sighting is of it."""
+    def _updated_track(self, track: Optional[_Track], scan: _Scan) -> Tuple[Optional[_Track], Optional[int]]:
+        """The track after a scan, and the index of the observation associated with it."""
         params = self._params
-        if track is None or look.stamp - track.stamp > params.memory:
+        if track is None or scan.stamp - track.stamp > params.max_age:
             return None, None
-        modes = jumped(track.modes, look.stamp - track.stamp, params.motion)
-        best = _nearest(modes, look.sightings)
+        modes = predicted_with_transitions(track.modes, scan.stamp - track.stamp, params.motion)
+        best = _associated(modes, scan.observations)
         if best is not None:
-            return _Track(look.stamp, seen_again(modes, *look.sightings[best])), best
-        here = merged(moved_on(track.modes, look.stamp - track.stamp, params.motion))[0][:2]
-        missed = track.missed + bool(look.should_see(here))
-        return (None if missed >= params.missed else track._replace(missed=missed)), None
+            return _Track(scan.stamp, updated(modes, *scan.observations[best])), best
+        here = combined(predicted(track.modes, scan.stamp - track.stamp, params.motion))[0][:2]
+        misses = track.misses + bool(scan.is_visible(here))
+        return (None if misses >= params.max_misses else track._replace(misses=misses)), None
 
-    def _rival(self, rival: Optional[_Rival], look: _Look) -> Optional[_Rival]:
-        """The ball that is not the one that is followed; the surest sighting is the first."""
+    def _updated_candidate(self, candidate: Optional[_Track], scan: _Scan) -> Optional[_Track]:
+        """The candidate after a scan; a new one starts from the first, most certain observation."""
         motion = self._params.motion
-        if not look.sightings:
-            return rival if rival and look.stamp - rival.stamp < LATEST else None
-        if rival is not None:
-            modes = jumped(rival.modes, look.stamp - rival.stamp, motion)
-            best = _nearest(modes, look.sightings)
+        if not scan.observations:
+            return candidate if candidate and scan.stamp - candidate.stamp < MAX_DELAY else None
+        if candidate is not None:
+            modes = predicted_with_transitions(candidate.modes, scan.stamp - candidate.stamp, motion)
+            best = _associated(modes, scan.observations)
             if best is not None:
-                return _Rival(look.stamp, seen_again(modes, *look.sightings[best]), rival.seen + 1)
-        return _Rival(look.stamp, seen_first(*look.sightings[0], motion), 1)
+                return _Track(scan.stamp, updated(modes, *scan.observations[best]), candidate.hits + 1)
+        return _Track(scan.stamp, initial_modes(*scan.observations[0], motion))
 
 
-def _nearest(modes: BallModes, sightings: Sequence[Sighting]) -> Optional[int]:
-    """Index of the sighting that fits best; None: none is within the gate."""
-    distances = [distance(modes, *each) for each in sightings]
+def _associated(modes: BallModes, observations: Sequence[Observation]) -> Optional[int]:
+    """Index of the nearest observation; None: none is within the gate."""
+    distances = [squared_distance(modes, *each) for each in observations]
     best = int(np.argmin(distances)) if distances else 0
     return best if distances and distances[best] < GATE else None

@@ -1,29 +1,29 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the sides of a box about an object tell of where it is: planes through the camera that touch it.
+"""Planes through the camera and the sides of a bounding box, tangent to the object in it.
 
-The middle of an upright pillar or a ball is its radius away from each of them. A pillar leans in the picture
-of a camera that looks down, so that its box is wider than it is; then one corner of each side lies on its
-outline, the inner one.
+The axis of an upright pillar, or the centre of a ball, is one radius away from each plane. In the image of a
+camera pitched down, a pillar is inclined and its box is wider than the pillar; then only the inner corner of
+each side lies on the outline.
 """
 
 from typing import NamedTuple
 
 import numpy as np
 
-LEFT, TOP, RIGHT, BOTTOM = range(4)  # sides, as a box has them
+LEFT, TOP, RIGHT, BOTTOM = range(4)  # sides of a box, in the order of its columns
 
 
 class BoxTangents(NamedTuple):
-    """Of m sides, in the robot frame without its height (k = 2) or with it (3)."""
+    """Tangent planes of m sides, along the robot's axes: in x, y (k = 2) or x, y, z (k = 3)."""
 
-    normals: np.ndarray  # (m, k) unit, into the box
-    sides: np.ndarray  # (m,) which of the box's
-    middle: np.ndarray  # (k,) unit, from the camera between left and right
+    normals: np.ndarray  # (m, k) unit, pointing into the box
+    sides: np.ndarray  # (m,) LEFT, TOP, RIGHT or BOTTOM
+    middle: np.ndarray  # (k,) unit, from the camera through the middle of the box
 
 
 def pillar_tangents(corners: np.ndarray) -> BoxTangents:
-    """On the floor.
+    """Left and right tangents on the floor (k = 2).
 
     :param corners: (4, 3) rays in the robot's axes: left and right top, left and right bottom
     """
@@ -36,15 +36,9 @@ def pillar_tangents(corners: np.ndarray) -> BoxTangents:
 
 
 def ball_tangents(corners: np.ndarray) -> BoxTangents:
-    """In space. :param corners: as pillar_tangents()"""
-    left_top, right_top, left_bottom, right_bottom = corners
-    around = [
-        (left_bottom, left_top),
-        (left_top, right_top),
-        (right_top, right_bottom),
-        (right_bottom, left_bottom),
-    ]
-    normals = np.array([np.cross(second, first) for first, second in around])
+    """Tangents of all four sides (k = 3). :param corners: as pillar_tangents()"""
+    around = corners[[2, 0, 1, 3]]  # clockwise, so that consecutive corners span a side
+    normals = np.cross(np.roll(around, -1, axis=0), around)
     middle = corners.sum(axis=0)
     normals *= np.sign(normals @ middle)[:, np.newaxis] / np.linalg.norm(normals, axis=1, keepdims=True)
     return BoxTangents(normals, np.array([LEFT, TOP, RIGHT, BOTTOM]), middle / np.linalg.norm(middle))

@@ -1,32 +1,31 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Finds pillars and balls by their colour alone: for those who have no network."""
+"""Detection of pillars and balls by colour alone, without a network."""
 
 import time
-from dataclasses import dataclass
-from typing import Any, Dict, List, Mapping, NamedTuple, Tuple
+from dataclasses import asdict, dataclass
+from typing import Any, Dict, List, Mapping, Tuple
 
 import cv2
 import numpy as np
 
-from sextant.base.strict_params import StrictParams, param, within
-from sextant.objects.detection import Detections, check_picture
+from sextant.base.strict_params import StrictParams, param, parse_params, required, within
+from sextant.objects.detection import Detections, check_image
 from sextant.objects.object_kinds import BALL, GOAL
 
-CLOSED = np.ones((3, 3), np.uint8)  # of gaps that noise leaves
-HUES = 180  # of OpenCV, two degrees each
+CLOSING_KERNEL = np.ones((3, 3), np.uint8)  # closes gaps caused by noise
+HUES = 180  # OpenCV's range of hue, two degrees each
 
 
-class ColourRange(NamedTuple):
-    """Colours of a class, in OpenCV's HSV."""
+@dataclass(frozen=True)
+class ColourRange(StrictParams):
+    """Colour range of a class, in OpenCV's HSV."""
 
-    hue: float  # [0, 179] middle
-    around: float  # [0, 90] on either side
-    saturation: float  # [0, 255] least
-    value: float  # [0, 255] least
+    hue: float = required(within(0, HUES - 1))  # centre
+    hue_tolerance: float = required(within(0, HUES // 2))  # half width of the range of hue
+    min_saturation: float = required(within(0, 255))
+    min_value: float = required(within(0, 255))
 
-
-_LARGEST = ColourRange(HUES - 1, HUES / 2, 255, 255)
 
 RANGES: Dict[str, ColourRange] = {
     BALL: ColourRange(25, 8, 135, 50),
@@ -36,9 +35,9 @@ RANGES: Dict[str, ColourRange] = {
 }
 
 
-def _check_ranges(ranges: Dict[str, ColourRange]) -> str:
+def _check_ranges(ranges: Dict[str, Dict[str, Any]]) -> str:
     try:
-        ranges_of({name: colours._asdict() for name, colours in ranges.items()})
+        ranges_of(ranges)
     except ValueError as error:
         return str(error)
     return ""
@@ -46,90 +45,80 @@ def _check_ranges(ranges: Dict[str, ColourRange]) -> str:
 
 @dataclass(frozen=True)
 class ColourParams(StrictParams):
-    """What colours there are, and how large a blot must be."""
+    """Colour ranges of the classes, and thresholds for connected components."""
 
-    ranges: Dict[str, ColourRange] = param(RANGES, _check_ranges)
-    least_area: int = param(30, within(1, 1000000))  # pixels
-    least_fill: float = param(0.5, within(0, 1))  # of its box that a blot covers
-    most: int = param(100, within(1, 10000))  # that are told of a picture
+    ranges: Dict[str, Dict[str, Any]] = param(  # format: ranges_of()
+        {name: asdict(colours) for name, colours in RANGES.items()}, _check_ranges
+    )
+    min_area: int = param(30, within(1, 1000000))  # of a component, pixels
+    min_fill: float = param(0.5, within(0, 1))  # fraction of its box that a component covers
+    max_objects: int = param(100, within(1, 10000))  # maximum number of detections in an image
 
 
-def ranges_of(written: Mapping[str, Any]) -> Dict[str, ColourRange]:
-    """Of a YAML dictionary {class name: {hue, around, saturation, value}}; an empty one means RANGES.
+def ranges_of(written: Mapping[str, Mapping[str, Any]]) -> Dict[str, ColourRange]:
+    """Parse a YAML dictionary {class name: {hue, hue_tolerance, min_saturation, min_value}}; empty: RANGES.
 
-    :raises ValueError: names the class, what of it cannot be, and what is allowed
+    :raises ValueError: names the class, the invalid field and the allowed values
     """
-    return {str(name): _range(f"ranges/{name}", fields) for name, fields in written.items()} or dict(RANGES)
-
-
-def _range(name: str, fields: Any) -> ColourRange:
-    if not isinstance(fields, Mapping) or set(fields) != set(ColourRange._fields):
-        raise ValueError(
-            f"{name}: must be {{hue: ..., around: ..., saturation: ..., value: ...}}, is {fields!r}"
-        )
-    for key, most in _LARGEST._asdict().items():
-        value = fields[key]
-        if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 <= value <= most:
-            raise ValueError(f"{name}/{key}: must be within [0, {most:g}], is {value!r}")
-    return ColourRange(**fields)
+    ranges = {str(name): parse_params(ColourRange, each, f"ranges/{name}") for name, each in written.items()}
+    return ranges or dict(RANGES)
 
 
 class ColourDetector:
-    """As YoloDetector, by colour."""
+    """Detects connected components of the classes' colours."""
 
     def __init__(self, params: ColourParams):
-        """:raises ValueError: a setting out of range"""
+        """:raises ValueError: a parameter out of range"""
         self._params = params
-        self.classes = list(params.ranges)
-        self._limits = [_limits(colours) for colours in params.ranges.values()]
-        self.seconds: Dict[str, float] = {}  # of each stage of the last picture
+        ranges = ranges_of(params.ranges)
+        self.classes = list(ranges)
+        self._limits = [_limits(colours) for colours in ranges.values()]
+        self.seconds: Dict[str, float] = {}  # processing time of each stage, last image
 
     def detect(self, image: np.ndarray) -> Detections:
-        """Boxes of connected blots. The score: the share of its box that a blot covers, less for small ones.
+        """Detect connected components. The score is the covered fraction of the box, lower for small ones.
 
         :param image: uint8 (height, width, 3), red first
-        :raises ValueError: it is not
+        :raises ValueError: another shape or type
         """
-        check_picture(image)
+        check_image(image)
         begin = time.perf_counter()
         hsv = cv2.cvtColor(cv2.medianBlur(image, 3), cv2.COLOR_RGB2HSV)
         rows: List[Tuple[float, ...]] = []
         for number, limits in enumerate(self._limits):
-            rows += [(*row, number) for row in self._blots(_mask(hsv, limits))]
+            rows += [(*row, number) for row in self._components(_mask(hsv, limits))]
         table = np.array(rows, float).reshape(-1, 6)
-        table = table[np.argsort(-table[:, 4], kind="stable")][: self._params.most]
+        table = table[np.argsort(-table[:, 4], kind="stable")][: self._params.max_objects]
         self.seconds = {"colours": time.perf_counter() - begin}
         return Detections(table[:, :4], table[:, 4], table[:, 5].astype(int))
 
-    def _blots(self, mask: np.ndarray) -> List[Tuple[float, ...]]:
+    def _components(self, mask: np.ndarray) -> List[Tuple[float, ...]]:
         """left, top, right, bottom, score."""
-        least, rows = self._params.least_area, []
+        min_area, rows = self._params.min_area, []
         for outline in cv2.findContours(mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)[0]:
             left, top, width, height = cv2.boundingRect(outline)
-            if width * height < least:
+            if width * height < min_area:
                 continue
-            area = cv2.contourArea(outline) + 0.5 * len(outline) + 1.0  # pixels, by Pick's theorem
+            area = cv2.contourArea(outline) + 0.5 * len(outline) + 1.0  # by Pick's theorem
             fill = min(1.0, area / (width * height))
-            if area >= least and fill >= self._params.least_fill:
-                score = fill * area / (area + least)
+            if area >= min_area and fill >= self._params.min_fill:
+                score = fill * area / (area + min_area)
                 rows.append((left, top, left + width, top + height, score))
         return rows
 
 
 def _limits(colours: ColourRange) -> List[Tuple[np.ndarray, np.ndarray]]:
-    """Least and most hue, saturation and value; two pairs where the hues go round the end of the circle."""
-    low, high = colours.hue - colours.around, colours.hue + colours.around
+    """Lower and upper limits of HSV; two pairs where the range of hue wraps around."""
+    low, high = colours.hue - colours.hue_tolerance, colours.hue + colours.hue_tolerance
     spans = [(low + turn, high + turn) for turn in (-HUES, 0, HUES)]
     return [
-        (np.array([first, colours.saturation, colours.value], float), np.array([last, 255.0, 255.0]))
+        (np.array([first, colours.min_saturation, colours.min_value], float), np.array([last, 255.0, 255.0]))
         for first, last in spans
         if last >= 0 and first < HUES
     ]
 
 
 def _mask(hsv: np.ndarray, limits: List[Tuple[np.ndarray, np.ndarray]]) -> np.ndarray:
-    """uint8 (height, width), 255 where a pixel is of the colours."""
-    mask = cv2.inRange(hsv, *limits[0])
-    for each in limits[1:]:
-        mask |= cv2.inRange(hsv, *each)
-    return cv2.morphologyEx(mask, cv2.MORPH_CLOSE, CLOSED)
+    """uint8 (height, width), 255 where a pixel is in the range."""
+    masks = [cv2.inRange(hsv, *each) for each in limits]
+    return cv2.morphologyEx(np.bitwise_or.reduce(masks), cv2.MORPH_CLOSE, CLOSING_KERNEL)

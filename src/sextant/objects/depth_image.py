@@ -1,14 +1,14 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Depth images as REP 118 has them."""
+"""Conversion of depth images in the encodings of REP 118."""
 
 import numpy as np
 
 
 def metres_of(depth: np.ndarray) -> np.ndarray:
-    """float32 metres, 0 where there is none, of a depth image of REP 118 (uint16 mm or float32 m).
+    """Convert a depth image (uint16 mm or float32 m) to float32 metres; 0: no depth.
 
-    :raises ValueError: it is of another kind
+    :raises ValueError: another shape or type
     """
     if depth.ndim == 2 and depth.dtype == np.uint16:
         return depth.astype(np.float32) * np.float32(1e-3)

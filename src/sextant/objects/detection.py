@@ -1,59 +1,56 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a detector finds in a picture, and which of several finds is told."""
+"""Detections in an image, and non-maximum suppression."""
 
-from typing import Dict, List, NamedTuple, Protocol, Sequence
+from typing import Dict, List, NamedTuple, Protocol
 
 import cv2
 import numpy as np
 
 
 class Detections(NamedTuple):
-    """Boxes of one picture, the surest first."""
+    """Boxes in one image, in descending order of the score."""
 
     boxes: np.ndarray  # (n, 4) left, top, right, bottom, pixels; (0, 0) is the corner of the first pixel
     scores: np.ndarray  # (n,) [0, 1]
     classes: np.ndarray  # (n,) indices of the classes
 
     def of(self, which: np.ndarray) -> "Detections":
-        """:param which: indices or a mask"""
+        """Select detections. :param which: indices or a mask"""
         return Detections(self.boxes[which], self.scores[which], self.classes[which])
 
 
 class Detector(Protocol):
-    """What finds objects: YoloDetector, ColourDetector."""
+    """Interface of YoloDetector and ColourDetector."""
 
     classes: List[str]
-    seconds: Dict[str, float]  # of each stage of the last picture
+    seconds: Dict[str, float]  # processing time of each stage, last image
 
     def detect(self, image: np.ndarray) -> Detections:
-        """:param image: uint8 (height, width, 3), red first"""
+        """Detect objects. :param image: uint8 (height, width, 3), RGB"""
 
 
-NOTHING = Detections(np.zeros((0, 4)), np.zeros(0), np.zeros(0, int))
+NO_DETECTIONS = Detections(np.zeros((0, 4)), np.zeros(0), np.zeros(0, int))
 
 
-def check_picture(image: np.ndarray) -> None:
-    """:raises ValueError: it is not uint8 (height, width, 3)"""
+def check_image(image: np.ndarray) -> None:
+    """:raises ValueError: the image is not uint8 (height, width, 3)"""
     if image.dtype != np.uint8 or image.ndim != 3 or image.shape[2] != 3 or not image.size:
-        raise ValueError(f"a picture is {image.dtype} {image.shape}, it must be uint8 (height, width, 3)")
+        raise ValueError(f"the image is {image.dtype} {image.shape}, it must be uint8 (height, width, 3)")
 
 
-def suppressed(found: Detections, overlap: float, class_agnostic: bool, most: int) -> Detections:
-    """Without those that overlap a surer one (greedy non-maximum suppression).
+def non_maximum_suppression(
+    found: Detections, max_overlap: float, class_agnostic: bool, max_objects: int
+) -> Detections:
+    """Remove boxes that overlap one with a higher score (greedy non-maximum suppression).
 
-    :param overlap: intersection over union from which on two are one
-    :param class_agnostic: also two of different classes
+    :param max_overlap: intersection over union above which the lower score is removed
+    :param class_agnostic: also between different classes. :param max_objects: that are kept
     """
     if not len(found.scores):
-        return NOTHING
-    apart = 0.0 if class_agnostic else float(np.ptp(found.boxes)) + 1.0  # no two classes overlap then
+        return NO_DETECTIONS
+    apart = 0.0 if class_agnostic else float(np.ptp(found.boxes)) + 1.0  # classes do not overlap then
     boxes = found.boxes + apart * found.classes[:, np.newaxis]
     sizes = np.hstack([boxes[:, :2], boxes[:, 2:] - boxes[:, :2]])
-    kept = cv2.dnn.NMSBoxes(sizes.tolist(), found.scores.tolist(), 0.0, overlap)
-    return found.of(np.ravel(kept).astype(int)[:most])
-
-
-def names_of(classes: np.ndarray, names: Sequence[str]) -> List[str]:
-    """Names of the classes of detections."""
-    return [names[each] for each in classes]
+    kept = cv2.dnn.NMSBoxes(sizes.tolist(), found.scores.tolist(), 0.0, max_overlap)
+    return found.of(np.ravel(kept).astype(int)[:max_objects])

@@ -1,18 +1,19 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""What kinds of objects there are on the floor, by the names of their classes."""
+"""Shapes and sizes of the objects on the floor, by class name."""
 
-from typing import Any, Dict, Mapping, NamedTuple
+from dataclasses import dataclass
+from typing import Any, Dict, Mapping
 
-SHAPES = ("pillar", "ball")
-LARGEST = 1.0  # radius, metres
+from sextant.base.strict_params import StrictParams, above_zero, one_of, parse_params, required
 
 
-class ObjectKind(NamedTuple):
+@dataclass(frozen=True)
+class ObjectKind(StrictParams):
     """Shape and size of all objects of a class."""
 
-    shape: str  # "pillar", upright, or "ball"
-    radius: float  # metres
+    shape: str = required(one_of("pillar", "ball"))  # a pillar is an upright cylinder
+    radius: float = required(above_zero(1.0))  # metres
 
 
 BALL, GOAL = "ball", "blue_pillar"
@@ -24,20 +25,10 @@ KINDS: Dict[str, ObjectKind] = {
 }
 
 
-def kinds_of(written: Mapping[str, Any]) -> Dict[str, ObjectKind]:
-    """Of a YAML dictionary {class name: {shape: pillar or ball, radius: metres}}; an empty one means KINDS.
+def kinds_of(written: Mapping[str, Mapping[str, Any]]) -> Dict[str, ObjectKind]:
+    """Parse a YAML dictionary {class name: {shape: pillar or ball, radius: metres}}; empty: KINDS.
 
-    :raises ValueError: names the class, what of it cannot be, and what is allowed
+    :raises ValueError: names the class, the invalid field and the allowed values
     """
-    return {str(name): _kind(f"kinds/{name}", fields) for name, fields in written.items()} or dict(KINDS)
-
-
-def _kind(name: str, fields: Any) -> ObjectKind:
-    if not isinstance(fields, Mapping) or set(fields) != set(ObjectKind._fields):
-        raise ValueError(f"{name}: must be {{shape: ..., radius: ...}}, is {fields!r}")
-    shape, radius = fields["shape"], fields["radius"]
-    if shape not in SHAPES:
-        raise ValueError(f"{name}/shape: must be one of {', '.join(SHAPES)}, is {shape!r}")
-    if isinstance(radius, bool) or not isinstance(radius, (int, float)) or not 0.0 < radius <= LARGEST:
-        raise ValueError(f"{name}/radius: must be within (0, {LARGEST:g}] metres, is {radius!r}")
-    return ObjectKind(shape, float(radius))
+    kinds = {str(name): parse_params(ObjectKind, kind, f"kinds/{name}") for name, kind in written.items()}
+    return kinds or dict(KINDS)

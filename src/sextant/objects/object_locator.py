@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Where the objects in a picture's boxes are, by a depth image of another camera beside."""
+"""Localization of the objects in detected boxes by the depth image of a second camera."""
 
 from dataclasses import dataclass
 from typing import List, NamedTuple, Optional, Sequence, Tuple
@@ -10,54 +10,47 @@ import numpy as np
 import sextant
 from sextant.base.strict_params import StrictParams, param, within
 from sextant.objects.box_tangents import BOTTOM, LEFT, RIGHT, TANGENTS, TOP, BoxTangents
+from sextant.objects.circle_fit import CircleFit, TangentPlanes, candidate_ranges, extends_beyond, fit_circle
 from sextant.objects.object_kinds import ObjectKind
-from sextant.objects.round_fit import Planes, fit_round, goes_on, likely_ranges
 
-GROWN = 0.7  # of its width, by which a box is looked at beyond its sides
-MOST_POINTS = 800  # of a box: of large ones not every pixel is looked at
+BOX_MARGIN = 0.7  # box widths on either side of a box in which depths are used, too
+MAX_POINTS = 800  # approximate number of depths used per box
 
-HIDDEN = 0.25  # share of the pixels beside a box that are nearer, from which its side is no outline
-AMBIGUOUS = 0.4  # share of the points on the best fit, from which on another that fits may be right
-LEAST_SHARE = 0.25  # of the depths in a box that are on it: a few are of what stands before it
-TOO_NEAR, INNER = 0.5, 0.3  # metres to a pillar without depth; share of its width beside the middle
-SMALLEST = 2.0  # pixels, a box's side
-SURE, DISAGREE = 3.0, 5.0  # deviations
-TILT = 0.1  # radians by which what is known of the camera's tilt may be wrong
+MIN_OCCLUDED = 0.25  # fraction of nearer points beside a box; above it the side is occluded
+AMBIGUOUS = 0.4  # fraction of the best fit's inliers; another fit with more makes the box ambiguous
+MIN_INLIERS = 0.25  # fraction of the depths in a box; fewer are of an object in front
+MAX_RANGE_BY_WIDTH = 0.5  # metres to a pillar without depths
+INNER = 0.3  # box widths on either side of its middle that must have no depths then
+MIN_SIDE = 2.0  # of a box, pixels
+GATE_SIGMAS, MAX_WIDTH_SIGMAS = 3.0, 5.0  # standard deviations
+TILT_TOLERANCE = 0.1  # radians, error of the camera's assumed tilt
 
 
 @dataclass(frozen=True)
 class ObjectLocatorParams(StrictParams):
-    """How depth becomes a place, and how sure it is."""
+    """Depth range, error model and thresholds of the localization."""
 
-    scale: float = param(1.0, within(0.5, 2))  # that depths are multiplied by
-    fewest: int = param(12, within(1, 10000))  # depths of an object
-    nearest: float = param(0.2, within(0.01, 100))  # metres; less is none
-    farthest: float = param(8.0, within(0.01, 100))  # metres
-    range_sigma: float = param(0.004, within(1e-6, 10))  # of a depth at 1 m, growing with its square, metres
-    lump: float = param(7.0, within(1, 1000))  # pixels of the depth image, across which depths err alike
-    scale_sigma: float = param(0.001, within(0, 1))  # deviation of the scale
-    pixel_sigma: float = param(1.1, within(0.01, 100))  # deviation of a box's side, pixels
-    size_sigma: float = param(0.022, within(0, 1))  # and, beside, of the box's width or height
-    worst: float = param(0.05, within(0, 10))  # of the range: a place that is less sure is not told
+    depth_scale: float = param(1.0, within(0.5, 2))  # factor that corrects the depths
+    min_points: int = param(12, within(1, 10000))  # minimum number of depths on an object
+    min_depth: float = param(0.2, within(0.01, 100))  # metres; smaller depths are ignored
+    max_depth: float = param(8.0, within(0.01, 100))  # metres; larger depths are ignored
+    depth_sigma: float = param(0.004, within(1e-6, 10))  # of a depth at 1 m, metres; grows with its square
+    correlation_length: float = param(7.0, within(1, 1000))  # of the depth noise, pixels of the depth image
+    depth_scale_sigma: float = param(0.001, within(0, 1))  # standard deviation of depth_scale
+    pixel_sigma: float = param(1.1, within(0.01, 100))  # of a box's side, pixels
+    size_sigma: float = param(0.022, within(0, 1))  # further part, fraction of the box's size
+    max_sigma: float = param(0.05, within(0, 10))  # fraction of the range; less certain positions are dropped
 
 
 class LocatedObject(NamedTuple):
-    """The axis of a pillar or the middle of a ball, on the floor."""
+    """Position of a pillar's axis or a ball's centre on the floor."""
 
     position: np.ndarray  # (2,) x and y in the robot frame, metres
-    covariance: np.ndarray  # (2, 2)
-
-
-class _Fit(NamedTuple):
-    """A place from the camera, in the robot's axes."""
-
-    points: int  # on it, in the box
-    position: np.ndarray
-    covariance: np.ndarray
+    covariance: np.ndarray  # (2, 2) square metres
 
 
 class ObjectLocator:
-    """Finds the places of objects in boxes of a colour image."""
+    """Locates the objects in boxes of a colour image."""
 
     def __init__(
         self,
@@ -66,9 +59,9 @@ class ObjectLocator:
         depth: "sextant.CameraModel",
         T_colour_depth: np.ndarray,
     ):
-        """:param T_colour_depth: (4, 4) between the optical frames
+        """:param T_colour_depth: (4, 4) from the depth to the colour camera's optical frame
 
-        :raises ValueError: a setting out of range
+        :raises ValueError: a parameter out of range
         """
         self._params, self._colour, self._depth = params, colour, depth
         self._T_depth_colour = np.linalg.inv(T_colour_depth)
@@ -81,12 +74,12 @@ class ObjectLocator:
     def locate(
         self, depth: np.ndarray, boxes: np.ndarray, kinds: Sequence[ObjectKind], T_base_colour: np.ndarray
     ) -> List[Optional[LocatedObject]]:
-        """What each box shows; None where that cannot be told.
+        """Locate the object in each box; None: it cannot be located.
 
-        :param depth: as sextant.objects.depth_image.metres_of() gives it
-        :param boxes: (n, 4) left, top, right, bottom, pixels of the colour image; its first corner is (0, 0)
+        :param depth: float32 (height, width), metres, 0: none, from sextant.objects.depth_image.metres_of()
+        :param boxes: (n, 4) left, top, right, bottom, pixels of the colour image; (0, 0) is its first corner
         :param T_base_colour: (4, 4), z up in the robot frame
-        :raises ValueError: the depth image is of another size than its camera
+        :raises ValueError: the depth image and its camera differ in size
         """
         width, height = self._depth.size
         if depth.shape != (height, width):
@@ -96,7 +89,7 @@ class ObjectLocator:
         found = [
             self._located(depth, box, kind, T_base_colour) for box, kind in zip(np.asarray(boxes), kinds)
         ]
-        return _without_doubles(found, kinds)
+        return _without_duplicates(found, kinds)
 
     def _located(
         self, depth: np.ndarray, box: np.ndarray, kind: ObjectKind, T_base_colour: np.ndarray
@@ -107,155 +100,159 @@ class ObjectLocator:
         corners = corners @ T_base_colour[:3, :3].T
         tangents = TANGENTS[kind.shape](corners)
         points, pixels, step = self._points(depth, box, kind)
-        # From the camera, in the robot's axes.
-        seen = (points @ T_base_colour[:3, :3].T)[:, : len(tangents.middle)]
-        fits = [
-            each
-            for each in self._fits(box, tangents, kind, pixels, seen, step)
-            if _is_on_floor(each.position, kind, T_base_colour)
-        ]
-        if not fits or fits[0].points < self._params.fewest:
-            return self._too_near(box, tangents, kind, pixels, T_base_colour)
-        others = (each for each in fits[1:] if np.linalg.norm(each.position - fits[0].position) > kind.radius)
-        if any(each.points > AMBIGUOUS * fits[0].points for each in others):
-            return None
-        return self._told(fits[0].position[:2], fits[0].covariance[:2, :2], T_base_colour)
+        # Relative to the camera, along the robot's axes.
+        visible = (points @ T_base_colour[:3, :3].T)[:, : len(tangents.middle)]
+        found = self._fits(box, tangents, kind, pixels, visible, step)
+        fits = [each for each in found if _is_on_floor(each[1].position, kind, T_base_colour)]
+        if not fits or fits[0][0] < self._params.min_points:
+            return self._located_by_width(box, tangents, kind, pixels, T_base_colour)
+        (best_count, best), *others = fits
+        for count, other in others:
+            if (
+                count > AMBIGUOUS * best_count
+                and np.linalg.norm(other.position - best.position) > kind.radius
+            ):
+                return None
+        return self._located_object(best.position[:2], best.covariance[:2, :2], T_base_colour)
 
     def _corners(self, box: np.ndarray) -> Optional[np.ndarray]:
-        """(4, 3) rays to the corners of a box; None: it is too small, or the lens model has no ray there."""
+        """Rays (4, 3) to the corners of a box; None: too small, or outside the lens model."""
         rays = self._colour.rays(box[[[0, 1], [2, 1], [0, 3], [2, 3]]] - 0.5)
-        is_good = np.all(box[2:] - box[:2] >= SMALLEST) and np.isfinite(rays).all()
+        is_good = np.all(box[2:] - box[:2] >= MIN_SIDE) and np.isfinite(rays).all()
         return rays if is_good else None
 
-    def _too_near(
+    def _located_by_width(
         self, box: np.ndarray, tangents: BoxTangents, kind: ObjectKind, pixels: np.ndarray, T_base_colour
     ) -> Optional[LocatedObject]:
-        """A pillar that is nearer than depth begins, by how wide it looks: the robot must know of it."""
+        """Locate a pillar below the minimum depth by its width in the image: the robot must avoid it."""
         params, focal = self._params, self._colour.focal_length
-        off = abs(pixels[:, 0] - 0.5 * (box[0] + box[2])) / (box[2] - box[0])
+        offset = abs(pixels[:, 0] - 0.5 * (box[0] + box[2])) / (box[2] - box[0])
         deviation = np.hypot(params.pixel_sigma, params.size_sigma * (box[2] - box[0]))
-        is_whole = min(box[0], self._colour.size[0] - box[2]) > SURE * deviation
-        if kind.shape != "pillar" or not is_whole or np.count_nonzero(off < INNER) >= params.fewest:
+        is_whole = min(box[0], self._colour.size[0] - box[2]) > GATE_SIGMAS * deviation
+        if kind.shape != "pillar" or not is_whole or np.count_nonzero(offset < INNER) >= params.min_points:
             return None
         left, right = tangents.normals
         half = 0.5 * np.arccos(np.clip(-left @ right, -1.0, 1.0))
-        far = kind.radius / np.sin(half)
-        if far > TOO_NEAR:
+        distance = kind.radius / np.sin(half)
+        if distance > MAX_RANGE_BY_WIDTH:
             return None
         along, across = tangents.middle, np.array([-tangents.middle[1], tangents.middle[0]])
-        sigmas = np.array([far / np.tan(half), far]) * deviation / (np.sqrt(2.0) * focal)
+        sigmas = np.array([distance / np.tan(half), distance]) * deviation / (np.sqrt(2.0) * focal)
         axes = np.column_stack([along, across]) * sigmas
-        return self._told(far * along, axes @ axes.T, T_base_colour)
+        return self._located_object(distance * along, axes @ axes.T, T_base_colour)
 
     def _fits(
-        self, box: np.ndarray, tangents: BoxTangents, kind: ObjectKind, pixels, seen: np.ndarray, step: int
-    ) -> List["_Fit"]:
-        """All places that the box may show, that with the most points in it first."""
+        self, box: np.ndarray, tangents: BoxTangents, kind: ObjectKind, pixels, visible: np.ndarray, step: int
+    ) -> List[Tuple[int, CircleFit]]:
+        """Fits to the points of a box, along the robot's axes, with their counts of inliers; most first."""
         params, found = self._params, []
-        sigma, alike, radius = params.range_sigma, (params.lump / step) ** 2, kind.radius
+        sigma, correlated, radius = params.depth_sigma, (params.correlation_length / step) ** 2, kind.radius
         inside = np.all((pixels >= box[:2]) & (pixels <= box[2:]), axis=1)
-        for far in likely_ranges(seen[inside], tangents.middle, radius, sigma, params.fewest):
-            sides = self._outlines(box, tangents, max(far, radius), kind, pixels, seen)
-            fit = sides and fit_round(seen, far * tangents.middle, radius, sides, sigma, alike)
-            if fit and sides.agree(fit.position, radius) and not goes_on(seen, fit, radius, sides, sigma):
+        for distance in candidate_ranges(visible[inside], tangents.middle, radius, sigma, params.min_points):
+            sides = self._outlines(box, tangents, max(distance, radius), kind, pixels, visible)
+            fit = sides and fit_circle(visible, distance * tangents.middle, radius, sides, sigma, correlated)
+            if (
+                fit
+                and sides.agree(fit.position, radius)
+                and not extends_beyond(visible, fit, radius, sides, sigma)
+            ):
                 points = int(np.count_nonzero(fit.on & inside))
-                if points >= LEAST_SHARE * np.count_nonzero(inside):
-                    found.append(_Fit(points, fit.position, fit.covariance))
-        return sorted(found, key=lambda each: -each.points)
+                if points >= MIN_INLIERS * np.count_nonzero(inside):
+                    found.append((points, fit))
+        return sorted(found, key=lambda each: -each[0])
 
-    def _told(
+    def _located_object(
         self, position: np.ndarray, covariance: np.ndarray, T_base_colour: np.ndarray
     ) -> Optional[LocatedObject]:
-        covariance = covariance + self._params.scale_sigma**2 * np.outer(position, position)
-        if np.linalg.eigvalsh(covariance)[-1] > (self._params.worst**2) * (position @ position):
+        covariance = covariance + self._params.depth_scale_sigma**2 * np.outer(position, position)
+        if np.linalg.eigvalsh(covariance)[-1] > (self._params.max_sigma**2) * (position @ position):
             return None
         return LocatedObject(position + T_base_colour[:2, 3], covariance)
 
     def _points(
         self, depth: np.ndarray, box: np.ndarray, kind: ObjectKind
     ) -> Tuple[np.ndarray, np.ndarray, int]:
-        """About a box: (n, 3) in the colour camera's frame, their pixels (n, 2), the step between them."""
+        """Points (n, 3) in and beside a box in the colour camera's frame, their pixels (n, 2), pixel step."""
         params, size = self._params, box[2:] - box[:2]
-        low, high = box[:2] - [GROWN * size[0], 0.0], box[2:] + [GROWN * size[0], 0.0]
-        if kind.shape == "pillar":  # the floor at its foot is not of it
+        low, high = box[:2] - [BOX_MARGIN * size[0], 0.0], box[2:] + [BOX_MARGIN * size[0], 0.0]
+        if kind.shape == "pillar":  # exclude the floor at its foot
             low[1], high[1] = low[1] + 0.05 * size[1], high[1] - 0.05 * size[1]
         left, top, right, bottom = self._window(low, high)
-        step = max(1, int(np.sqrt((right - left) * (bottom - top) / MOST_POINTS)))
+        step = max(1, int(np.sqrt((right - left) * (bottom - top) / MAX_POINTS)))
         window = slice(top, bottom, step), slice(left, right, step)
-        found = params.scale * depth[window].astype(float)
-        which = (found >= params.nearest) & (found <= params.farthest)
+        found = params.depth_scale * depth[window].astype(float)
+        which = (found >= params.min_depth) & (found <= params.max_depth)
         points = self._rays[window][which] * found[which][:, np.newaxis] + self._offset
-        points = points[points[:, 2] > 0.5 * params.nearest]
+        points = points[points[:, 2] > 0.5 * params.min_depth]
         pixels = self._colour.project_points(points) + 0.5
         near = np.all((pixels >= low) & (pixels <= high), axis=1)
         return points[near], pixels[near], step
 
     def _window(self, low: np.ndarray, high: np.ndarray) -> Tuple[int, int, int, int]:
-        """Left, top, right and bottom in the depth image of what may be seen between two pixels (2,)."""
+        """Left, top, right and bottom in the depth image that cover a box between two colour pixels (2,)."""
         around = np.array([[low[0], low[1]], [high[0], low[1]], [low[0], high[1]], [high[0], high[1]]]) - 0.5
         rays = self._colour.rays(around)
         T = self._T_depth_colour
-        ends = np.vstack([rays * z for z in (self._params.nearest, self._params.farthest)])
+        ends = np.vstack([rays * z for z in (self._params.min_depth, self._params.max_depth)])
         found = self._depth.project_points(ends @ T[:3, :3].T + T[:3, 3])
         size = np.array(self._depth.size)
-        # Where a lens model has no ray, the window ends where the image does.
+        # Outside the lens model the window extends to the image's border.
         first = np.clip(np.floor(np.nan_to_num(found).min(axis=0)), 0, size).astype(int)
         last = np.clip(np.ceil(np.nan_to_num(found, nan=max(size)).max(axis=0)) + 1, 0, size).astype(int)
         return first[0], first[1], last[0], last[1]
 
     def _outlines(
-        self, box: np.ndarray, tangents: BoxTangents, far: float, kind: ObjectKind, pixels, seen
-    ) -> Optional[Planes]:
-        """The sides of the box that are the object's outline, not the picture's border or another's; None: it
-        would be far wider there than the box, or narrower, and nothing tells why."""
+        self, box: np.ndarray, tangents: BoxTangents, distance: float, kind: ObjectKind, pixels, visible
+    ) -> Optional[TangentPlanes]:
+        """Tangent planes of the sides that are the object's outline, not the image's border or an occluder's.
+        None: at this distance the object would be much wider or narrower than its box without a reason."""
         params, size, focal = self._params, np.tile(box[2:] - box[:2], 2), self._colour.focal_length
-        deviations = np.hypot(params.pixel_sigma, params.size_sigma * size)  # of sides, pixels
+        deviations = np.hypot(params.pixel_sigma, params.size_sigma * size)  # of the sides, pixels
         limits = np.array([*box[:2], *(np.array(self._colour.size) - box[2:])])
-        is_inside = limits > SURE * deviations
-        wide = 2.0 * np.arcsin(min(1.0, kind.radius / far))
+        is_inside = limits > GATE_SIGMAS * deviations
+        wide = 2.0 * np.arcsin(min(1.0, kind.radius / distance))
         is_outline = is_inside & ~_is_chord(is_inside, size[:2], 0.5 * wide * focal, kind)
-        left, right = (
-            tangents.normals[tangents.sides == LEFT][0],
-            tangents.normals[tangents.sides == RIGHT][0],
-        )
+        normals = dict(zip(tangents.sides, tangents.normals))
+        left, right = normals[LEFT], normals[RIGHT]
         missing = (wide - np.arccos(np.clip(-left @ right, -1.0, 1.0))) * focal  # pixels
-        sigmas, doubt = deviations * far / focal, np.sqrt(2.0) * deviations[LEFT]
-        if -missing > max(
-            DISAGREE * doubt, 0.5 * wide * focal
-        ):  # what is nearer than depth can be shows nothing
+        sigmas, doubt = deviations * distance / focal, np.sqrt(2.0) * deviations[LEFT]
+        # A much wider box is of an object below the minimum depth; the depths are behind it.
+        if -missing > max(MAX_WIDTH_SIGMAS * doubt, 0.5 * wide * focal):
             return None
-        if is_outline[LEFT] and is_outline[RIGHT] and abs(missing) > SURE * doubt:
-            hidden = self._hidden(box, abs(missing), pixels, seen @ tangents.middle < far - 2.0 * kind.radius)
-            if missing > DISAGREE * doubt and not hidden.any():
+        if is_outline[LEFT] and is_outline[RIGHT] and abs(missing) > GATE_SIGMAS * doubt:
+            hidden = self._occluded(
+                box, abs(missing), pixels, visible @ tangents.middle < distance - 2.0 * kind.radius
+            )
+            if missing > MAX_WIDTH_SIGMAS * doubt and not hidden.any():
                 return None
             if missing > 0:
                 is_outline[[LEFT, RIGHT]] = ~hidden
-            sigmas[[LEFT, RIGHT]] += max(0.0, -missing) * far / focal
+            sigmas[[LEFT, RIGHT]] += max(0.0, -missing) * distance / focal
         if not (is_outline[LEFT] or is_outline[RIGHT]):
             return None
-        told = is_outline[tangents.sides]
-        return Planes(tangents.normals[told], sigmas[tangents.sides][told])
+        is_used = is_outline[tangents.sides]
+        return TangentPlanes(tangents.normals[is_used], sigmas[tangents.sides][is_used])
 
     @staticmethod
-    def _hidden(box: np.ndarray, missing: float, pixels: np.ndarray, nearer: np.ndarray) -> np.ndarray:
-        """(2,) whether something nearer stands at the left and the right side."""
+    def _occluded(box: np.ndarray, missing: float, pixels: np.ndarray, nearer: np.ndarray) -> np.ndarray:
+        """(2,) whether a nearer object occludes the left and the right side."""
         x = pixels[:, 0]
         beside = [(x < box[0]) & (x > box[0] - missing), (x > box[2]) & (x < box[2] + missing)]
-        return np.array([which.any() and nearer[which].mean() > HIDDEN for which in beside])
+        return np.array([which.any() and nearer[which].mean() > MIN_OCCLUDED for which in beside])
 
 
 def _is_on_floor(position: np.ndarray, kind: ObjectKind, T_base_colour: np.ndarray) -> bool:
-    """Whether a ball's middle, from the camera, is its radius above the floor."""
+    """Whether a ball's centre (3,), relative to the camera, is one radius above the floor."""
     if kind.shape != "ball":
         return True
     above = position[2] + T_base_colour[2, 3] - kind.radius
-    return bool(abs(above) < kind.radius + TILT * np.linalg.norm(position))
+    return bool(abs(above) < kind.radius + TILT_TOLERANCE * np.linalg.norm(position))
 
 
 def _is_chord(is_inside: np.ndarray, size: np.ndarray, radius: float, kind: ObjectKind) -> np.ndarray:
-    """(4,) which sides of a ball's box touch nothing, for the picture ends before its middle.
+    """(4,) which sides of a ball's box are not tangents, because the image's border cuts off its centre.
 
-    :param is_inside: (4,) whether the sides are off the picture's borders
+    :param is_inside: (4,) whether the sides are inside the image's borders
     :param size: (2,) of the box, pixels. :param radius: of the ball, pixels
     """
     is_cut = np.array([not is_inside[[LEFT, RIGHT]].all(), not is_inside[[TOP, BOTTOM]].all()])
@@ -263,10 +260,10 @@ def _is_chord(is_inside: np.ndarray, size: np.ndarray, radius: float, kind: Obje
     return np.array([along, across, along, across])
 
 
-def _without_doubles(
+def _without_duplicates(
     found: List[Optional[LocatedObject]], kinds: Sequence[ObjectKind]
 ) -> List[Optional[LocatedObject]]:
-    """Of two that would stand in one another the surer one: the other's box shows what is before it."""
+    """Of two objects that overlap keep the more certain one: the other's box contains its points."""
     order = sorted((each is None or each.covariance.trace(), i) for i, each in enumerate(found))
     kept: List[int] = []
     for _, i in order:

@@ -1,85 +1,77 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""A map of photos whose EXIF says where they were taken."""
+"""Makes a place map from photos with GPS positions in their EXIF data."""
 
 import math
 from pathlib import Path
-from typing import Dict, List, NamedTuple, Sequence, Tuple
+from typing import Dict, List, Sequence, Tuple
 
-from sextant.place_maps.map_addition import NewPhoto, add_photos
 from sextant.place_maps.photo_file import SUFFIXES, GeoPosition, geo_position
 from sextant.place_maps.place_map import GeoCorners, PlaceMap, image_in
+from sextant.place_maps.place_map_addition import NewPhoto, add_photos
 
-METRES_A_DEGREE = 111_320.0  # of latitude, within half a percent everywhere
-DIGITS = 7  # of a degree, that drawn corners are rounded to: a centimetre
-
-
-class ExifMap(NamedTuple):
-    """The map, and photos that are not in it, each with the reason."""
-
-    place_map: PlaceMap
-    left_out: Dict[Path, str]
+METRES_PER_DEGREE = 111_320.0  # of latitude, correct within half a percent everywhere
+DIGITS = 7  # decimals of the corners of drawn overviews, degrees: a centimetre
 
 
 def find_photos(folder: Path) -> List[Path]:
-    """The pictures in a folder and those below it, sorted by name."""
+    """Image files in a folder and its subfolders, sorted by name."""
     return sorted(path for path in folder.rglob("*") if path.suffix.lower() in SUFFIXES and path.is_file())
 
 
 def positions_of(photos: Sequence[Path]) -> Tuple[Dict[Path, GeoPosition], Dict[Path, str]]:
-    """Where photos were taken, and of the others why that is not known."""
+    """Positions of photos from their EXIF data, and the reason for each photo without one."""
     positions: Dict[Path, GeoPosition] = {}
     unknown: Dict[Path, str] = {}
     for path in photos:
         try:
             position = geo_position(path)
+            if position is None:
+                raise ValueError(f"{path}: its EXIF has no GPS position")
+            positions[path] = position
         except (OSError, ValueError) as error:
             unknown[path] = str(error)
-            continue
-        if position is None:
-            unknown[path] = f"{path}: its EXIF does not say where it was taken"
-        else:
-            positions[path] = position
     return positions, unknown
 
 
-def exif_map(place_map: PlaceMap, photos: Sequence[Path]) -> ExifMap:
-    """A map whose corners are known, with photos of its folder, or of those below, added in their order.
+def exif_map(place_map: PlaceMap, photos: Sequence[Path]) -> Tuple[PlaceMap, Dict[Path, str]]:
+    """Adds photos in the map's folder or its subfolders to a georeferenced map.
 
-    :raises ValueError: the map has no corners, or a photo lies elsewhere
+    :returns: the map, and the reason for each photo that was not added
+    :raises ValueError: the map is not georeferenced, or a photo is outside of its folder
     """
     if not isinstance(place_map.georeference, GeoCorners):
-        raise ValueError("where the overview's corners lie on the earth is not known")
+        raise ValueError("the geographic coordinates of the overview's corners are unknown")
     files = {_image(place_map.folder, path): path for path in photos}
     positions, left_out = positions_of(photos)
-    found = []
+    new_photos = []
     for image, path in files.items():
         if path in positions:
             position = positions[path]
             x, y = place_map.georeference.pixel(place_map.overview, position.latitude, position.longitude)
-            found.append(NewPhoto(image, x, y, position.yaw))
-    added = add_photos(place_map, found)
-    left_out.update({files[image]: f"{files[image]}: {why}" for image, why in added.left_out.items()})
-    return ExifMap(added.place_map, left_out)
+            new_photos.append(NewPhoto(image, x, y, position.yaw))
+    made, reasons = add_photos(place_map, new_photos)
+    left_out.update({files[image]: f"{files[image]}: {why}" for image, why in reasons.items()})
+    return made, left_out
 
 
 def _image(folder: Path, path: Path) -> str:
     image = image_in(folder, path)
     if image is None:
-        raise ValueError(f"{path}: photos have to lie in {folder}, that of the map, or below")
+        raise ValueError(f"{path}: photos must be in the map's folder {folder} or below")
     return image
 
 
 def corners_around(positions: Sequence[GeoPosition], margin: float) -> GeoCorners:
-    """Those of an overview that shows all positions, and margin metres around them.
+    """Corners of an overview that contains all positions with a margin in metres.
 
     :raises ValueError: there is no position
     """
     if not positions:
-        raise ValueError("no photo says where it was taken")
+        raise ValueError("no photo has a GPS position")
     latitudes = [position.latitude for position in positions]
     longitudes = [position.longitude for position in positions]
-    up = margin / METRES_A_DEGREE
+    up = margin / METRES_PER_DEGREE
     right = up / math.cos(math.radians(sum(latitudes) / len(latitudes)))
     north, west = max(latitudes) + up, min(longitudes) - right
     south, east = min(latitudes) - up, max(longitudes) + right
@@ -89,7 +81,7 @@ def corners_around(positions: Sequence[GeoPosition], margin: float) -> GeoCorner
 
 
 def extent(corners: GeoCorners) -> Tuple[float, float]:
-    """Metres from west to east, and from south to north, between corners."""
+    """Extent in metres from west to east and from south to north."""
     (north, west), (south, east) = corners
-    up = (north - south) * METRES_A_DEGREE
-    return (east - west) * METRES_A_DEGREE * math.cos(math.radians((north + south) / 2)), up
+    up = (north - south) * METRES_PER_DEGREE
+    return (east - west) * METRES_PER_DEGREE * math.cos(math.radians((north + south) / 2)), up

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""A picture as a textured rectangle that 3-D viewers load: COLLADA 1.4.1 with a PNG beside it."""
+"""Writes an image as a textured rectangle for 3-D viewers: COLLADA 1.4.1 with a PNG file."""
 
 import hashlib
 import io
@@ -11,8 +11,8 @@ from PIL import Image
 
 from sextant.base.atomic_file import atomic_file
 
-# Corners counterclockwise from the lower left; texture coordinates count upwards, too. The texture shines by
-# itself, so that no lamp of the viewer darkens it.
+# Corners counterclockwise from the lower left, which is also the origin of the texture coordinates. The
+# material is emissive, so that its colours do not depend on the viewer's lights.
 _COLLADA = """<?xml version="1.0" encoding="utf-8"?>
 <COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
   <asset><unit name="meter" meter="1"/><up_axis>Z_UP</up_axis></asset>
@@ -61,18 +61,18 @@ _COLLADA = """<?xml version="1.0" encoding="utf-8"?>
 """
 
 
-def write_overview_mesh(folder: Path, picture: np.ndarray, width: float, height: float) -> Path:
-    """Writes the rectangle from (0, 0, 0) to (width, height, 0), the picture upright when seen from above.
+def write_overview_mesh(folder: Path, image: np.ndarray, width: float, height: float) -> Path:
+    """Writes the rectangle from (0, 0, 0) to (width, height, 0); seen from +z, the image is upright.
 
-    The names have the content's digest in them, because viewers keep what they once loaded under a name.
+    File names contain a hash of the content, as viewers cache meshes by name.
 
-    :param picture: uint8 (rows, columns, 3), RGB
+    :param image: uint8 (rows, columns, 3), RGB
     :param width: height: metres
     :returns: the .dae file
-    :raises OSError: it cannot be written
+    :raises OSError: a file cannot be written
     """
     png = io.BytesIO()
-    Image.fromarray(picture).save(png, "PNG")
+    Image.fromarray(image).save(png, "PNG")
     digest = hashlib.sha256(png.getvalue() + f"{width} {height}".encode()).hexdigest()[:16]
     mesh = folder / f"overview_{digest}.dae"
     texture = mesh.with_suffix(".png")

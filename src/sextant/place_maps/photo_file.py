@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Photos as files: grey or in colour, at the size that is needed, and where their EXIF says they are from."""
+"""Reads photo files: grey or colour, optionally reduced, and the GPS position of their EXIF data."""
 
 import math
 from io import BytesIO
@@ -11,50 +11,51 @@ import numpy as np
 from PIL import ExifTags, Image, ImageOps, UnidentifiedImageError
 
 SUFFIXES = (".jpg", ".jpeg", ".png", ".tif", ".tiff", ".webp", ".bmp", ".pgm", ".ppm")
-# not all that Pillow knows: it runs another program for some; MPO: several JPEGs in one
+# that Pillow decodes without running another program; MPO: several JPEGs in one file
 FORMATS = ("JPEG", "MPO", "PNG", "TIFF", "WEBP", "BMP", "PPM", "GIF", "JPEG2000")
 
-# GPS fields of EXIF 2.32, table 15
+# tags of the GPS fields, EXIF 2.32, table 15
 _LATITUDE_REF, _LATITUDE, _LONGITUDE_REF, _LONGITUDE, _DIRECTION = 1, 2, 3, 4, 17
 _GPS = next(tag for tag, name in ExifTags.TAGS.items() if name == "GPSInfo")
 
 
 class GeoPosition(NamedTuple):
-    """Where a photo was taken, WGS 84."""
+    """Position where a photo was taken, WGS 84."""
 
     latitude: float  # degrees
-    longitude: float
-    yaw: Optional[float] = None  # radians, counterclockwise from east, as REP-103 has it
+    longitude: float  # degrees
+    yaw: Optional[float] = None  # radians, counterclockwise from east (REP-103); None: unknown
 
 
 def read_grey(path: Union[str, Path], max_side: int = 0) -> np.ndarray:
-    """The picture, uint8 (height, width), upright as its EXIF says.
+    """Reads a photo as uint8 (height, width), rotated by its EXIF orientation; transparent pixels are white.
 
-    :param max_side: pixels; a large JPEG is read at a half, quarter or eighth of its size, as long as no side
-        gets below this; 0: as it is
+    :param max_side: pixels; a larger JPEG is decoded at 1/2, 1/4 or 1/8 of its size, but with no side
+        smaller than this; 0: full size
     :raises OSError: it cannot be read
-    :raises ValueError: it is no picture, or not all of one
+    :raises ValueError: it is not an image, or is damaged
     """
     return decode_grey(Path(path).read_bytes(), path, max_side)
 
 
 def decode_grey(content: bytes, path: Union[str, Path], max_side: int = 0) -> np.ndarray:
-    """read_grey() of what was read from path already."""
+    """As read_grey(), but from the content of the file; path is only for error messages."""
     return np.asarray(_opaque(_decoded(content, path, "L", max_side)).convert("L"))
 
 
 def decode_colour(content: bytes, path: Union[str, Path], max_side: int = 0) -> np.ndarray:
-    """As decode_grey(), but uint8 (height, width, 3) BGR."""
+    """As decode_grey(), but returns uint8 (height, width, 3) BGR."""
     image = _opaque(_decoded(content, path, "RGB", max_side))
     return np.ascontiguousarray(np.asarray(image.convert("RGB"))[:, :, ::-1])
 
 
 def read_rgb(path: Union[str, Path], max_side: int = 0) -> np.ndarray:
-    """The picture in colour, uint8 (height, width, 3), white where it is transparent; else as read_grey()."""
+    """As read_grey(), but returns uint8 (height, width, 3) RGB."""
     return np.asarray(_opaque(_decoded(Path(path).read_bytes(), path, "RGB", max_side)).convert("RGB"))
 
 
 def _opaque(image: Image.Image) -> Image.Image:
+    """The image; if it can be transparent, on white."""
     if "A" in image.getbands() or "transparency" in image.info:
         image = image.convert("RGBA")
         image = Image.alpha_composite(Image.new("RGBA", image.size, "white"), image)
@@ -62,19 +63,20 @@ def _opaque(image: Image.Image) -> Image.Image:
 
 
 def _decoded(content: bytes, path: Union[str, Path], mode: str, max_side: int) -> Image.Image:
+    """Decodes an image and rotates it; mode (L or RGB) is a hint that lets Pillow decode a JPEG faster."""
     with _opened(path, BytesIO(content)) as image:
         if max_side:
             image.draft(mode, (max_side, max_side))
         try:
             image.load()
             upright = ImageOps.exif_transpose(image)
-        except Exception as error:  # of a damaged EXIF Pillow raises anything
-            raise ValueError(f"{path}: the picture is damaged: {error}") from None
+        except Exception as error:  # Pillow raises many types for damaged EXIF data
+            raise ValueError(f"{path}: the image is damaged: {error}") from None
     return _of_bytes(upright, path)
 
 
 def _of_bytes(image: Image.Image, path: Union[str, Path]) -> Image.Image:
-    """Pillow itself makes white of all that is above 255."""
+    """Converts 16-bit grey to 8 bits; Pillow would clip values above 255."""
     if image.mode == "F":
         raise ValueError(f"{path}: its pixels are floating-point numbers; save it with 8 or 16 bits")
     if not image.mode.startswith("I"):
@@ -86,17 +88,20 @@ def _of_bytes(image: Image.Image, path: Union[str, Path]) -> Image.Image:
 
 
 def photo_size(path: Union[str, Path]) -> Tuple[int, int]:
-    """Width and height in pixels, upright as its EXIF says; raises as read_grey()."""
+    """Width and height in pixels after rotation by the EXIF orientation.
+
+    :raises: as read_grey()
+    """
     with _opened(path) as image:
-        turned = image.getexif().get(0x0112, 1) >= 5
-        return (image.height, image.width) if turned else (image.width, image.height)
+        is_transposed = image.getexif().get(0x0112, 1) >= 5
+        return (image.height, image.width) if is_transposed else (image.width, image.height)
 
 
 def geo_position(path: Union[str, Path]) -> Optional[GeoPosition]:
-    """What the EXIF of a photo says of where it was taken; None: nothing.
+    """GPS position in the EXIF data of a photo; None if there is none.
 
-    :raises OSError: it cannot be read
-    :raises ValueError: it is no picture, or the EXIF's coordinates are none
+    :raises OSError: the photo cannot be read
+    :raises ValueError: it is not an image, or its coordinates are invalid
     """
     with _opened(path) as image:
         gps = image.getexif().get_ifd(_GPS)
@@ -107,26 +112,30 @@ def geo_position(path: Union[str, Path]) -> Optional[GeoPosition]:
         longitude = _degrees(gps[_LONGITUDE], gps.get(_LONGITUDE_REF), "EW", 180)
         return GeoPosition(latitude, longitude, _yaw(gps))
     except (TypeError, ValueError, ZeroDivisionError):
-        raise ValueError(f"{path}: the coordinates in its EXIF are none") from None
+        raise ValueError(f"{path}: the coordinates in its EXIF are invalid") from None
 
 
 def _opened(path: Union[str, Path], content: Optional[BytesIO] = None) -> Image.Image:
+    """Opens a photo in one of FORMATS.
+
+    :raises: as read_grey()
+    """
     try:
         image = Image.open(content or path)
     except UnidentifiedImageError:
-        raise ValueError(f"{path}: is no picture") from None
+        raise ValueError(f"{path}: is not an image") from None
     except (OSError, SyntaxError, ValueError, Image.DecompressionBombError) as error:
         if isinstance(error, OSError) and error.errno is not None:
             raise
-        raise ValueError(f"{path}: is no picture: {error}") from None
+        raise ValueError(f"{path}: is not an image: {error}") from None
     if image.format not in FORMATS:
         image.close()
-        raise ValueError(f"{path}: is {image.format}, no photo; allowed are {', '.join(FORMATS)}")
+        raise ValueError(f"{path}: has format {image.format}; allowed are {', '.join(FORMATS)}")
     return image
 
 
 def _degrees(parts: Any, reference: Any, signs: str, limit: float) -> float:
-    """Of degrees, minutes and seconds, in the hemisphere that the reference says."""
+    """Signed degrees from degrees, minutes and seconds and the hemisphere."""
     degrees, minutes, seconds = (float(part) for part in parts)
     value = degrees + minutes / 60 + seconds / 3600
     if not abs(value) <= limit:
@@ -135,7 +144,7 @@ def _degrees(parts: Any, reference: Any, signs: str, limit: float) -> float:
 
 
 def _yaw(gps: Mapping[int, Any]) -> Optional[float]:
-    """The EXIF's direction is in degrees clockwise from north."""
+    """Yaw from the EXIF direction, which is in degrees clockwise from north."""
     if _DIRECTION not in gps:
         return None
     direction = math.radians(float(gps[_DIRECTION]))

@@ -1,20 +1,22 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""A coarser map of the same photos: parts of the way in place of exact positions."""
+"""Merges the places of a map into clusters of successive places."""
 
 from sextant.place_maps.place_map import PlaceMap
 
 
 def clustered(place_map: PlaceMap, count: int) -> PlaceMap:
-    """A map that has successive places in one, that in their middle. Ids and photos stay.
+    """Merges successive places into clusters; all photos of a cluster get the position of its middle place.
 
-    :param count: of the parts that the places are divided into, in the order of the map
-    :raises ValueError: there are not as many places
+    :param count: number of clusters
+    :raises ValueError: count is below 1 or above the number of places
     """
     places = place_map.places()
     if not 1 <= count <= len(places):
-        raise ValueError(f"{len(places)} places cannot be {count} parts, allowed is [1, {len(places)}]")
-    bounds = [round(part * len(places) / count) for part in range(count + 1)]
+        raise ValueError(
+            f"{len(places)} places cannot be divided into {count} clusters, allowed is [1, {len(places)}]"
+        )
+    bounds = [round(cluster * len(places) / count) for cluster in range(count + 1)]
     position = {}
     for begin, end in zip(bounds, bounds[1:]):
         x, y = places[(begin + end) // 2][0][2:4]

@@ -1,10 +1,14 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""The map file: text, ';' between fields, as older programs read it.
+"""Map file: text with fields separated by ';', compatible with older programs.
 
-First line  overview.png;width;height   and then, if the overview's place is known, fields NAME=VALUE that
-older readers skip: frame, resolution, origin=x,y,yaw  or  north_west=lat,lon, south_east=lat,lon.
-Every other  id;image.jpg;x;y[;yaw=radians].   Names of files are relative to the map's.
+First line, then one line per photo; file names are relative to the map file:
+
+    overview.png;width;height[;NAME=VALUE...]
+    id;image.jpg;x;y[;yaw=radians]
+
+Optional fields, which older programs ignore: frame, resolution, origin=x,y,yaw or north_west=lat,lon and
+south_east=lat,lon.
 """
 
 from pathlib import Path
@@ -19,7 +23,6 @@ from sextant.place_maps.place_map import (
     Overview,
     Photo,
     PlaceMap,
-    check_georeference,
     check_overview,
     check_photo,
 )
@@ -29,7 +32,7 @@ CORNERS = ("north_west", "south_east")
 
 
 def read_place_map(path: Union[str, Path]) -> PlaceMap:
-    """The map of a file.
+    """Reads a map file.
 
     :raises OSError: it cannot be read
     :raises ValueError: "file:line: reason"
@@ -45,43 +48,44 @@ def read_place_map(path: Union[str, Path]) -> PlaceMap:
 
 
 def write_place_map(path: Union[str, Path], place_map: PlaceMap) -> None:
-    """Writes a map to a file in its folder, whole or not at all.
+    """Writes a map to a file in its folder, atomically.
 
     :raises OSError: it cannot be written
-    :raises ValueError: it is no map, see PlaceMap.check(), or the file is to lie in another folder
+    :raises ValueError: the map is invalid, see PlaceMap.check(), or the path is in another folder
     """
     path = Path(path)
     place_map.check()
     if path.resolve().parent != place_map.folder.resolve():
-        raise ValueError(f"{path}: the photos are relative to {place_map.folder}, the map has to lie there")
+        raise ValueError(f"{path}: the map must be in {place_map.folder}, the folder of its photos")
     with atomic_file(path) as file:
         file.write(place_map_text(place_map))
 
 
 def place_map_text(place_map: PlaceMap) -> str:
-    """What write_place_map() writes."""
+    """Text of the map file."""
     lines = [_header_line(place_map), *(_photo_line(photo) for photo in place_map.photos)]
     return "".join(f"{line}\n" for line in lines)
 
 
 def _lines(path: Path) -> Iterator[Tuple[int, List[str]]]:
-    """Number and fields of every line that is not blank."""
+    """Yields the line number and the fields of every line that is not blank."""
     try:
         with open(path, encoding="utf-8-sig") as file:
             for number, line in enumerate(file, 1):
                 if line.strip():
                     yield number, [field.strip() for field in line.split(";")]
     except UnicodeDecodeError:
-        raise ValueError(f"{path}: is no text in UTF-8") from None
+        raise ValueError(f"{path}: is not UTF-8 text") from None
 
 
 def _header(folder: Path, fields: Sequence[str]) -> PlaceMap:
     if len(fields) < 3:
-        raise ValueError("the first line has to be overview.png;width;height")
+        raise ValueError("the first line must be overview.png;width;height")
     overview = Overview(fields[0], _whole("width", fields[1]), _whole("height", fields[2]))
     georeference = _georeference(_named(fields[3:], (*METRIC, *CORNERS)))
     check_overview(overview)
-    check_georeference(georeference)
+    if georeference:
+        georeference.check()
     return PlaceMap(folder, overview, (), georeference)
 
 
@@ -95,7 +99,7 @@ def _georeference(named: Dict[str, str]) -> Union[MetricFrame, GeoCorners, None]
         (north, west), (south, east) = (_numbers(name, named[name], "latitude,longitude") for name in CORNERS)
         return GeoCorners((north, west), (south, east))
     allowed = " or ".join(", ".join(names) for names in (METRIC, CORNERS))
-    raise ValueError(f"after the size come all of {allowed}; there is {', '.join(named)}")
+    raise ValueError(f"the fields after the size must be all of {allowed}; found {', '.join(named)}")
 
 
 def _photos(path: Path, lines: Iterator[Tuple[int, List[str]]], overview: Overview) -> Iterator[Photo]:
@@ -105,9 +109,9 @@ def _photos(path: Path, lines: Iterator[Tuple[int, List[str]]], overview: Overvi
             photo = _photo(fields)
             check_photo(overview, photo)
             if photo.id in line_of:
-                raise ValueError(f"id {photo.id} again, it is that of line {line_of[photo.id]}")
+                raise ValueError(f"duplicate id {photo.id}, see line {line_of[photo.id]}")
             if photo.image in line_of:
-                raise ValueError(f"image {photo.image} again, it is that of line {line_of[photo.image]}")
+                raise ValueError(f"duplicate image {photo.image}, see line {line_of[photo.image]}")
         except ValueError as error:
             raise ValueError(f"{path}:{number}: {error}") from None
         line_of[photo.id] = line_of[photo.image] = number
@@ -124,16 +128,16 @@ def _photo(fields: Sequence[str]) -> Photo:
 
 
 def _named(fields: Sequence[str], allowed: Sequence[str]) -> Dict[str, str]:
-    """NAME=VALUE fields; a last one may be empty, some programs end their lines with ';'."""
+    """Values of NAME=VALUE fields by name; the last field may be empty: some programs end lines with ';'."""
     named: Dict[str, str] = {}
     for field in fields[:-1] if fields and not fields[-1] else fields:
         name, equals, value = field.partition("=")
         if not equals or name not in allowed:
             raise ValueError(
-                f"'{field}' is no field, there can be {', '.join(f'{each}=' for each in allowed)}"
+                f"'{field}' is not a field, allowed are {', '.join(f'{each}=' for each in allowed)}"
             )
         if name in named:
-            raise ValueError(f"{name} is there twice")
+            raise ValueError(f"duplicate field {name}")
         named[name] = value
     return named
 
@@ -171,6 +175,7 @@ def _photo_line(photo: Photo) -> str:
 
 
 def _text(value: Union[str, float, Sequence[float]]) -> str:
+    """A value as text: numbers without exponent, sequences separated by commas."""
     if isinstance(value, str):
         return value
     if isinstance(value, (int, float)):

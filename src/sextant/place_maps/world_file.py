@@ -1,45 +1,45 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""World files: six lines beside a picture that say where its pixels lie (ESRI's format)."""
+"""World files: text files beside an image with six numbers that georeference it (ESRI's format)."""
 
 from pathlib import Path
 from typing import Optional
 
 from sextant.place_maps.photo_file import photo_size
-from sextant.place_maps.place_map import GeoCorners, check_georeference
+from sextant.place_maps.place_map import GeoCorners
 
 
-def corners_beside(picture: Path) -> Optional[GeoCorners]:
-    """What map.jgw, map.jpgw or map.wld beside map.jpg says; None: there is none of them.
+def corners_beside(image: Path) -> Optional[GeoCorners]:
+    """Corners from the world file map.jgw, map.jpgw or map.wld beside map.jpg; None if there is none.
 
     :raises OSError, ValueError: as read_world_file()
     """
-    suffix = picture.suffix
+    suffix = image.suffix
     names = [f"{suffix[:2]}{suffix[-1]}w", f"{suffix}w"] if suffix else []
-    beside = map(picture.with_suffix, [*names, ".wld"])
+    beside = map(image.with_suffix, [*names, ".wld"])
     world_file = next((path for path in beside if path.is_file()), None)
-    return read_world_file(world_file, picture) if world_file else None
+    return read_world_file(world_file, image) if world_file else None
 
 
-def read_world_file(path: Path, picture: Path) -> GeoCorners:
-    """The corners of a picture whose world file is in degrees of WGS 84.
+def read_world_file(path: Path, image: Path) -> GeoCorners:
+    """Reads the corners of an image from a world file in degrees of WGS 84.
 
     :raises OSError: a file cannot be read
-    :raises ValueError: it is no world file, or a picture that is turned, or not in degrees
+    :raises ValueError: not a world file, or the image is rotated, or the coordinates are not in degrees
     """
     try:
-        right, *turned, down, west, north = (float(word) for word in path.read_text().split())
-        if len(turned) != 2:
+        right, *rotation, down, west, north = (float(word) for word in path.read_text().split())
+        if len(rotation) != 2:
             raise ValueError
     except (ValueError, UnicodeDecodeError):
-        raise ValueError(f"{path}: is no world file of six numbers") from None
-    if any(turned):
-        raise ValueError(f"{path}: the picture is turned; name corners of one whose north is up")
-    width, height = photo_size(picture)
-    north, west = north - down / 2, west - right / 2  # it says the middle of the first pixel
+        raise ValueError(f"{path}: is not a world file of six numbers") from None
+    if any(rotation):
+        raise ValueError(f"{path}: the image is rotated; set the corners of a north-up one")
+    width, height = photo_size(image)
+    north, west = north - down / 2, west - right / 2  # from the centre of the first pixel to its corner
     corners = GeoCorners((north, west), (north + height * down, west + width * right))
     try:
-        check_georeference(corners)
+        corners.check()
     except ValueError as error:
-        raise ValueError(f"{path}: {error}; only those in degrees of WGS 84 can be used") from None
+        raise ValueError(f"{path}: {error}; world files must be in degrees of WGS 84") from None
     return corners

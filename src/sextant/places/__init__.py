@@ -1,3 +1,3 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Remembered places: where am I at all, from photos of an experience map."""
+"""Visual place recognition: localizes a robot in a map of photos."""

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Where the robot may be, carried on from picture to picture: a discrete Bayes filter over a map's places.
+"""Discrete Bayes filter over the places of a map and an unknown place outside of it.
 
-One state is "nowhere that the map knows". Between pictures the belief spreads along neighbouring places, or
-as far as odometry says; a small part of it starts anew everywhere, so that a robot that was carried away is
-found again (Thrun, Burgard, Fox: Probabilistic Robotics, 2005, chapters 4.1 and 8.3).
+The prediction spreads the belief to neighbouring places, or to those at the distance that odometry measured.
+A small part of the belief is distributed over all places, to recover from kidnapping (Thrun, Burgard, Fox:
+Probabilistic Robotics, 2005, chapters 4.1 and 8.3).
 """
 
 from dataclasses import dataclass
@@ -16,124 +16,142 @@ from scipy.spatial import cKDTree
 
 from sextant.base.strict_params import ParamError, StrictParams, param, within
 
-ROUND = 0.1  # of a spacing: distances that differ by less are moved by as one
-REMEMBERED = 64  # ways to move, by distance
-PAIRS = 16_000_000  # of places, that a way to move, or all that are remembered, go between: some 200 MB
+DISTANCE_STEP = 0.1  # spacings; distances are rounded to it, so that transition matrices can be cached
+MAX_CACHED = 64  # maximum number of cached transition matrices
+MAX_ENTRIES = 16_000_000  # nonzero entries of one transition matrix, and of all cached ones: about 200 MB
 
 
 @dataclass(frozen=True)
 class BeliefParams(StrictParams):
-    """How a robot moves among the places, and how far pictures are believed."""
+    """Motion model and weight of the evidence. The spacing is the median distance of neighbouring places."""
 
-    reach: float = param(4.0, within(1, 20))  # spacings of places between two pictures, without odometry
-    restart: float = param(0.01, within(0, 1))  # probability of being carried between two pictures
-    leave: float = param(0.01, within(0, 1))  # that it left for where the map knows nothing
-    nowhere: float = param(0.5, within(0, 1))  # that it is there at first; 0: never, leave must be 0, too
-    trust: float = param(0.6, within(1e-6, 1))  # share of evidence that counts: successive pictures err alike
-    doubt: float = param(2.0, within(0, 20))  # subtracted from log ratios: a wrong place may match for long
-    distance_noise: float = param(0.1, within(0.001, 1))  # deviation of odometry's distance, share of it
-    radius: float = param(2.2, within(0, 20))  # spacings within which places are one answer
+    # two standard deviations of the distance driven between two images if there is no odometry, spacings
+    reach: float = param(4.0, within(1, 20))
+    # probability of being at a random place at the next image: kidnapped, or back in the map
+    kidnap_probability: float = param(0.01, within(0, 1))
+    # probability of leaving the map between two images
+    exit_probability: float = param(0.01, within(0, 1))
+    # prior probability of an unknown place; 0: the robot is always in the map, and exit_probability must be 0
+    unknown_prior: float = param(0.5, within(0, 1))
+    # exponent of the likelihood ratios: below 1 because errors of successive images are correlated
+    evidence_exponent: float = param(0.6, within(1e-6, 1))
+    # subtracted from the log likelihood ratios: a wrong place may match over many images
+    evidence_penalty: float = param(2.0, within(0, 20))
+    # standard deviation of the distance that odometry measured, as a fraction of that distance
+    distance_noise: float = param(0.1, within(0.001, 1))
+    # distance within which places are merged into one hypothesis, spacings
+    radius: float = param(2.2, within(0, 20))
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.leave and not self.nowhere:
-            raise ParamError("leave", "must be 0 where nowhere is 0", self.leave)
-        if self.restart + self.leave > 1:
-            raise ParamError("restart + leave", "must be at most 1", self.restart + self.leave)
+        if self.exit_probability and not self.unknown_prior:
+            raise ParamError("exit_probability", "must be 0 where unknown_prior is 0", self.exit_probability)
+        if self.kidnap_probability + self.exit_probability > 1:
+            total = self.kidnap_probability + self.exit_probability
+            raise ParamError("kidnap_probability + exit_probability", "must be at most 1", total)
 
 
 class BeliefPeak(NamedTuple):
-    """An answer: a place, and how probable it is that the robot is there or at one of those around it."""
+    """A local maximum of the belief."""
 
-    place: int
-    probability: float
-    around: np.ndarray  # int (m,) places that are counted in, itself too
+    place: int  # index
+    probability: float  # of the place and those merged with it
+    around: np.ndarray  # int (m,) indices of the merged places, including the place itself
 
 
 class PlaceBelief:
-    """Probabilities of all places and of nowhere; they sum to 1."""
+    """Probabilities of all places and of an unknown place; they sum to 1."""
+
+    places: np.ndarray  # (n,) probabilities
+    unknown: float  # probability of a place that is not in the map
+    spacing: float  # median distance of neighbouring places, in the unit of the positions
 
     def __init__(self, positions: np.ndarray, params: Optional[BeliefParams] = None):
-        """:param positions: (n, 2) of the places, in any unit; that of the distances given to move()"""
+        """:param positions: (n, 2) of the places, in the unit of the distances passed to predict()"""
         self._params = params or BeliefParams()
         self._positions = np.asarray(positions, float).reshape(-1, 2)
         self._tree = cKDTree(self._positions)
         self.spacing = self._spacing()
-        self._ways = {}
+        self._transitions = {}
         self.reset()
 
     def reset(self) -> None:
-        """Nothing is known."""
+        """Sets the prior: all places are equally probable."""
         count = len(self._positions)
-        self.nowhere = self._params.nowhere
-        self.places = np.full(count, (1 - self.nowhere) / count)  # (n,)
+        self.unknown = self._params.unknown_prior
+        self.places = np.full(count, (1 - self.unknown) / count)
 
-    def move(self, distance: Optional[float] = None) -> None:
-        """Carries the belief on to the next picture.
+    def predict(self, distance: Optional[float] = None) -> None:
+        """Predicts the belief at the next image.
 
-        :param distance: since the last one, by odometry; None: there is none
+        :param distance: driven since the last image, by odometry; None if unknown
         """
         params, count = self._params, len(self._positions)
-        way = self._way(distance)
-        moved = np.full(count, self.places.sum() / count) if way is None else way.T @ self.places
-        stay, back = 1 - params.restart - params.leave, params.restart / count
-        self.places = stay * moved + back * (self.places.sum() + self.nowhere)
-        self.nowhere = max(1 - self.places.sum(), 0.0) if params.nowhere else 0.0
+        matrix = self._transition(distance)
+        moved = np.full(count, self.places.sum() / count) if matrix is None else matrix.T @ self.places
+        stay = 1 - params.kidnap_probability - params.exit_probability
+        kidnapped = params.kidnap_probability / count
+        self.places = stay * moved + kidnapped * (self.places.sum() + self.unknown)
+        self.unknown = max(1 - self.places.sum(), 0.0) if params.unknown_prior else 0.0
 
-    def see(self, log_ratios: np.ndarray, voted: bool = True) -> None:
-        """Weighs the places by what a picture says.
+    def update(self, log_ratios: np.ndarray, is_absolute: bool = True) -> None:
+        """Updates the belief with the evidence of an image.
 
-        :param log_ratios: (n,) log of how much likelier the picture is at each place than nowhere
-        :param voted: False: it only tells places apart, which is no reason to doubt all of them
+        :param log_ratios: (n,) log likelihood ratio of each place against an unknown place
+        :param is_absolute: False: the ratios only compare places with each other, so there is no penalty
         """
-        doubt = self._params.doubt if voted else 0.0
-        trusted = self._params.trust * (np.asarray(log_ratios, float) - doubt)
-        with np.errstate(divide="ignore"):  # logs of 0: what is impossible stays so
-            logs = np.log(np.append(self.places, self.nowhere)) + np.append(trusted, 0.0)
-        weights = np.exp(logs - logs.max())  # the largest of what is possible: the sum is never 0
+        penalty = self._params.evidence_penalty if is_absolute else 0.0
+        evidence = self._params.evidence_exponent * (np.asarray(log_ratios, float) - penalty)
+        with np.errstate(divide="ignore"):  # log(0): a probability of 0 stays 0
+            logs = np.log(np.append(self.places, self.unknown)) + np.append(evidence, 0.0)
+        weights = np.exp(logs - logs.max())  # the maximum is finite, so the sum is never 0
         weights /= weights.sum()
-        self.places, self.nowhere = weights[:-1], float(weights[-1])
+        self.places, self.unknown = weights[:-1], float(weights[-1])
 
-    def hypotheses(self, count: int) -> List[BeliefPeak]:
-        """The most probable places, each with those around it that no better one has; most probable first."""
-        free = self.places.copy()
-        found = []
-        for _ in range(min(count, len(free))):
-            place = int(free.argmax())
-            if free[place] <= 0:
+    def peaks(self, count: int) -> List[BeliefPeak]:
+        """Returns up to count maxima, most probable first, each merged with the places within `radius` of it.
+
+        A place belongs to one peak only: the one whose own place is the most probable.
+        """
+        remaining = self.places.copy()
+        peaks = []
+        for _ in range(min(count, len(remaining))):
+            place = int(remaining.argmax())
+            if remaining[place] <= 0:
                 break
-            reach = self._tree.query_ball_point(self._positions[place], self._params.radius * self.spacing)
-            around = np.array([each for each in sorted(reach) if free[each] > 0], int)
-            found.append(BeliefPeak(place, float(free[around].sum()), around))
-            free[around] = 0
-        return sorted(found, key=lambda each: -each.probability)
+            near = self._tree.query_ball_point(self._positions[place], self._params.radius * self.spacing)
+            around = np.array([neighbour for neighbour in sorted(near) if remaining[neighbour] > 0], int)
+            peaks.append(BeliefPeak(place, float(remaining[around].sum()), around))
+            remaining[around] = 0
+        return sorted(peaks, key=lambda peak: -peak.probability)
 
     def _spacing(self) -> float:
-        """Median distance of a place to the nearest other."""
+        """Median distance of neighbouring places; 1 if there are no two."""
         if len(self._positions) < 2:
             return 1.0
         nearest = self._tree.query(self._positions, 2)[0][:, 1]
-        apart = nearest[nearest > 0]
-        return float(np.median(apart)) if len(apart) else 1.0
-
-    def _way(self, distance: Optional[float]) -> Optional[csr_matrix]:
-        """(n, n): row i holds where a robot at place i is next; None: anywhere."""
-        step = None if distance is None else round(distance / (ROUND * self.spacing))
-        if step not in self._ways:
-            way = self._transition(None if step is None else step * ROUND * self.spacing)
-            pairs = sum(each.nnz for each in (way, *self._ways.values()) if each is not None)
-            if len(self._ways) >= REMEMBERED or pairs > PAIRS:
-                self._ways.clear()
-            self._ways[step] = way
-        return self._ways[step]
+        distinct = nearest[nearest > 0]
+        return float(np.median(distinct)) if len(distinct) else 1.0
 
     def _transition(self, distance: Optional[float]) -> Optional[csr_matrix]:
+        """Transition matrix (n, n): row i has the probabilities of moving from place i; None: uniform."""
+        step = None if distance is None else round(distance / (DISTANCE_STEP * self.spacing))
+        if step not in self._transitions:
+            matrix = self._new_transition(None if step is None else step * DISTANCE_STEP * self.spacing)
+            entries = sum(each.nnz for each in (matrix, *self._transitions.values()) if each is not None)
+            if len(self._transitions) >= MAX_CACHED or entries > MAX_ENTRIES:
+                self._transitions.clear()
+            self._transitions[step] = matrix
+        return self._transitions[step]
+
+    def _new_transition(self, distance: Optional[float]) -> Optional[csr_matrix]:
+        """Normalized Gaussian of the difference between the distance of two places and that of odometry."""
         sigma, centre = self.spacing * self._params.reach / 2, 0.0
         if distance is not None:
-            # half a spacing: a place stands for its surroundings
+            # half a spacing: the robot may be anywhere around its place
             sigma, centre = np.hypot(self.spacing / 2, self._params.distance_noise * distance), distance
         count, farthest = len(self._positions), centre + 3 * sigma
-        if self._tree.count_neighbors(self._tree, farthest) > PAIRS:  # a leap of odometry on a large map
+        if self._tree.count_neighbors(self._tree, farthest) > MAX_ENTRIES:  # odometry jumped on a large map
             return None
         pairs = self._tree.sparse_distance_matrix(self._tree, farthest, output_type="coo_matrix")
         others = pairs.row != pairs.col

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""How good a map of places is: queries whose places are known are localized, in their order, and compared."""
+"""Evaluates a place map: localizes queries (images whose places are known) in their order."""
 
 import gc
 import os
@@ -15,98 +15,97 @@ from tqdm import tqdm
 
 from sextant.place_maps.place_map import Photo, PlaceMap
 from sextant.places.place_index import PlaceIndex, decode_photo, photo_features
-from sextant.places.place_library import Library
-from sextant.places.place_localization import Localization, PlaceLocalizationParams, PlaceLocalizer, Status
+from sextant.places.place_index_update import PlaceIndexer
+from sextant.places.place_localizer import Localization, PlaceLocalizationParams, PlaceLocalizer, Status
 from sextant.places.place_metrics import (
     PrecisionRecall,
     calibration_error,
     perfect_calibration_error,
     precision_recall,
-    recall_at,
 )
-from sextant.places.place_queries import Query, left_out_queries, pixels_of
+from sextant.places.place_queries import Query, leave_one_out_queries, pixels_of
 
 RANKS = (1, 5, 10)  # of recall
-ELLIPSE = 0.95
-ONE_BY_ONE = ("single", "votes")  # modes in which no picture depends on another
+ELLIPSE = 0.95  # probability of the confidence ellipse
+INDEPENDENT_MODES = ("single", "votes")  # modes that localize each image independently
 
-_NOTHING = np.zeros((240, 320), np.uint8)
+_BLACK_IMAGE = np.zeros((240, 320), np.uint8)
 
 
-class Outcome(NamedTuple):
-    """What was said of a query."""
+class QueryResult(NamedTuple):
+    """Localization of one query."""
 
     query: Query
     found: Localization
-    seconds: float  # from the picture to the answer
+    seconds: float  # processing time
 
     @property
     def rank(self) -> float:
-        """Of the first right answer, from 1 on; inf: there is none."""
-        photos = [answer.photo for answer in self.found.answers]
-        right = [n for n, photo in enumerate(photos, 1) if (photo.x, photo.y) in self.query.right]
-        return right[0] if right else np.inf
+        """Rank of the first correct hypothesis, starting at 1; inf if there is none."""
+        photos = [hypothesis.photo for hypothesis in self.found.hypotheses]
+        correct = [n for n, photo in enumerate(photos, 1) if (photo.x, photo.y) in self.query.true_places]
+        return correct[0] if correct else np.inf
 
 
 class Cost(NamedTuple):
-    """Of a map's index."""
+    """Time and memory of a map's index."""
 
-    seconds: float  # until the first picture can be asked for
-    is_loaded: bool  # from the cache, as it was
+    seconds: float  # until the first image can be localized
+    is_loaded: bool  # whether the index was loaded from the cache and is unchanged
     index_bytes: int
-    resident_bytes: int  # by how much the process grew, to the end of the queries
+    resident_bytes: int  # growth of the process's resident memory until the end of the queries
 
 
 @dataclass(frozen=True)
 class PlaceEvaluation:
-    """Figures; nan where there is nothing to measure."""
+    """Results of an evaluation; figures are nan if there is no data for them."""
 
-    outcomes: Sequence[Outcome]
-    pixels: np.ndarray  # (2,) metres a pixel of the overview; (1, 1) where nobody knows
+    results: Sequence[QueryResult]
+    pixels: np.ndarray  # (2,) metres per pixel of the overview along x and y; (1, 1) if the map has no scale
     cost: Cost
 
     @property
     def ranks(self) -> np.ndarray:
-        """Of the first right answers, of the queries that are in the map."""
-        return np.array([each.rank for each in self.outcomes if each.query.right])
+        """Rank of the first correct hypothesis of each query that is in the map."""
+        return np.array([each.rank for each in self.results if each.query.true_places])
 
     def recall(self, n: int) -> float:
-        """Of the queries that are in the map: those with a right answer among the n best."""
-        return recall_at(n, self.ranks) if len(self.ranks) else np.nan
+        """Recall@n: fraction of the queries in the map with a correct place among the n best hypotheses."""
+        return float(np.mean(self.ranks <= n)) if len(self.ranks) else np.nan
 
     @property
-    def said(self) -> Tuple[np.ndarray, np.ndarray]:
-        """Probabilities of the best answers, and whether they are right; one of nowhere is wrong."""
-        answered = [each for each in self.outcomes if each.found.answers]
-        probabilities = [each.found.answers[0].probability for each in answered]
+    def predictions(self) -> Tuple[np.ndarray, np.ndarray]:
+        """Probabilities of the best hypotheses, and whether each is correct: never for unmapped queries."""
+        answered = [each for each in self.results if each.found.hypotheses]
+        probabilities = [each.found.hypotheses[0].probability for each in answered]
         return np.array(probabilities), np.array([each.rank == 1 for each in answered], bool)
 
     @property
     def curve(self) -> PrecisionRecall:
-        """The more probable, the more confident."""
-        probabilities, right = self.said
-        if not len(self.ranks) or not len(right):
+        """Precision and recall of the best hypotheses over their probability."""
+        probabilities, correct = self.predictions
+        if not len(self.ranks) or not len(correct):
             return PrecisionRecall(np.zeros(0), np.zeros(0), np.nan if not len(self.ranks) else 0.0)
-        return precision_recall(probabilities, right, len(self.ranks))
+        return precision_recall(probabilities, correct, len(self.ranks))
 
     @property
     def calibration_error(self) -> float:
-        """Expected, over bins of equal mass."""
-        return calibration_error(*self.said) if len(self.said[0]) else np.nan
+        """Expected calibration error, see place_metrics."""
+        return calibration_error(*self.predictions) if len(self.predictions[0]) else np.nan
 
     @property
     def perfect_calibration_error(self) -> float:
-        """At most, in 19 of 20 cases, with probabilities that are true."""
-        return perfect_calibration_error(self.said[0]) if len(self.said[0]) else np.nan
+        """95 % quantile of the calibration error of perfectly calibrated probabilities."""
+        return perfect_calibration_error(self.predictions[0]) if len(self.predictions[0]) else np.nan
 
-    def nowhere(self, is_in_map: bool) -> float:
-        """Share of the queries that are in the map, or not, of which "nowhere" is said."""
-        asked = [each for each in self.outcomes if bool(each.query.right) == is_in_map]
-        return float(np.mean([each.found.status == Status.NOWHERE for each in asked])) if asked else np.nan
+    def unknown_rate(self, is_in_map: bool) -> float:
+        """Fraction of the queries in the map, or not in the map, whose status is UNKNOWN_PLACE."""
+        found = [each.found for each in self.results if bool(each.query.true_places) == is_in_map]
+        return float(np.mean([each.status == Status.UNKNOWN_PLACE for each in found])) if found else np.nan
 
     @property
     def position_errors(self) -> np.ndarray:
-        """(m, 2) of the estimates, along x and y, metres or pixels."""
+        """(m, 2) errors of the estimates along x and y, metres, or pixels if the map has no scale."""
         errors = [
             (each.found.estimate.x - each.query.position[0], each.found.estimate.y - each.query.position[1])
             for each in self._estimated()
@@ -114,129 +113,132 @@ class PlaceEvaluation:
         return np.array(errors).reshape(-1, 2) * self.pixels
 
     @property
-    def in_ellipse(self) -> float:
-        """Share of the estimates whose 95 % ellipse holds the truth."""
+    def ellipse_coverage(self) -> float:
+        """Fraction of the estimates whose 95 % ellipse contains the true position."""
         errors = self.position_errors / self.pixels
         covariances = [each.found.estimate.covariance for each in self._estimated()]
-        squares = [error @ np.linalg.solve(C, error) for error, C in zip(errors, covariances)]
-        return float(np.mean(np.array(squares) <= chi2.ppf(ELLIPSE, 2))) if squares else np.nan
+        squared = [error @ np.linalg.solve(C, error) for error, C in zip(errors, covariances)]
+        return float(np.mean(np.array(squared) <= chi2.ppf(ELLIPSE, 2))) if squared else np.nan
 
-    def _estimated(self) -> List[Outcome]:
-        return [each for each in self.outcomes if each.found.estimate and each.query.position]
-
-    @property
-    def seconds(self) -> np.ndarray:
-        """(queries,)"""
-        return np.array([each.seconds for each in self.outcomes])
+    def _estimated(self) -> List[QueryResult]:
+        return [each for each in self.results if each.found.estimate and each.query.position]
 
     def figures(self) -> Dict[str, float]:
-        """All of them by name."""
+        """All figures by name; see position_errors for the unit of the position errors."""
         errors = np.linalg.norm(self.position_errors, axis=1)
+        seconds = np.array([each.seconds for each in self.results])
         return {
-            "queries": len(self.outcomes),
-            "nowhere": len(self.outcomes) - len(self.ranks),
+            "queries": len(self.results),
+            "unmapped_queries": len(self.results) - len(self.ranks),
             **{f"recall@{n}": self.recall(n) for n in RANKS},
             "area": self.curve.area,
             "calibration_error": self.calibration_error,
             "perfect_calibration_error": self.perfect_calibration_error,
-            "said_nowhere_wrongly": self.nowhere(True),
-            "said_nowhere_rightly": self.nowhere(False),
+            "unknown_rate_in_map": self.unknown_rate(True),
+            "unknown_rate_off_map": self.unknown_rate(False),
             "estimates": len(errors),
             "position_error": _quantile(errors, 0.5),
             "position_error_90": _quantile(errors, 0.9),
-            "in_ellipse": self.in_ellipse,
-            "query_ms": 1e3 * _quantile(self.seconds, 0.5),
-            "query_ms_95": 1e3 * _quantile(self.seconds, 0.95),
+            "ellipse_coverage": self.ellipse_coverage,
+            "query_ms": 1e3 * _quantile(seconds, 0.5),
+            "query_ms_95": 1e3 * _quantile(seconds, 0.95),
             "index_seconds": self.cost.seconds,
             "index_mb": self.cost.index_bytes / 1e6,
             "resident_mb": self.cost.resident_bytes / 1e6,
         }
 
 
-def evaluate(library: Library, params: PlaceLocalizationParams, queries: Sequence[Query]) -> PlaceEvaluation:
-    """Localizes the queries one after the other.
+def evaluate(
+    indexer: PlaceIndexer, params: PlaceLocalizationParams, queries: Sequence[Query]
+) -> PlaceEvaluation:
+    """Localizes the queries in their order.
 
-    :raises OSError: a picture cannot be read
-    :raises ValueError: a parameter, photos or queries that cannot be used, by name
+    :raises OSError: an image cannot be read
+    :raises ValueError: names the parameter, photos or queries that cannot be used
     """
     _check(queries)
-    begun = _begin(library, params)
-    outcomes = [_outcome(begun.index, begun.localizer, query) for query in _progress(queries)]
-    return begun.evaluation(library.place_map, outcomes)
+    session = _start(indexer, params)
+    results = [_localized(session.index, session.localizer, query) for query in _progress(queries)]
+    return session.evaluation(indexer.place_map, results)
 
 
-def evaluate_left_out(library: Library, params: PlaceLocalizationParams, tolerance: float) -> PlaceEvaluation:
-    """Every photo of the map is a query to the map and the index without it.
+def evaluate_leave_one_out(
+    indexer: PlaceIndexer, params: PlaceLocalizationParams, tolerance: float
+) -> PlaceEvaluation:
+    """Localizes every photo of the map with the other photos.
 
-    :param tolerance: as places_near()
+    :param tolerance: see places_near()
     :raises: as evaluate()
     """
-    if params.mode not in ONE_BY_ONE:
-        raise ValueError(f"mode is '{params.mode}', photos are left out in {' or '.join(ONE_BY_ONE)} only")
-    trials = list(left_out_queries(library.place_map, tolerance))
+    if params.mode not in INDEPENDENT_MODES:
+        modes = " or ".join(INDEPENDENT_MODES)
+        raise ValueError(f"mode is '{params.mode}', leave-one-out needs {modes}")
+    trials = list(leave_one_out_queries(indexer.place_map, tolerance))
     if len(trials) < 2:
-        raise ValueError(f"{library.map_path}: of less than two photos none can be left out")
-    begun = _begin(library, params)
-    outcomes = [_left_out(begun, *trial) for trial in _progress(trials)]
-    return begun.evaluation(library.place_map, outcomes)
+        raise ValueError(f"{indexer.map_path}: leave-one-out needs at least two photos")
+    session = _start(indexer, params)
+    results = [_left_out(session, *trial) for trial in _progress(trials)]
+    return session.evaluation(indexer.place_map, results)
 
 
-class _Begun(NamedTuple):
-    """What queries are asked of."""
+class _Session(NamedTuple):
+    """A map's index and localizer during an evaluation."""
 
     index: PlaceIndex
     params: PlaceLocalizationParams
     localizer: PlaceLocalizer
-    cost: Cost  # its resident bytes: those of the process before it
+    cost: Cost  # its resident_bytes are those before the index was loaded
 
-    def evaluation(self, place_map: PlaceMap, outcomes: Sequence[Outcome]) -> PlaceEvaluation:
-        grown = resident_bytes() - self.cost.resident_bytes
-        return PlaceEvaluation(outcomes, pixels_of(place_map), self.cost._replace(resident_bytes=grown))
+    def evaluation(self, place_map: PlaceMap, results: Sequence[QueryResult]) -> PlaceEvaluation:
+        growth = resident_bytes() - self.cost.resident_bytes
+        return PlaceEvaluation(results, pixels_of(place_map), self.cost._replace(resident_bytes=growth))
 
 
-def _begin(library: Library, params: PlaceLocalizationParams) -> _Begun:
-    before, begin, told = resident_bytes(), time.perf_counter(), []
+def _start(indexer: PlaceIndexer, params: PlaceLocalizationParams) -> _Session:
+    before, begin, reported = resident_bytes(), time.perf_counter(), []
 
     def report(line: str) -> None:
-        told.append(line)
-        library.report(line)
+        reported.append(line)
+        indexer.report(line)
 
     params = replace(params, max_places=max(RANKS))
-    index = replace(library, report=report).index()
-    localizer = _ready(PlaceLocalizer(library.place_map, index, params))
-    cost = Cost(time.perf_counter() - begin, not told, index.bytes, before)
-    return _Begun(index, params, localizer, cost)
+    index = replace(indexer, report=report).index()
+    localizer = _ready(PlaceLocalizer(indexer.place_map, index, params))
+    cost = Cost(time.perf_counter() - begin, not reported, index.bytes, before)
+    return _Session(index, params, localizer, cost)
 
 
-def _left_out(begun: _Begun, photo: Photo, others: PlaceMap, query: Query) -> Outcome:
-    index = begun.index
+def _left_out(session: _Session, photo: Photo, others: PlaceMap, query: Query) -> QueryResult:
+    """Localizes a photo with an index that does not contain it, then adds it again."""
+    index = session.index
     index.remove([each for each in index.photos if each.image == photo.image])
-    outcome = _outcome(index, _ready(PlaceLocalizer(others, index, begun.params)), query)
+    result = _localized(index, _ready(PlaceLocalizer(others, index, session.params)), query)
     index.add([photo.image], [photo_features(index.params, query.path)])
-    return outcome
+    return result
 
 
 def resident_bytes() -> int:
-    """Of this process."""
+    """Resident memory of this process, bytes."""
     gc.collect()
     return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGESIZE")
 
 
-def _quantile(values: np.ndarray, share: float) -> float:
-    return float(np.quantile(values, share)) if len(values) else np.nan
+def _quantile(values: np.ndarray, fraction: float) -> float:
+    return float(np.quantile(values, fraction)) if len(values) else np.nan
 
 
 def _ready(localizer: PlaceLocalizer) -> PlaceLocalizer:
-    localizer.localize(_NOTHING)  # OpenCV's matchers learn when they are asked first
+    """The localizer after a warm-up, so that the first query is not slower."""
+    localizer.localize(_BLACK_IMAGE)  # OpenCV's matchers are trained by the first search
     localizer.reset()
     return localizer
 
 
-def _outcome(index: PlaceIndex, localizer: PlaceLocalizer, query: Query) -> Outcome:
+def _localized(index: PlaceIndex, localizer: PlaceLocalizer, query: Query) -> QueryResult:
     image = decode_photo(index.params, query.path.read_bytes(), query.path)
     begin = time.perf_counter()
     found = localizer.localize(image)
-    return Outcome(query, found, time.perf_counter() - begin)
+    return QueryResult(query, found, time.perf_counter() - begin)
 
 
 def _check(queries: Sequence[Query]) -> None:

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""What scores of a map's photos are worth as evidence: logs of likelihood ratios.
+"""Converts the scores of a map's photos to log likelihood ratios.
 
-The ratio is between a picture that was taken where the photo was, and one taken where the map knows nothing.
+The ratio compares the hypotheses that an image was taken at the photo's place and at an unknown place.
 """
 
 from dataclasses import dataclass
@@ -12,70 +12,72 @@ from scipy.special import logsumexp
 
 from sextant.base.strict_params import StrictParams, param, within
 
-MAD_TO_DEVIATION = 1.4826  # of a normal distribution
-REFERENCE = 100  # best photos that tell how much the scores of wrong ones differ
-FEW = 4  # photos that fewer count as: they have no deviations to speak of, and take votes that others would
-ROUNDING = 1e-6  # of the largest score: what single precision leaves
-LEAST_DEVIATION = 0.1  # of the median, in absolute evidence
-LEAST_SCORE = 1e-6
-HIGHEST = 30.0  # deviations, in absolute evidence; more say no more
-HIGHEST_RELATIVE = 6.0  # in relative evidence, which has to bear that one picture is wrong
+MAD_TO_DEVIATION = 1.4826  # standard deviation over median absolute deviation (MAD), normal distribution
+REFERENCE = 100  # number of best photos; their scores represent those of wrong photos
+MIN_PHOTOS = 4  # smaller maps are treated as this size: their scores have no reliable deviation
+ROUNDING = 1e-6  # of the largest score; smaller differences are rounding in single precision
+MIN_DEVIATION = 0.1  # minimum deviation as a fraction of the median, in absolute evidence
+MIN_SCORE = 1e-6  # lower scores are raised to it before the logarithm
+MAX_Z = 30.0  # maximum z-score in absolute evidence
+MAX_RELATIVE_Z = 6.0  # maximum z-score in relative evidence, for robustness against one wrong image
 
 
 @dataclass(frozen=True)
 class EvidenceParams(StrictParams):
-    """How scores by votes become evidence; `benchmark/places.py --only calibration` fits the first four.
+    """Weights of the log likelihood ratio of a photo; `benchmark/places.py --only calibration` fits them.
 
-    log ratio = deviation * z + score * ln(s) + size * ln(n) - offset; score s, its deviations() z, n photos
+    log ratio = deviation * z + score * ln(s) + size * ln(n) - offset, where s is the photo's score by votes,
+    z is its deviations(), and n is the number of photos
     """
 
-    deviation: float = param(0.313, within(0, 100))
-    score: float = param(3.33, within(0, 100))
-    size: float = param(3.40, within(0, 100))
+    deviation: float = param(0.313, within(0, 100))  # weight of z
+    score: float = param(3.33, within(0, 100))  # weight of ln(s)
+    size: float = param(3.40, within(0, 100))  # weight of ln(n)
     offset: float = param(11.9, within(-100, 100))
-    limit: float = param(12.0, within(1e-6, 100))  # of a log ratio: more is never believed of one picture
+    limit: float = param(12.0, within(1e-6, 100))  # maximum absolute log ratio of one image, not fitted
 
 
 def deviations(scores: np.ndarray, least: float = 0.0) -> np.ndarray:
-    """(n,) how far each score is above the median, in 1.4826 median absolute deviations; 0: all are the same.
+    """Robust z-scores (n,): (score - median) / (1.4826 * median absolute deviation); 0 if all are equal.
 
-    Of a large map only the best photos tell what a wrong one scores. Those that equal the median do not count
-    in the deviation: with most photos out of reach of any vote it would be 0.
+    Median and deviation are those of the REFERENCE best photos. The deviation ignores scores that are equal
+    to the median: otherwise it would be 0 if most photos had no votes.
 
-    :param least: deviation, as part of the median: what few photos say by chance is not trusted beyond it
+    :param least: minimum deviation as a fraction of the median, for maps of few photos
     """
-    best = -np.sort(-scores)[:REFERENCE]
-    centre = np.median(best)
-    away = np.abs(best - centre)
-    apart = away[away > ROUNDING * np.abs(best).max()]
-    if not len(apart):
+    reference = -np.sort(-scores)[:REFERENCE]
+    centre = np.median(reference)
+    residuals = np.abs(reference - centre)
+    distinct = residuals[residuals > ROUNDING * np.abs(reference).max()]
+    if not len(distinct):
         return np.zeros(len(scores))
-    deviation = max(MAD_TO_DEVIATION * np.median(apart), least * centre)
+    deviation = max(MAD_TO_DEVIATION * np.median(distinct), least * centre)
     return (scores - centre) / deviation
 
 
 def score_features(scores: np.ndarray) -> np.ndarray:
-    """(n, 3) z, ln(s) and ln(n) of EvidenceParams, within what can be trusted."""
-    z = np.minimum(deviations(scores, LEAST_DEVIATION), HIGHEST)
-    logs = np.log(np.maximum(scores, LEAST_SCORE))
-    count = np.clip(len(scores), FEW, REFERENCE)
+    """Features (n, 3) of EvidenceParams: z, ln(s) and ln(n), each limited to its reliable range."""
+    z = np.minimum(deviations(scores, MIN_DEVIATION), MAX_Z)
+    logs = np.log(np.maximum(scores, MIN_SCORE))
+    count = np.clip(len(scores), MIN_PHOTOS, REFERENCE)
     return np.stack([z, logs, np.full(len(scores), np.log(count))], axis=1)
 
 
 def absolute_log_ratios(scores: np.ndarray, params: EvidenceParams) -> np.ndarray:
-    """(n,) of the scores by votes. A picture can speak against all photos."""
+    """Log likelihood ratios (n,) of scores by votes; all are negative if no photo matches."""
     ratios = score_features(scores) @ (params.deviation, params.score, params.size) - params.offset
-    excess = max(ratios.max() - params.limit, 0.0)  # so that good photos differ still
+    excess = max(ratios.max() - params.limit, 0.0)  # shifts instead of clipping, to keep the differences
     return np.maximum(ratios - excess, -params.limit)
 
 
 def relative_log_ratios(scores: np.ndarray, shift: float, shares: np.ndarray) -> np.ndarray:
-    """(n,) of scores of which a right photo's is `shift` deviations higher, with normal noise.
+    """Log likelihood ratios (n,) that compare photos with each other, but not with an unknown place.
 
-    A picture says which photos are likelier than others, and nothing of whether it is any of them: nowhere it
-    is as likely as it is in the map on the mean, which is 1.
+    Assumes that scores are normally distributed, with a mean that is `shift` deviations higher for a correct
+    photo. The mean likelihood ratio over the map is 1, so the evidence neither supports nor contradicts an
+    unknown place.
 
-    :param shares: (n,) of the photos in the mean; they sum to 1
+    :param shares: (n,) weights of the photos in the mean; they sum to 1
     """
-    z = np.clip(deviations(scores), -HIGHEST_RELATIVE, HIGHEST_RELATIVE)
+    z = np.clip(deviations(scores), -MAX_RELATIVE_Z, MAX_RELATIVE_Z)
     return shift * z - logsumexp(shift * z, b=shares)

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""What is known of a map's photos: keypoints, an index of all their descriptors, vectors of whole photos.
+"""Index of a map's photos: their keypoints, the index of their descriptors, and their global descriptors.
 
-Keypoints are stored as 16-bit parts of a photo's longer side.
+Keypoints are stored as 16-bit fractions of a photo's longer side.
 """
 
 import hashlib
@@ -17,28 +17,28 @@ import numpy as np
 
 import sextant
 from sextant.base.jobs import JobError, run_jobs
+from sextant.base.strict_params import parse_struct
 from sextant.place_maps.photo_file import decode_colour, decode_grey
 from sextant.places.global_descriptor import GlobalDescriptor, GlobalDescriptorParams
 
-UNIT = 65535  # of a keypoint's coordinates: the longer side of its photo
-SAMPLES = 400_000  # descriptors that an index learns from, at most
-SEED = 1
-MOST_KEYPOINTS = 65536  # of a photo, that sextant.DescriptorIndex takes
-NAMED_AT_MOST = 5  # photos in an error
-FEATURE_FIELDS = tuple(name for name in vars(sextant.FeatureParams) if not name.startswith("_"))
+UNIT = 65535  # stored coordinate that corresponds to the photo's longer side
+SAMPLES = 400_000  # maximum number of training descriptors of an index
+SEED = 1  # of the choice of training descriptors
+MAX_KEYPOINTS = 65536  # per photo, a limit of sextant.DescriptorIndex
+MAX_NAMES = 5  # maximum number of photos named in a message
 
 
 def default_features() -> Dict[str, Any]:
-    """The fields of sextant.FeatureParams, for a camera that does not roll."""
+    """Default fields of sextant.FeatureParams, for a camera without roll."""
     return _fields(sextant.FeatureParams())
 
 
 def plain_features(detector: str, extractor: str) -> Dict[str, Any]:
-    """The fields of sextant.FeatureParams that leave everything to the detector and the extractor."""
+    """Fields of sextant.FeatureParams with OpenCV's defaults."""
     return _fields(sextant.FeatureParams.plain(detector, extractor))
 
 
-# by name: of a detector and an extractor, the fields of sextant.FeatureParams
+# name: function of detector and extractor that returns the fields of sextant.FeatureParams
 PROFILES: Dict[str, Callable[[str, str], Dict[str, Any]]] = {
     "tuned": lambda detector, extractor: {**default_features(), "detector": detector, "extractor": extractor},
     "plain": plain_features,
@@ -46,51 +46,44 @@ PROFILES: Dict[str, Callable[[str, str], Dict[str, Any]]] = {
 
 
 def _fields(params: "sextant.FeatureParams") -> Dict[str, Any]:
-    return {name: getattr(params, name) for name in FEATURE_FIELDS if not callable(getattr(params, name))}
+    return {name: getattr(params, name) for name, *_ in params.fields()}
 
 
 @dataclass(frozen=True)
 class IndexParams:
-    """How photos are described and compared; another setting is another index."""
+    """How photos are described and matched. An index is valid for one set of parameters."""
 
     features: Dict[str, Any] = field(default_factory=default_features)  # fields of sextant.FeatureParams
-    matcher: str = "faiss"  # any of sextant.matcher_names() that compares what the extractor makes
-    global_descriptor: Optional[GlobalDescriptorParams] = None  # None: photos have keypoints only
+    matcher: str = "faiss"  # one of sextant.matcher_names() that fits the extractor
+    global_descriptor: Optional[GlobalDescriptorParams] = None  # None: keypoints only
 
     @classmethod
     def of_profile(
-        cls,
-        profile: str,
-        detector: str,
-        extractor: str,
-        matcher: str,
-        network: GlobalDescriptorParams,
-        orb_wta_k: int,
-        **tuned: int,
-    ) -> "IndexParams":
-        """As people choose them.
+        cls, profile: str, detector: str, extractor: str, matcher: str, network: GlobalDescriptorParams,
+        orb_wta_k: int, **tuned: int,
+    ) -> "IndexParams":  # fmt: skip
+        """Parameters from the options of nodes and commands.
 
         :param profile: one of PROFILES
-        :param network: without a model there is none
-        :param tuned: fields of sextant.FeatureParams that only the profile `tuned` has
+        :param network: if its model is empty, there is no global descriptor
+        :param tuned: fields of sextant.FeatureParams, which only the profile `tuned` uses
         """
         features = PROFILES[profile](detector, extractor)
         features.update(tuned if profile == "tuned" else {}, orb_wta_k=orb_wta_k)
         return cls(features, matcher, network if network.model else None)
 
     def feature_params(self) -> "sextant.FeatureParams":
-        """:raises ValueError: an unknown field or a value out of range"""
-        params = sextant.FeatureParams()
-        for name, value in self.features.items():
-            if name not in default_features():
-                raise ValueError(f"{name}: unknown; known are {', '.join(default_features())}")
-            setattr(params, name, value)
-        params.validate()
-        return params
+        """The features as sextant.FeatureParams.
+
+        :raises ValueError: an unknown field, a wrong type or a value out of range
+        """
+        return parse_struct(sextant.FeatureParams, self.features, "", "")
 
     def validate(self) -> None:
-        """:raises OSError: the global descriptor's model cannot be read
-        :raises ValueError: names the first setting that cannot be, and what can
+        """Checks the parameters.
+
+        :raises OSError: the global descriptor's model cannot be read
+        :raises ValueError: names the first invalid parameter and what is allowed
         """
         params = self.feature_params()
         sextant.validate_matcher(self.matcher, params.extractor, params.orb_wta_k)
@@ -98,7 +91,7 @@ class IndexParams:
             _descriptor_of(self.global_descriptor)
 
     def as_json(self) -> Dict[str, Any]:
-        """What two params that are the same have in common: of a model its content, wherever it lies.
+        """Values that are equal for equal parameters; a model is identified by its content, not by its path.
 
         :raises OSError: the model cannot be read
         """
@@ -106,65 +99,65 @@ class IndexParams:
         if self.global_descriptor:
             content = Path(self.global_descriptor.model).read_bytes()
             described["global_descriptor"]["model"] = content_digest(content)
-            del described["global_descriptor"]["backend"]  # they differ by rounding only
-        return json.loads(json.dumps(described))  # JSON has lists
+            del described["global_descriptor"]["backend"]  # backends differ by rounding only
+        return json.loads(json.dumps(described))  # tuples become lists, as when read from a file
 
 
 NO_VECTOR = np.zeros(0, np.float32)
-FileState = Tuple[int, int, int]  # bytes, and nanoseconds of the last change of content and of anything
+FileState = Tuple[int, int, int]  # size in bytes, mtime and ctime in nanoseconds
 
 
 class PhotoFeatures(NamedTuple):
-    """What one photo gives."""
+    """Features of one photo."""
 
     digest: str  # of the file's content
     state: FileState
-    keypoints: np.ndarray  # uint16 (n, 2): x, y in parts of the longer side
+    keypoints: np.ndarray  # uint16 (n, 2): x, y; UNIT is the longer side
     descriptors: np.ndarray  # float32 or uint8 (n, width)
-    vector: np.ndarray = NO_VECTOR  # float32 (d,) of GlobalDescriptor.describe(); d is 0 without one
+    vector: np.ndarray = NO_VECTOR  # float32 (d,) global descriptor; d is 0 without one
 
 
 class IndexedPhoto(NamedTuple):
-    """A photo in the index, whichever place it shows."""
+    """A photo in the index."""
 
-    image: str  # as the map names it
-    digest: str
-    state: FileState  # as long as it is the same, so is the digest
-    owner: int  # of its descriptors
-    first: int  # row of its keypoints
-    count: int
+    image: str  # file name, as in the map
+    digest: str  # of the file's content
+    state: FileState  # if it is unchanged, the file is not read again
+    image_id: int  # of its descriptors in the descriptor index
+    first: int  # row of its first keypoint
+    count: int  # number of keypoints
 
 
 def file_state(path: Path) -> FileState:
-    """Of a photo; raises OSError where it is not there."""
+    """State of a file; raises OSError if it does not exist."""
     status = path.stat()
     return status.st_size, status.st_mtime_ns, status.st_ctime_ns
 
 
 def content_digest(content: bytes) -> str:
-    """Tells files apart by their content."""
+    """Hash of a file's content."""
     return hashlib.blake2b(content, digest_size=16).hexdigest()
 
 
 def photo_features(params: IndexParams, path: Path) -> PhotoFeatures:
-    """Reads a photo and describes it.
+    """Reads a photo and extracts its found.
 
     :raises OSError: it cannot be read
-    :raises ValueError: it is no picture, or not all of one
+    :raises ValueError: it is not an image, is damaged, or has too many keypoints
     """
     state, content = file_state(path), path.read_bytes()
     image, network = decode_photo(params, content, path), params.global_descriptor
     vector = _descriptor_of(network).describe(image) if network else NO_VECTOR
     found = sextant.FeatureExtractor(params.feature_params()).extract(image)
-    if len(found.keypoints) > MOST_KEYPOINTS:
-        raise ValueError(f"{len(found.keypoints)} keypoints, allowed are {MOST_KEYPOINTS}; set max_features")
-    parts = found.keypoints[:, :2] * (UNIT / max(found.size))
-    keypoints = np.clip(np.rint(parts), 0, UNIT).astype(np.uint16)
+    if len(found.keypoints) > MAX_KEYPOINTS:
+        raise ValueError(f"{len(found.keypoints)} keypoints, allowed are {MAX_KEYPOINTS}; set max_features")
+    scaled = found.keypoints[:, :2] * (UNIT / max(found.size))
+    keypoints = np.clip(np.rint(scaled), 0, UNIT).astype(np.uint16)
     return PhotoFeatures(content_digest(content), state, keypoints, found.descriptors, vector)
 
 
 def decode_photo(params: IndexParams, content: bytes, path: Path) -> np.ndarray:
-    """What is described of a photo: it in grey, or in colour for a global descriptor, at the size it takes.
+    """Decodes a photo for description: grey, or BGR for a global descriptor; large photos are reduced.
 
     :raises: as decode_grey()
     """
@@ -175,7 +168,7 @@ def decode_photo(params: IndexParams, content: bytes, path: Path) -> np.ndarray:
 
 
 def _descriptor_of(params: GlobalDescriptorParams) -> GlobalDescriptor:
-    """The one of this process, loaded once."""
+    """The global descriptor, cached by this process until its file changes."""
     return _loaded(params, file_state(Path(params.model)), cv2.getNumThreads())
 
 
@@ -187,10 +180,10 @@ def _loaded(params: GlobalDescriptorParams, _state: FileState, threads: int) -> 
 def extract_all(
     params: IndexParams, paths: Sequence[Path], jobs: int = 1, scheduler: str = ""
 ) -> List[PhotoFeatures]:
-    """Of all photos, with a progress bar.
+    """Extracts the features of photos, with a progress bar.
 
-    :param jobs: scheduler: as in sextant.base.jobs.run_jobs()
-    :raises ValueError: photos that cannot be used, by name
+    :param jobs: scheduler: see sextant.base.jobs.run_jobs()
+    :raises ValueError: names the photos that cannot be used
     """
     results = run_jobs(
         partial(photo_features, params), paths, jobs, scheduler, return_errors=True, progress="photos"
@@ -198,13 +191,13 @@ def extract_all(
     features = list(results)
     errors = [each for each in features if isinstance(each, JobError)]
     if errors:
-        more = f"; and {len(errors) - NAMED_AT_MOST} more" if len(errors) > NAMED_AT_MOST else ""
-        raise ValueError("; ".join(str(error) for error in errors[:NAMED_AT_MOST]) + more)
+        more = f"; and {len(errors) - MAX_NAMES} more" if len(errors) > MAX_NAMES else ""
+        raise ValueError("; ".join(str(error) for error in errors[:MAX_NAMES]) + more)
     return features
 
 
 class PlaceIndex:
-    """Photos, their keypoints and vectors, descriptors of all in one index. Searching is thread-safe."""
+    """Photos with their keypoints, descriptors and global descriptors. Searching is thread-safe."""
 
     def __init__(
         self,
@@ -215,19 +208,29 @@ class PlaceIndex:
         learned_from: int,
         vectors: Optional[np.ndarray] = None,
     ):
+        """:param photos: see IndexedPhoto
+
+        :param keypoints: uint16 (n, 2) of all photos, in units of the longer side / UNIT
+        :param descriptors: of all photos
+        :param learned_from: number of photos that trained the descriptor index
+        :param vectors: float32 (photos, d) unit vectors; None: no global descriptor
+        """
         self.params = params
-        self.learned_from = learned_from  # photos, when it was made
+        self.learned_from = learned_from
         self.photos = list(photos)
-        self.keypoints = keypoints  # uint16 (all, 2)
+        self.keypoints = keypoints
         self.descriptors = descriptors
-        # float32 (photos, d): of every photo a unit vector; d is 0 without a global descriptor
         self.vectors = np.zeros((len(self.photos), 0), np.float32) if vectors is None else vectors
 
     @classmethod
     def built(
         cls, params: IndexParams, images: Sequence[str], features: Sequence[PhotoFeatures]
     ) -> "PlaceIndex":
-        """:raises ValueError: the photos have nothing to be told apart by"""
+        """A new index of photos.
+
+        :param images: file names, as in the map
+        :raises ValueError: no photo has a keypoint
+        """
         total = sum(len(each.descriptors) for each in features)
         if not total:
             raise ValueError("no keypoint in any photo of the map")
@@ -239,49 +242,49 @@ class PlaceIndex:
         return index
 
     def add(self, images: Sequence[str], features: Sequence[PhotoFeatures]) -> None:
-        """Photos that are new, with owners from the highest one on."""
-        if not images:  # what is mapped stays so
+        """Adds photos that are not in the index."""
+        if not images:  # keeps the arrays memory-mapped
             return
-        owner = 1 + max((photo.owner for photo in self.photos), default=-1)
+        image_id = 1 + max((photo.image_id for photo in self.photos), default=-1)
         first = len(self.keypoints)
         for image, each in zip(images, features):
             count = len(each.keypoints)
-            self.photos.append(IndexedPhoto(image, each.digest, each.state, owner, first, count))
-            self.descriptors.add(owner, each.descriptors)
-            owner, first = owner + 1, first + count
+            self.photos.append(IndexedPhoto(image, each.digest, each.state, image_id, first, count))
+            self.descriptors.add(image_id, each.descriptors)
+            image_id, first = image_id + 1, first + count
         self.keypoints = np.concatenate([self.keypoints, *(each.keypoints for each in features)])
         self.vectors = np.concatenate([self.vectors, *(each.vector[np.newaxis] for each in features)])
 
     def remove(self, photos: Iterable[IndexedPhoto]) -> None:
-        """Takes photos out; the keypoints of the others move together."""
-        gone = {photo.owner for photo in photos}
-        for owner in gone:
-            self.descriptors.remove(owner)
-        if not gone:  # what is mapped stays so
+        """Removes photos; renumbers the rows of the other keypoints."""
+        removed = {photo.image_id for photo in photos}
+        for image_id in removed:
+            self.descriptors.remove(image_id)
+        if not removed:  # keeps the arrays memory-mapped
             return
-        self.vectors = self.vectors[[photo.owner not in gone for photo in self.photos]]
-        kept = [photo for photo in self.photos if photo.owner not in gone]
+        self.vectors = self.vectors[[photo.image_id not in removed for photo in self.photos]]
+        kept = [photo for photo in self.photos if photo.image_id not in removed]
         self.keypoints = np.concatenate([self.keypoints[:0], *(self.keypoints_of(photo) for photo in kept)])
         firsts = np.cumsum([0, *(photo.count for photo in kept)])
         self.photos = [photo._replace(first=int(first)) for photo, first in zip(kept, firsts)]
 
     def keypoints_of(self, photo: IndexedPhoto) -> np.ndarray:
-        """uint16 (n, 2): x, y in parts of the longer side."""
+        """Keypoints of a photo, uint16 (n, 2): x, y; UNIT is the longer side."""
         return self.keypoints[photo.first : photo.first + photo.count]
 
     @property
     def bytes(self) -> int:
-        """Of memory that descriptors, keypoints and vectors take."""
+        """Memory of descriptors, keypoints and vectors, bytes."""
         return self.descriptors.bytes + self.keypoints.nbytes + self.vectors.nbytes
 
 
 def _samples(features: Sequence[PhotoFeatures], total: int) -> np.ndarray:
-    """Descriptors to learn from: all, or as many as are enough, evenly drawn."""
-    chosen = np.arange(total)
+    """Descriptors that train the index: all of them, or a uniform sample of SAMPLES."""
+    rows = np.arange(total)
     if total > SAMPLES:
-        chosen = np.sort(np.random.default_rng(SEED).choice(total, SAMPLES, replace=False))
+        rows = np.sort(np.random.default_rng(SEED).choice(total, SAMPLES, replace=False))
     ends = np.cumsum([len(each.descriptors) for each in features])
-    parts = np.split(chosen, np.searchsorted(chosen, ends[:-1]))
+    parts = np.split(rows, np.searchsorted(rows, ends[:-1]))
     firsts = [0, *ends[:-1]]
-    picked = [each.descriptors[part - first] for each, part, first in zip(features, parts, firsts)]
-    return np.concatenate([part for part in picked if len(part)])
+    samples = [each.descriptors[part - first] for each, part, first in zip(features, parts, firsts)]
+    return np.concatenate([each for each in samples if len(each)])

@@ -1,94 +1,87 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""How good a recognition is: recall, precision, and whether its probabilities mean what they say."""
+"""Metrics of place recognition: precision, recall, and calibration of the probabilities."""
 
 from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
-BINS, RESAMPLES = 10, 2000
-SEED = 1
+BINS = 10  # of the reliability diagram
+RESAMPLES, SEED = 2000, 1  # of frequencies under perfect calibration
 
 
 class PrecisionRecall(NamedTuple):
-    """Of answers in the order of their confidence: how many are right, and how many of all are found."""
+    """Precision-recall curve over falling confidence thresholds."""
 
-    precision: np.ndarray
-    recall: np.ndarray  # of all queries that have a right answer
-    area: float
+    precision: np.ndarray  # (n,) fraction of correct predictions above the threshold
+    recall: np.ndarray  # (n,) correct predictions above the threshold over all queries that are in the map
+    area: float  # below the curve
 
 
 class ReliabilityBin(NamedTuple):
-    probability: float  # mean of what was said
-    frequency: float  # of what was right
-    count: int
+    """A bin of the reliability diagram."""
 
-
-def recall_at(n: int, ranks: Sequence[float]) -> float:
-    """Share of queries whose first right answer is among the n best.
-
-    :param ranks: of the first right answer of each query, from 1 on; inf: there is none
-    """
-    return float(np.mean(np.asarray(ranks) <= n))
+    probability: float  # mean predicted probability
+    frequency: float  # fraction of correct predictions
+    count: int  # predictions
 
 
 def precision_recall(
-    confidence: Sequence[float], right: Sequence[bool], findable: Optional[int] = None
+    confidence: Sequence[float], correct: Sequence[bool], findable: Optional[int] = None
 ) -> PrecisionRecall:
-    """Of the best answer of each query. Equal confidences are let through together.
+    """Precision-recall curve of the best prediction of each query; equal confidences make one point.
 
-    The area is that below the curve from recall 0 to the last recall reached: never above recall@1.
+    The area extends from recall 0 to the highest recall reached, so it is at most recall@1.
 
-    :param confidence: of one answer or more
-    :param findable: queries that have a right answer, above 0; by default all that were answered
+    :param confidence: of each prediction, at least one
+    :param correct: whether each prediction is correct
+    :param findable: number of queries that are in the map, above 0; default: the number of predictions
     """
     order = np.argsort(-np.asarray(confidence, float), kind="stable")
     sorted_confidence = np.asarray(confidence, float)[order]
-    found = np.cumsum(np.asarray(right, bool)[order])
+    true_positives = np.cumsum(np.asarray(correct, bool)[order])
     last_of_tie = np.append(np.nonzero(np.diff(sorted_confidence))[0], len(order) - 1)
-    precision = found[last_of_tie] / (last_of_tie + 1)
-    recall = found[last_of_tie] / (findable or len(order))
+    precision = true_positives[last_of_tie] / (last_of_tie + 1)
+    recall = true_positives[last_of_tie] / (findable or len(order))
     area = np.trapz(np.append(precision[0], precision), np.append(0.0, recall))
     return PrecisionRecall(precision, recall, float(area))
 
 
-def reliability(probabilities: Sequence[float], right: Sequence[bool]) -> List[ReliabilityBin]:
-    """BINS of equal mass: as many queries in each, up to one."""
+def reliability(probabilities: Sequence[float], correct: Sequence[bool]) -> List[ReliabilityBin]:
+    """Reliability diagram of up to BINS bins of equal mass: their counts differ by at most one."""
     order = np.argsort(np.asarray(probabilities, float), kind="stable")
     parts = [part for part in np.array_split(order, BINS) if len(part)]
-    p, y = np.asarray(probabilities, float), np.asarray(right, float)
+    p, y = np.asarray(probabilities, float), np.asarray(correct, float)
     return [ReliabilityBin(float(p[part].mean()), float(y[part].mean()), len(part)) for part in parts]
 
 
-def calibration_error(probabilities: Sequence[float], right: Sequence[bool]) -> float:
+def calibration_error(probabilities: Sequence[float], correct: Sequence[bool]) -> float:
     """Expected calibration error over bins of equal mass (Nguyen, O'Connor 2015)."""
-    found = reliability(probabilities, right)
-    total = sum(each.count for each in found)
-    return sum(each.count / total * abs(each.probability - each.frequency) for each in found)
+    bins = reliability(probabilities, correct)
+    total = sum(each.count for each in bins)
+    return sum(each.count / total * abs(each.probability - each.frequency) for each in bins)
 
 
 def perfect_calibration_error(probabilities: Sequence[float]) -> float:
-    """What calibration_error() would be at most, in 95 % of cases, if the probabilities were true.
+    """95 % quantile of calibration_error() if the probabilities were perfectly calibrated.
 
-    Even then it is not 0: a finite number of answers is right now more, now less often than it should.
+    It is above 0 because the number of predictions is finite.
     """
     frequencies = _perfect_frequencies(probabilities)
-    said = reliability(probabilities, np.zeros(len(probabilities)))
-    weights = np.array([each.count for each in said]) / len(probabilities)
-    errors = np.abs(frequencies - [each.probability for each in said]) @ weights
+    bins = reliability(probabilities, np.zeros(len(probabilities)))
+    weights = np.array([each.count for each in bins]) / len(probabilities)
+    errors = np.abs(frequencies - [each.probability for each in bins]) @ weights
     return float(np.quantile(errors, 0.95))
 
 
 def perfect_frequencies(probabilities: Sequence[float]) -> Tuple[np.ndarray, np.ndarray]:
-    """Between which frequencies, low and high, each bin of reliability() lies in 95 % of cases, if the
-    probabilities were true.
-    """
+    """Low and high end (bins,) of the 95 % interval of each bin's frequency under perfect calibration."""
     low, high = np.quantile(_perfect_frequencies(probabilities), [(1 - 0.95) / 2, (1 + 0.95) / 2], axis=0)
     return low, high
 
 
 def _perfect_frequencies(probabilities: Sequence[float]) -> np.ndarray:
-    """(RESAMPLES, bins of reliability()): of answers that are right as often as their probabilities say."""
+    """(RESAMPLES, bins) frequencies drawn from perfectly calibrated probabilities."""
     rng = np.random.default_rng(SEED)
     p = np.sort(np.asarray(probabilities, float))
     parts = [part for part in np.array_split(p, BINS) if len(part)]

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""How pictures of a robot are taken together: each for itself, by a filter over time, or the last ones."""
+"""Fusion of successive images: single images, a filter over all images, or a window of the last ones."""
 
 from collections import deque
 from dataclasses import replace
@@ -11,62 +11,67 @@ import numpy as np
 from sextant.places.place_belief import BeliefParams, PlaceBelief
 
 
-class Seen(NamedTuple):
-    """A picture's evidence; None: it says nothing."""
+class ImageEvidence(NamedTuple):
+    """Evidence of one image."""
 
-    log_ratios: Optional[np.ndarray]  # (places,)
-    distance: Optional[float]  # that was gone since the last picture; None: nobody knows
-    voted: bool = True  # whether log_ratios tell nowhere from places, too
+    log_ratios: Optional[np.ndarray]  # (places,) log likelihood ratios; None: the image is unusable
+    distance: Optional[float]  # driven since the last image; None: unknown
+    is_absolute: bool = True  # whether log_ratios also compare with an unknown place
 
 
 class Single:
-    """Every picture for itself."""
+    """Localizes from the last image only, with its full evidence."""
 
     def __init__(self, positions: np.ndarray, params: BeliefParams, window: int):
-        self.belief = PlaceBelief(positions, replace(params, trust=1.0, doubt=0.0))
+        self.belief = PlaceBelief(positions, replace(params, evidence_exponent=1.0, evidence_penalty=0.0))
 
-    def update(self, seen: Seen) -> None:
+    def update(self, evidence: ImageEvidence) -> None:
+        """Replaces the belief."""
         self.belief.reset()
-        if seen.log_ratios is not None:
-            self.belief.see(seen.log_ratios, seen.voted)
+        if evidence.log_ratios is not None:
+            self.belief.update(evidence.log_ratios, evidence.is_absolute)
 
 
 class Filter:
-    """All pictures so far."""
+    """Bayes filter over all images."""
 
     def __init__(self, positions: np.ndarray, params: BeliefParams, window: int):
         self.belief = PlaceBelief(positions, params)
-        self._begun = False
+        self._is_first = True
 
-    def update(self, seen: Seen) -> None:
-        if self._begun:
-            self.belief.move(seen.distance)
-        if seen.log_ratios is not None:
-            self.belief.see(seen.log_ratios, seen.voted)
-        self._begun = True
+    def update(self, evidence: ImageEvidence) -> None:
+        """Predicts and updates the belief."""
+        if not self._is_first:
+            self.belief.predict(evidence.distance)
+        if evidence.log_ratios is not None:
+            self.belief.update(evidence.log_ratios, evidence.is_absolute)
+        self._is_first = False
 
 
 class Sequence:
-    """The last pictures together, of a robot that is somewhere in the map: it is never nowhere.
+    """Bayes filter over a window of images, for a robot that is always in the map.
 
-    What each of them says weakly adds up, in light or a season that the map does not have.
+    Accumulates weak evidence, such as in lighting or a season that the map does not cover.
     """
 
     def __init__(self, positions: np.ndarray, params: BeliefParams, window: int):
-        self.belief = PlaceBelief(positions, replace(params, nowhere=0.0, leave=0.0, restart=0.0))
-        self._window: Deque[Seen] = deque(maxlen=window)
+        self.belief = PlaceBelief(
+            positions, replace(params, unknown_prior=0.0, exit_probability=0.0, kidnap_probability=0.0)
+        )
+        self._window: Deque[ImageEvidence] = deque(maxlen=window)
 
-    def update(self, seen: Seen) -> None:
-        self._window.append(seen)
+    def update(self, evidence: ImageEvidence) -> None:
+        """Recomputes the belief from all images in the window."""
+        self._window.append(evidence)
         self.belief.reset()
         for number, each in enumerate(self._window):
             if number:
-                self.belief.move(each.distance)
+                self.belief.predict(each.distance)
             if each.log_ratios is not None:
-                self.belief.see(each.log_ratios, each.voted)
+                self.belief.update(each.log_ratios, each.is_absolute)
 
 
-# by name: of positions, parameters of the belief, and the number of pictures in a window
+# name: class, constructed with positions (n, 2), parameters of the belief, and number of images in the window
 MODES: Dict[str, Callable[[np.ndarray, BeliefParams, int], object]] = {
     "filter": Filter,
     "sequence": Sequence,

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Pictures of how good a recognition is: precision over recall, and whether its probabilities are true."""
+"""Plots of an evaluation of places: precision over recall, and reliability of the probabilities."""
 
 from itertools import cycle
 from pathlib import Path
@@ -8,7 +8,6 @@ from typing import Mapping, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
@@ -17,17 +16,17 @@ from sextant.base.plot_colours import COLOURS
 from sextant.places.place_metrics import PrecisionRecall, perfect_frequencies, reliability
 
 BLUE, GREY = COLOURS[0], "#777777"
-SHARES = np.linspace(0.0, 1.0, 21)  # bars of how often a probability is said
+EDGES = np.linspace(0.0, 1.0, 21)  # of the histogram's bins
 
 
 def plot_precision_recall(path: Path, curves: Mapping[str, PrecisionRecall]) -> None:
-    """A curve each, by name, with its end: all answers.
+    """Plots precision-recall curves.
 
-    :param path: a PNG
-    :raises OSError: the file cannot be written; an old one stays as it was
+    :param path: of the PNG file
+    :param curves: by the name in the legend
+    :raises OSError: the file cannot be written; an existing one is unchanged
     """
-    figure = Figure(figsize=(6.4, 5.2), layout="constrained")
-    FigureCanvasAgg(figure)  # not pyplot: it needs a window system and has a state of its own
+    figure = Figure(figsize=(6.4, 5.2), layout="constrained")  # not pyplot, which has global state
     axes = figure.subplots()
     for colour, (name, curve) in zip(cycle(COLOURS), curves.items()):
         precision = np.append(curve.precision[:1], curve.precision)
@@ -35,48 +34,48 @@ def plot_precision_recall(path: Path, curves: Mapping[str, PrecisionRecall]) -> 
         label = f"{name}: area {curve.area:.3f}"
         axes.plot(recall, precision, color=colour, label=label, clip_on=False)
         axes.plot(recall[-1:], precision[-1:], "o", color=colour, clip_on=False, zorder=3)
-    _finish(axes, "recall: of all queries that are in the map", "precision: of the answers so far")
-    axes.set_title("Answers, the most probable first; dot: all of them", fontsize="medium")
+    _finish(axes, "recall", "precision")
+    axes.set_title("Precision and recall over falling probability; dot: all predictions", fontsize="medium")
     axes.legend(loc="lower left")
     _save(path, figure)
 
 
-def plot_reliability(path: Path, probabilities: Sequence[float], right: Sequence[bool]) -> None:
-    """How often what was said is so, and how often what is said.
+def plot_reliability(path: Path, probabilities: Sequence[float], correct: Sequence[bool]) -> None:
+    """Plots a reliability diagram and the histogram of the probabilities.
 
-    :param path: a PNG
-    :param probabilities: right: as place_metrics.reliability()
-    :raises OSError: the file cannot be written; an old one stays as it was
+    :param path: of the PNG file
+    :param probabilities: correct: see place_metrics.reliability()
+    :raises OSError: the file cannot be written; an existing one is unchanged
     """
     figure = Figure(figsize=(6.4, 6.8), layout="constrained")
-    FigureCanvasAgg(figure)
     upper, lower = figure.subplots(2, 1, sharex=True, gridspec_kw={"height_ratios": [4, 1]})
-    _draw_reliability(upper, probabilities, right)
-    lower.hist(np.clip(probabilities, 0, 1), SHARES, color=BLUE, alpha=0.7)
-    lower.set(xlabel="probability that is said", ylabel="answers")
+    _draw_reliability(upper, probabilities, correct)
+    lower.hist(np.clip(probabilities, 0, 1), EDGES, color=BLUE, alpha=0.7)
+    lower.set(xlabel="predicted probability", ylabel="predictions")
     lower.yaxis.set_major_locator(MaxNLocator(4, integer=True))
     lower.grid(alpha=0.3)
     _save(path, figure)
 
 
-def _draw_reliability(axes: Axes, probabilities: Sequence[float], right: Sequence[bool]) -> None:
+def _draw_reliability(axes: Axes, probabilities: Sequence[float], correct: Sequence[bool]) -> None:
     axes.plot([0, 1], [0, 1], "--", color=GREY, linewidth=1)
-    _finish(axes, "", "share of right answers")
-    axes.set_title("Do the probabilities say what is so?", fontsize="medium", pad=28)
+    _finish(axes, "", "fraction of correct predictions")
+    axes.set_title("Reliability of the probabilities", fontsize="medium", pad=28)
     if not len(probabilities):
-        axes.text(0.5, 0.4, "there is no answer", ha="center")
+        axes.text(0.5, 0.4, "no predictions", ha="center")
         return
-    bins = reliability(probabilities, right)
-    said, so = np.array([each.probability for each in bins]), np.array([each.frequency for each in bins])
+    bins = reliability(probabilities, correct)
+    predicted = np.array([each.probability for each in bins])
+    observed = np.array([each.frequency for each in bins])
     low, high = perfect_frequencies(probabilities)
     axes.vlines(
-        said, low, high, color=GREY, alpha=0.35, linewidth=9, label="95 % of perfect forecasters"
+        predicted, low, high, color=GREY, alpha=0.35, linewidth=9, label="95 % interval if calibrated"
     )  # fmt: skip
-    least, most = min(each.count for each in bins), max(each.count for each in bins)
-    counts = f"{least}" if least == most else f"{least} to {most}"
-    label = f"{len(probabilities)} answers, {counts} a dot"
-    axes.plot(said, so, "o", color=BLUE, label=label, clip_on=False, zorder=3)
-    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncol=2, frameon=False)  # dots may be anywhere
+    smallest, largest = min(each.count for each in bins), max(each.count for each in bins)
+    counts = f"{smallest}" if smallest == largest else f"{smallest} to {largest}"
+    label = f"{len(probabilities)} predictions, {counts} per dot"
+    axes.plot(predicted, observed, "o", color=BLUE, label=label, clip_on=False, zorder=3)
+    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncol=2, frameon=False)  # above the dots
 
 
 def _finish(axes: Axes, x: str, y: str) -> None:

@@ -1,102 +1,94 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Which photos of a map the neighbours of a picture's descriptors speak for.
+"""Votes of an image's descriptors for the photos of a map.
 
-Neighbours come from sextant.DescriptorIndex: distances and owners, each (n, k), nearest first; an owner is a
-photo's place in the list of all, -1 where there is no neighbour; its distance is infinite then.
+The k nearest neighbours of n descriptors are passed as distances and image_ids, each (n, k), nearest first.
+An image_id is the number of a photo as in place_matches.Neighbours, or -1 if there is none.
 """
 
-from typing import NamedTuple
+from typing import NamedTuple, Tuple
 
 import numpy as np
 
 
 class MatchStatistics(NamedTuple):
-    """Of the nearest neighbours, as the mode `votes` prunes them."""
+    """Statistics of the nearest neighbours."""
 
     keypoints: int
-    matches: int  # with a neighbour
-    kept: int  # not farther than the mean
-    minimum: float  # distances
-    mean: float
-    maximum: float
-    total: float
+    matches: int  # keypoints whose nearest neighbour is in the map
+    kept: int  # matches whose distance is at most the mean
+    minimum: float  # distance
+    mean: float  # distance
+    maximum: float  # distance
+    total: float  # sum of the distances
 
 
-class VoteCount(NamedTuple):
-    """Photos with their shares of the votes, best first."""
-
-    photos: np.ndarray  # int (m,); empty: there were too few votes
-    probabilities: np.ndarray  # (m,)
-
-
-def match_statistics(distances: np.ndarray, owners: np.ndarray) -> MatchStatistics:
-    """Of the first neighbours; all distances are 0 where there is none at all."""
-    found = distances[owners[:, 0] >= 0, 0] if len(distances) else np.zeros(0)
+def match_statistics(distances: np.ndarray, image_ids: np.ndarray) -> MatchStatistics:
+    """Statistics of the nearest neighbours; all distances are 0 if there is no match."""
+    found = distances[image_ids[:, 0] >= 0, 0] if len(distances) else np.zeros(0)
     if not len(found):
         return MatchStatistics(len(distances), 0, 0, 0.0, 0.0, 0.0, 0.0)
     mean = _mean(found)
+    total, kept = float(found.sum()), int(np.sum(found <= mean))
     return MatchStatistics(
-        len(distances),
-        len(found),
-        int(np.sum(found <= mean)),
-        float(found.min()),
-        mean,
-        float(found.max()),
-        float(found.sum()),
+        len(distances), len(found), kept, float(found.min()), mean, float(found.max()), total
     )
 
 
-def kept_matches(distances: np.ndarray, owners: np.ndarray) -> np.ndarray:
-    """bool (n, k): nearest neighbours that are not farther than their mean."""
-    there = owners >= 0
-    there[:, 1:] = False
-    return there & (distances <= _mean(distances[there])) if there.any() else there
+def kept_matches(distances: np.ndarray, image_ids: np.ndarray) -> np.ndarray:
+    """Mask (n, k) of the nearest neighbours within their mean distance."""
+    valid = image_ids >= 0
+    valid[:, 1:] = False
+    return valid & (distances <= _mean(distances[valid])) if valid.any() else valid
 
 
 def _mean(distances: np.ndarray) -> float:
-    """In single precision that of equal ones can be less than each of them."""
+    """The mean in double precision: in single precision that of equal values can be smaller than each."""
     return float(np.mean(distances, dtype=np.float64))
 
 
-def count_votes(distances: np.ndarray, owners: np.ndarray, min_matches: int, max_photos: int) -> VoteCount:
-    """One vote a descriptor, for the owner of its nearest neighbour, if that is not farther than the mean.
+def count_votes(
+    distances: np.ndarray, image_ids: np.ndarray, min_matches: int, max_photos: int
+) -> Tuple[np.ndarray, np.ndarray]:
+    """Each descriptor votes for the photo of its nearest neighbour if their distance is at most the mean.
 
-    :param min_matches: with fewer votes, none counts
+    :param min_matches: minimum number of votes; with fewer votes the result is empty
+    :param max_photos: maximum number of photos returned
+    :returns: photos, int (m,), and their shares of the votes (m,), in descending order
     """
-    votes = owners[kept_matches(distances, owners)]
+    votes = image_ids[kept_matches(distances, image_ids)]
     if len(votes) < min_matches:
-        return VoteCount(np.zeros(0, int), np.zeros(0))
+        return np.zeros(0, int), np.zeros(0)
     photos, counts = np.unique(votes, return_counts=True)
     best = np.argsort(-counts, kind="stable")[:max_photos]
-    return VoteCount(photos[best], counts[best] / len(votes))
+    return photos[best], counts[best] / len(votes)
 
 
-def lnbnn_weights(distances: np.ndarray, owners: np.ndarray) -> np.ndarray:
-    """By what part each neighbour is nearer than the last one, which stands for everywhere else; (n, k).
+def lnbnn_weights(distances: np.ndarray, image_ids: np.ndarray) -> np.ndarray:
+    """Local naive Bayes nearest neighbour weights (n, k): S. McCann, D. Lowe, CVPR 2012.
 
-    Local naive Bayes nearest neighbour: S. McCann, D. Lowe, CVPR 2012. Of several neighbours of one owner
-    only the nearest counts.
+    The weight is 1 - distance / distance of the last neighbour, which represents the background. Of several
+    neighbours in one photo only the nearest counts.
     """
-    there = owners >= 0
-    last = np.max(distances, axis=1, where=there, initial=0.0, keepdims=True)
-    weights = np.where(there, 1 - distances / np.maximum(last, np.finfo(np.float32).tiny), 0.0)
-    rows = np.repeat(np.arange(len(owners)), owners.shape[1])
-    pairs = rows * (int(owners.max(initial=0)) + 2) + owners.ravel() + 1
-    _, first = np.unique(pairs, return_index=True)
-    nearest = np.zeros(owners.size, bool)
+    valid = image_ids >= 0
+    background = np.max(distances, axis=1, where=valid, initial=0.0, keepdims=True)
+    weights = np.where(valid, 1 - distances / np.maximum(background, np.finfo(np.float32).tiny), 0.0)
+    rows = np.repeat(np.arange(len(image_ids)), image_ids.shape[1])
+    pairs = rows * (int(image_ids.max(initial=0)) + 2) + image_ids.ravel() + 1
+    _, first = np.unique(pairs, return_index=True)  # the nearest neighbour of each descriptor and photo
+    nearest = np.zeros(image_ids.size, bool)
     nearest[first] = True
-    return np.where(nearest.reshape(owners.shape), weights, 0.0)
+    return np.where(nearest.reshape(image_ids.shape), weights, 0.0)
 
 
 def lnbnn_scores(
-    weights: np.ndarray, owners: np.ndarray, descriptor_counts: np.ndarray, exponent: float
+    weights: np.ndarray, image_ids: np.ndarray, descriptor_counts: np.ndarray, exponent: float
 ) -> np.ndarray:
-    """A score of every photo; the sum of its lnbnn_weights() over a power of its number of descriptors.
+    """Score (photos,) of each photo: the sum of its lnbnn_weights() over descriptor_counts ** exponent.
 
-    :param descriptor_counts: (photos,): photos rich in keypoints attract neighbours of everything
-    :param exponent: 0: they may; 0.5 is the usual cure
+    :param descriptor_counts: (photos,) of each photo; many descriptors attract false matches (hubness)
+    :param exponent: 0: no correction; 0.5 is usual
     """
-    there = owners >= 0
-    sums = np.bincount(owners[there], weights[there], minlength=len(descriptor_counts))
+    valid = image_ids >= 0
+    sums = np.bincount(image_ids[valid], weights[valid], minlength=len(descriptor_counts))
     return sums / np.maximum(descriptor_counts, 1) ** exponent

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""A board to print: markers in a grid on one sheet, and where they are on it."""
+"""Prints boards (grids of markers on one sheet) and returns their marker maps."""
 
 import math
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ from sextant.printing.print_layout import (
     Piece,
     arrange,
     draw_cut_marks,
-    largest_sizes,
+    require_room,
 )
 from sextant.printing.print_page import PrintPages
 from sextant.printing.sheets import SheetParams, check_ids, id_ranges
@@ -27,31 +27,34 @@ from sextant.printing.sheets import SheetParams, check_ids, id_ranges
 
 @dataclass(frozen=True)
 class BoardParams(StrictParams):
-    """How the markers of a board stand."""
+    """Grid of a board."""
 
-    columns: int = required(within(1, 100))
-    rows: int = required(within(1, 100))
-    gap: float = required(within(0.0, 1.0))  # metres between the edges of neighbours that `size` measures
+    columns: int = required(within(1, 100))  # number of markers side by side
+    rows: int = required(within(1, 100))  # number of markers one above the other
+    gap: float = required(within(0.0, 1.0))  # between adjacent markers, from edge to edge, metres
 
 
-def smallest_gap(family: str, size: float, quiet: float) -> float:
-    """Metres that leave a white rim of so many modules between neighbours."""
+def min_gap(family: str, size: float, quiet: float) -> float:
+    """Returns the minimum gap between markers, metres.
+
+    :param size: edge length of a marker in metres, between the detected corners
+    :param quiet: minimum white rim between adjacent markers, modules
+    """
     shape = marker_shape(family)
     return size * (2 * shape.outside + quiet) / shape.border
 
 
-def round_gap(family: str, size: float, quiet: float) -> float:
-    """smallest_gap() in whole millimetres."""
-    return math.ceil(1000.0 * smallest_gap(family, size, quiet) - 1e-6) / 1000.0
+def rounded_min_gap(family: str, size: float, quiet: float) -> float:
+    """Returns min_gap() rounded up to whole millimetres, in metres."""
+    return math.ceil(1000.0 * min_gap(family, size, quiet) - 1e-6) / 1000.0
 
 
 def board_map(family: str, ids: Sequence[int], size: float, board: BoardParams) -> "sextant.MarkerMap":
-    """Where the markers of a board are, in frame `board`: origin in its middle, x right, y up, z out of it.
+    """Returns the map of a board, in frame `board`: origin at the centre, x right, y up, z out of the board.
 
     :param ids: row by row from the top left
-    :param size: edge length of a marker in metres, between the corners that a detector reports
-    :raises ValueError: an unknown family, an id that it does not have or that is there twice, or not as many
-        ids as places
+    :param size: edge length of a marker in metres, between the detected corners
+    :raises ValueError: unknown family, unknown or duplicate id, or the number of ids is not columns x rows
     """
     check_ids(family, ids)
     if len(ids) != board.columns * board.rows:
@@ -76,48 +79,44 @@ def write_board(
     """Writes a PDF with one board.
 
     :param ids: row by row from the top left
-    :param size: edge length of a marker in metres, between the corners that a detector reports
-    :returns: board_map()
-    :raises ValueError: as board_map(), a gap too small for the white rim, or a board too large for the page
+    :param size: edge length of a marker in metres, between the detected corners
+    :returns: the board's map, see board_map()
+    :raises ValueError: as board_map(), or the gap is too small for the white rim, or the board is too large
     :raises OSError: the file cannot be written
     """
     check_size(size)
     marker_map = board_map(family, ids, size, board)
-    if not _leaves_white(board, family, size, params.quiet):
-        least = round_gap(family, size, params.quiet)
-        raise ValueError(f"gap is {board.gap} m, the white rim between two neighbours needs {least} m")
+    if not _leaves_white(board, family, size, params.quiet_zone):
+        least = rounded_min_gap(family, size, params.quiet_zone)
+        raise ValueError(f"gap is {board.gap} m, the white rim between adjacent markers needs {least} m")
     grid = _grid(family, size, board, params)
     pages = PrintPages(Path(path).stem, *grid.page)
     _draw_board(pages, family, ids, size, board, grid)
     what = f"{family}, size {size} m: {marker_shape(family).measured}; gap {board.gap} m"
-    pages.footer(params.margin, f"{what}; ids row by row from the top left")
-    pages.end_page()
+    pages.end_page(params.margin, f"{what}; ids row by row from the top left")
     pages.save(path)
     return marker_map
 
 
 def _leaves_white(board: BoardParams, family: str, size: float, quiet: float) -> bool:
+    """Whether the gap is wide enough for the white rim; always for a single marker."""
     single = board.columns * board.rows == 1
-    return single or board.gap > smallest_gap(family, size, quiet) - 1e-9
+    return single or board.gap > min_gap(family, size, quiet) - 1e-9
 
 
 def _grid(family: str, size: float, board: BoardParams, params: SheetParams) -> Grid:
-    """The board's place on a page."""
+    """Returns the board as the only piece of a page; raises ValueError if it does not fit."""
 
     def on_paper(size: float, paper: Paper) -> Optional[Grid]:
-        if not _leaves_white(board, family, size, params.quiet):
+        if not _leaves_white(board, family, size, params.quiet_zone):
             return None
-        return arrange(_piece(family, size, board, params.quiet), paper)
+        return arrange(_piece(family, size, board, params.quiet_zone), paper)
 
-    grid = on_paper(size, params)
-    if grid is None:
-        at_most = largest_sizes(on_paper, params.margin)
-        raise ValueError(f"the board does not fit on {params.page}; markers with this gap: at most {at_most}")
-    return grid
+    return require_room(on_paper, size, params, "the board", "markers with this gap: ")
 
 
 def _places(size: float, board: BoardParams) -> List[Tuple[float, float]]:
-    """Middles of the markers from the middle of the board, row by row from the top left."""
+    """Returns the centres of the markers relative to that of the board, row by row from the top left."""
     step, left, top = size + board.gap, -0.5 * (board.columns - 1), 0.5 * (board.rows - 1)
     return [
         (step * (left + column), step * (top - row))
@@ -127,6 +126,7 @@ def _places(size: float, board: BoardParams) -> List[Tuple[float, float]]:
 
 
 def _piece(family: str, size: float, board: BoardParams, quiet: float) -> Piece:
+    """Returns the dimensions of the board with rim and label."""
     shape = marker_shape(family)
     module = size / shape.border
     width, height = (
@@ -139,7 +139,7 @@ def _piece(family: str, size: float, board: BoardParams, quiet: float) -> Piece:
 def _draw_board(
     pages: PrintPages, family: str, ids: Sequence[int], size: float, board: BoardParams, grid: Grid
 ) -> None:
-    """Its markers as one path, and below them the lengths of an edge and of a gap."""
+    """Draws the markers as one path and, below them, the lengths of a marker's edge and of a gap."""
     piece, (x, y) = grid.piece, grid.places()[0]
     boxes = []
     for id, (right, up) in zip(ids, _places(size, board)):

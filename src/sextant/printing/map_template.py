@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""A marker map to fill in."""
+"""Template of a marker map."""
 
 from pathlib import Path
 from typing import Sequence, Union
@@ -8,16 +8,16 @@ from typing import Sequence, Union
 from sextant.base.atomic_file import atomic_file
 
 _HEAD = """\
-# Where do the markers hang? Write numbers for the words: metres, radians (doc/marker_map.md).
+# Replace the words by the measured poses of the markers: metres, radians (doc/reference/marker_map.md).
 frame: map
 markers:
 """
 
 
 def write_map_template(path: Union[str, Path], family: str, ids: Sequence[int], size: float) -> None:
-    """Writes a YAML marker map whose markers have words for a place: it is refused until these are numbers.
+    """Writes a YAML marker map without poses; it cannot be read until numbers replace the words.
 
-    :param size: edge length in metres
+    :param size: edge length of the markers in metres
     :raises OSError: the file cannot be written
     """
     with atomic_file(path) as file:

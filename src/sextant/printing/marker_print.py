@@ -1,34 +1,35 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""The black parts of a marker in its true size."""
+"""Shape of markers printed true to size."""
 
 from dataclasses import dataclass
-from typing import List, Tuple
+from typing import List
 
 import numpy as np
 
 import sextant
-from sextant.printing.print_layout import SMALLEST
+from sextant.markers.marker_mesh import module_runs
+from sextant.printing.print_layout import MIN_SIZE
 from sextant.printing.print_page import Box
 
-LARGEST = 10.0  # metres
+MAX_SIZE = 10.0  # metres
 
 
 @dataclass(frozen=True)
 class MarkerShape:
-    """How far the prints of a family reach, in modules."""
+    """Dimensions of the markers of a family, in modules."""
 
-    border: int  # what `size` measures
-    outside: int  # beyond it on every side; some AprilTag families have modules there
+    border: int  # edge length between the detected corners, which is the marker's size
+    outside: int  # modules outside of it on each side; some AprilTag families have them
 
     @property
     def reach(self) -> int:
-        """Modules along an edge from the first that may be black to the last."""
+        """Total edge length, modules."""
         return self.border + 2 * self.outside
 
     @property
     def measured(self) -> str:
-        """What `size` measures, for people."""
+        """Describes what the size of a marker measures."""
         return (
             "square between the black and the white frame"
             if self.outside
@@ -37,35 +38,35 @@ class MarkerShape:
 
 
 def marker_shape(family: str) -> MarkerShape:
-    """:raises ValueError: lists the families where there is none of the name."""
+    """Returns the dimensions of the markers of a family.
+
+    :raises ValueError: unknown family; lists the known families
+    """
     modules, begin, end = sextant.marker_image(family, 0)
     rim = np.concatenate([modules[0], modules[-1], modules[:, 0], modules[:, -1]])
-    # Where libapriltag's picture has a white rim, that is a quiet zone and not a part of the marker.
+    # A white rim in the image from libapriltag is a quiet zone, not a part of the marker.
     return MarkerShape(end - begin, 0 if np.all(rim == 255) else begin)
 
 
 def check_size(size: float) -> None:
-    """:raises ValueError: it is no size of a marker."""
-    if not SMALLEST <= size <= LARGEST:
-        raise ValueError(f"size is {size} m, allowed is [{SMALLEST}, {LARGEST}]")
+    """Checks the edge length of a marker, metres.
+
+    :raises ValueError: it is out of range
+    """
+    if not MIN_SIZE <= size <= MAX_SIZE:
+        raise ValueError(f"size is {size} m, allowed is [{MIN_SIZE}, {MAX_SIZE}]")
 
 
 def black_boxes(family: str, id: int, size: float, x: float, y: float) -> List[Box]:
-    """The runs of black modules of a marker with its middle at (x, y), upright; metres.
+    """Returns the runs of black modules of an upright marker centred at (x, y); metres.
 
-    :param size: edge length in metres, between the corners that a detector reports
-    :raises ValueError: an unknown family, or an id that it does not have
+    :param size: edge length in metres, between the detected corners
+    :raises ValueError: unknown family or id
     """
     modules, begin, end = sextant.marker_image(family, id)
     edges = (np.arange(len(modules) + 1) - 0.5 * (begin + end)) * (size / (end - begin))
     return [
         (x + edges[left], y - edges[row + 1], x + edges[right], y - edges[row])
-        for row, line in enumerate(modules)
-        for left, right in _black_runs(line)
+        for row, left, right, grey in module_runs(modules)
+        if grey == 0
     ]
-
-
-def _black_runs(line: np.ndarray) -> List[Tuple[int, int]]:
-    """First column and one past the last one of each run of black modules."""
-    changes = np.flatnonzero(np.diff(np.concatenate([[0], line < 128, [0]]).astype(int)))
-    return list(zip(changes[::2], changes[1::2]))

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""How many pieces go on a page, and where: metres, x right and y up from the page's lower left corner."""
+"""Arranges pieces on a page. Metres, x right and y up from the lower left corner of the page."""
 
 import dataclasses
 import math
@@ -11,65 +11,65 @@ from sextant.base.strict_params import StrictParams, one_of, param, within
 from sextant.printing.print_page import FOOTER, PrintPages
 
 PAGES = {"A4": (0.210, 0.297), "A3": (0.297, 0.420), "Letter": (0.2159, 0.2794)}  # upright: width, height
-CUT_GREY = 0.5
-GUTTER = 0.004  # metres between pieces, for the cut marks
-SMALLEST = 0.001  # metres, of a marker's edge or a square
-_STEPS = 10000  # sizes that are tried up to a metre: a tenth of a millimetre apart
-_SLACK = 1e-9  # metres, so that what fits exactly fits
+CUT_GREY = 0.5  # of cut marks, 0 black to 1 white
+GUTTER = 0.004  # distance between pieces, for the cut marks, metres
+MIN_SIZE = 0.001  # edge length of a marker or square, metres
+_STEPS = 10000  # number of candidate sizes per metre: steps of 0.1 mm
+_SLACK = 1e-9  # tolerance for pieces that fit exactly, metres
 
 
 @dataclass(frozen=True)
 class Paper(StrictParams):
-    """What is printed on."""
+    """Page size and margin."""
 
-    page: str = param("A4", one_of(*PAGES))  # upright or across, whichever holds more
-    margin: float = param(0.008, within(0.0, 0.05))  # metres along the edge that the printer cannot reach
+    page: str = param("A4", one_of(*PAGES))  # page size; portrait or landscape, whichever fits more pieces
+    margin: float = param(0.008, within(0.0, 0.05))  # unprintable margin of the printer, metres
 
 
 @dataclass(frozen=True)
 class Piece:
-    """What is cut out of a page: a dark part with a white rim, and below the rim a label; metres."""
+    """A piece to cut out of a page: a dark part with a white rim, and a label below the rim; metres."""
 
     width: float  # of the dark part
-    height: float
-    rim: float
-    label: float  # height
+    height: float  # of the dark part
+    rim: float  # width of the white rim
+    label: float  # height of the label
 
 
 @dataclass(frozen=True)
 class Grid:
-    """Equal pieces side by side on a page, the whole in its middle.
+    """Equal pieces in a grid, centred on a page.
 
-    The rim may lie on paper that the printer cannot reach: that is white as well.
+    The white rim may extend into the unprintable margin.
     """
 
     piece: Piece
-    page: Tuple[float, float]  # width, height
-    margin: float
+    page: Tuple[float, float]  # width, height; metres
+    margin: float  # unprintable, metres
     columns: int = 0
     rows: int = 0
 
     @property
     def step(self) -> Tuple[float, float]:
-        """From a piece to the next one to the right, to the next one below."""
+        """Distances between the centres of adjacent pieces, horizontally and vertically, metres."""
         piece = self.piece
         return piece.width + 2.0 * piece.rim + GUTTER, piece.height + 2.0 * piece.rim + piece.label + GUTTER
 
     def _edges(self) -> Tuple[float, float, float, float]:
-        """Left, bottom, right and top of what the pieces may fill, rims included."""
+        """Returns left, bottom, right and top of the area for pieces, including rims."""
         free = max(self.piece.rim, self.margin) - self.piece.rim
         return free, self.margin + FOOTER, self.page[0] - free, self.page[1] - free
 
-    def most(self) -> Tuple[int, int]:
-        """Columns and rows that fit."""
+    def capacity(self) -> Tuple[int, int]:
+        """Returns the maximum numbers of columns and rows."""
         left, bottom, right, top = self._edges()
         room = (right - left, top - bottom)
         columns, rows = (int((have + GUTTER + _SLACK) // step) for have, step in zip(room, self.step))
         return columns, rows
 
     def filled(self, count: int) -> "Grid":
-        """This page with places for so many pieces, or as many as fit, about as many a row as a column."""
-        columns, rows = self.most()
+        """Returns a nearly square grid on this page for count pieces, or for as many as fit."""
+        columns, rows = self.capacity()
         count = min(count, columns * rows)
         if count == 0:
             return dataclasses.replace(self, columns=0, rows=0)
@@ -77,7 +77,7 @@ class Grid:
         return dataclasses.replace(self, columns=columns, rows=-(-count // columns))
 
     def places(self) -> List[Tuple[float, float]]:
-        """Middles of the dark parts, row by row from the top left."""
+        """Returns the centres of the dark parts, row by row from the top left."""
         left, bottom, right, top = self._edges()
         across, down = self.step
         x = 0.5 * (left + right - (self.columns - 1) * across)
@@ -86,7 +86,7 @@ class Grid:
 
 
 def arrange(piece: Piece, paper: Paper, count: int = 1) -> Optional[Grid]:
-    """The page, upright or across, that holds more of so many pieces; None where not even one fits."""
+    """Returns the grid, portrait or landscape, that holds more of count pieces; None if not one fits."""
     width, height = PAGES[paper.page]
     grids = [Grid(piece, page, paper.margin).filled(count) for page in ((width, height), (height, width))]
     best = max(grids, key=lambda grid: min(count, grid.columns * grid.rows))
@@ -94,11 +94,11 @@ def arrange(piece: Piece, paper: Paper, count: int = 1) -> Optional[Grid]:
 
 
 def largest_size(fits: Callable[[float], bool]) -> float:
-    """The largest multiple of a tenth of a millimetre, in metres, that fits; 0 where not even SMALLEST does.
+    """Returns the largest multiple of 0.1 mm that fits, in metres; 0 if not even MIN_SIZE fits.
 
-    A quotient and not a product: it is the very number that one reads from its decimals.
+    The result is a quotient of integers, so its decimal form has no rounding errors.
     """
-    too_small = round(SMALLEST * _STEPS) - 1
+    too_small = round(MIN_SIZE * _STEPS) - 1
     low, high = too_small, _STEPS
     while high - low > 1:
         middle = (low + high) // 2
@@ -106,18 +106,29 @@ def largest_size(fits: Callable[[float], bool]) -> float:
     return 0.0 if low == too_small else low / _STEPS
 
 
-def largest_sizes(on_paper: Callable[[float, Paper], Optional[Grid]], margin: float) -> str:
-    """The end of a sentence: the largest size on each kind of page, "0.168 m on A4, 0.2376 m on A3, ..."."""
+def require_room(
+    on_paper: Callable[[float, Paper], Optional[Grid]], size: float, paper: Paper, what: str, sizes: str = ""
+) -> Grid:
+    """Returns on_paper(size, paper), unless that is None.
+
+    :param on_paper: grid of pieces of a size in metres on a paper; None if not even one fits
+    :param what: what does not fit, for the error
+    :param sizes: what the size refers to, for the error
+    :raises ValueError: it does not fit; names the largest size for each page format
+    """
+    grid = on_paper(size, paper)
+    if grid is not None:
+        return grid
     texts = []
     for page in PAGES:
-        paper = Paper(page, margin)
-        size = largest_size(lambda size, paper=paper: on_paper(size, paper) is not None)
-        texts.append(f"{size} m on {page}" if size else f"nothing on {page}")
-    return ", ".join(texts)
+        other = Paper(page, paper.margin)
+        largest = largest_size(lambda size, other=other: on_paper(size, other) is not None)
+        texts.append(f"{largest} m on {page}" if largest else f"nothing on {page}")
+    raise ValueError(f"{what} does not fit on {paper.page}; {sizes}at most {', '.join(texts)}")
 
 
 def draw_cut_marks(pages: PrintPages, piece: Piece, x: float, y: float) -> None:
-    """Outside of the piece, at its corners."""
+    """Draws cut marks at the corners of a piece whose dark part is centred at (x, y)."""
     left, right = x - 0.5 * piece.width - piece.rim, x + 0.5 * piece.width + piece.rim
     bottom, top = y - 0.5 * piece.height - piece.rim - piece.label, y + 0.5 * piece.height + piece.rim
     near, far = 0.125 * GUTTER, 0.875 * GUTTER

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Sheets of single markers to print, hang and measure."""
+"""Prints sheets of single markers."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,61 +16,62 @@ from sextant.printing.print_layout import (
     Piece,
     arrange,
     draw_cut_marks,
-    largest_sizes,
+    require_room,
 )
 from sextant.printing.print_page import PrintPages
 
 
 @dataclass(frozen=True)
 class SheetParams(Paper):
-    """How markers are put on pages."""
+    """Layout of the sheets."""
 
-    quiet: float = param(1.0, within(0.5, 10.0))  # white rim around every marker without ink, in modules
-    most: int = param(0, within(0, 1000))  # markers a page at most; 0: as many as fit
+    quiet_zone: float = param(1.0, within(0.5, 10.0))  # width of the white rim around markers, modules
+    max_per_page: int = param(0, within(0, 1000))  # maximum number of markers per page; 0: as many as fit
 
 
 def write_sheets(
     path: Union[str, Path], family: str, ids: Sequence[int], size: float, params: SheetParams
 ) -> int:
-    """Writes a PDF with one marker after another, each with its label.
+    """Writes a PDF with sheets of markers, each with a label.
 
-    :param size: edge length in metres, between the corners that a detector reports
+    :param size: edge length in metres, between the detected corners
     :returns: number of pages
-    :raises ValueError: an unknown family, an id that it does not have or that is there twice, or a marker too
-        large for the page
+    :raises ValueError: unknown family, unknown or duplicate id, or a marker too large for the page
     :raises OSError: the file cannot be written
     """
     check_size(size)
     check_ids(family, ids)
     grid = _grid(family, len(ids), size, params)
-    places = grid.places()[: params.most or None]
+    places = grid.places()[: params.max_per_page or None]
     sheets = [ids[i : i + len(places)] for i in range(0, len(ids), len(places))]
     pages = PrintPages(Path(path).stem, *grid.page)
     for number, on_sheet in enumerate(sheets):
         for id, (x, y) in zip(on_sheet, places):
             _draw_marker(pages, family, id, size, grid.piece, x, y)
         of_all = f", sheet {number + 1} of {len(sheets)}" if len(sheets) > 1 else ""
-        pages.footer(params.margin, f"{family}, size {size} m: {marker_shape(family).measured}{of_all}")
-        pages.end_page()
+        pages.end_page(params.margin, f"{family}, size {size} m: {marker_shape(family).measured}{of_all}")
     pages.save(path)
     return len(sheets)
 
 
 def check_ids(family: str, ids: Sequence[int]) -> None:
-    """:raises ValueError: none, one that the family does not have, or one that is there twice."""
+    """Checks the ids of markers.
+
+    :raises ValueError: there is no id, or an unknown or duplicate one
+    """
     if not ids:
         raise ValueError("no id is given")
-    have = sextant.family_size(family)
+    count = sextant.family_size(family)
     for id in ids:
-        if not 0 <= id < have:
-            raise ValueError(f"id {id} is not in {family}, which has 0 to {have - 1}")
+        if not 0 <= id < count:
+            raise ValueError(f"id {id} is not in {family}, which has 0 to {count - 1}")
     if len(set(ids)) < len(ids):
-        twice = next(id for index, id in enumerate(ids) if id in ids[:index])
-        raise ValueError(f"id {twice} is there twice: every marker must be the only one of its kind")
+        duplicate = next(id for index, id in enumerate(ids) if id in ids[:index])
+        raise ValueError(f"id {duplicate} is given twice: every marker must be unique")
 
 
 def id_ranges(ids: Sequence[int]) -> str:
-    """Ids in their order, neighbours joined: "0-7,12"."""
+    """Formats ids in their order, with ranges, such as "0-7,12"."""
     parts = []
     for id in ids:
         if parts and id == parts[-1][1] + 1:
@@ -81,24 +82,21 @@ def id_ranges(ids: Sequence[int]) -> str:
 
 
 def _grid(family: str, count: int, size: float, params: SheetParams) -> Grid:
-    """The places of a page, for so many markers or fewer."""
+    """Returns the grid of a page, for up to count markers."""
 
     def on_paper(size: float, paper: Paper) -> Optional[Grid]:
-        return arrange(_piece(family, size, params.quiet), paper, min(count, params.most or count))
+        wanted = min(count, params.max_per_page or count)
+        return arrange(_piece(family, size, params.quiet_zone), paper, wanted)
 
-    grid = on_paper(size, params)
-    if grid is None:
-        at_most = largest_sizes(on_paper, params.margin)
-        raise ValueError(f"a marker of {size} m does not fit on {params.page}; at most {at_most}")
-    return grid
+    return require_room(on_paper, size, params, f"a marker of {size} m")
 
 
 def _piece(family: str, size: float, quiet: float) -> Piece:
-    """The room that a marker takes on a page."""
+    """Returns the dimensions of a marker with rim and label."""
     shape = marker_shape(family)
     module = size / shape.border
-    reach = module * shape.reach
-    return Piece(reach, reach, quiet * module, label_height(reach))
+    edge = module * shape.reach
+    return Piece(edge, edge, quiet * module, label_height(edge))
 
 
 def _draw_marker(

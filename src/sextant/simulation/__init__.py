@@ -1,3 +1,3 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""A simulated room: printed markers, a robot that drives, a camera and wheels that report, and the truth."""
+"""Simulation of robots, cameras, odometry and their worlds, with ground truth."""

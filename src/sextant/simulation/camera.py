@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Calibrations of simulated cameras."""
+"""Calibrations and mounts of simulated cameras."""
 
 from typing import Sequence
 
@@ -8,10 +8,9 @@ import numpy as np
 
 import sextant
 
-HORIZONTAL_FOV = np.deg2rad(62.0)  # a usual webcam
-RESOLUTIONS = {"vga": (640, 480), "hd": (1280, 720), "full_hd": (1920, 1080)}  # pixels
+HORIZONTAL_FOV = np.deg2rad(62.0)  # of a usual webcam, radians
 
-# Axes of the optical frame (z forward, x right, y down) in a mount's (x forward, y left, z up); REP-103.
+# Takes the optical frame (z forward, x right, y down) to the mount (x forward, y left, z up); REP-103.
 R_MOUNT_OPTICAL = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
 
 
@@ -24,10 +23,9 @@ def camera_calibration(
 ) -> "sextant.CameraCalibration":
     """Calibration of a camera with square pixels and its principal point in the middle of the image.
 
-    :param horizontal_fov: radians that the width would span without distortion; below pi unless the lens is
-        equidistant
+    :param horizontal_fov: radians, without distortion; below pi, or 2 pi for an equidistant lens
     :param distortion: coefficients in OpenCV's order; none for an ideal lens
-    :raises ValueError: what the camera model refuses
+    :raises ValueError: horizontal_fov is out of range, or the camera model rejects the calibration
     """
     equidistant = distortion_model == "equidistant"
     limit = 2.0 * np.pi if equidistant else np.pi
@@ -43,15 +41,16 @@ def camera_calibration(
     calibration.D = list(distortion) or [0.0] * _IDEAL_COEFFICIENTS.get(distortion_model, 5)
     calibration.K = np.array([[f, 0.0, 0.5 * (width - 1)], [0.0, f, 0.5 * (height - 1)], [0.0, 0.0, 1.0]])
     calibration.P = np.hstack([calibration.K, np.zeros((3, 1))])
-    sextant.CameraModel(calibration)  # refuses what it cannot project with
+    sextant.CameraModel(calibration)  # raises if the calibration is invalid
     return calibration
 
 
 def camera_mount(xyz: Sequence[float], rpy: Sequence[float]) -> np.ndarray:
-    """T_base_camera (4x4) of a camera at xyz (metres) that looks along the x axis turned by rpy."""
+    """T_base_camera (4, 4) of a camera at xyz (metres) that faces along the x axis rotated by rpy."""
     T_mount_optical = np.eye(4)
     T_mount_optical[:3, :3] = R_MOUNT_OPTICAL
     return sextant.pose_from_xyz_rpy(xyz, rpy) @ T_mount_optical
 
 
+# number of coefficients by distortion model
 _IDEAL_COEFFICIENTS = {"plumb_bob": 5, "rational_polynomial": 8, "equidistant": 4}

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""A simulated plane with landmarks of several classes, a robot that wanders among them, and what it measures.
+"""Simulated planar world with landmarks of several classes, and a robot with odometry and a landmark sensor.
 
-Everything is drawn from the seed. The noise that is drawn is the noise that is told.
+Everything is drawn from the seed. The published covariances are those of the simulated noise.
 """
 
 from collections import deque
@@ -16,79 +16,86 @@ from sextant.base.strict_params import StrictParams, param, within
 from sextant.geometry.plane_poses import composed, in_frame, rotation
 
 COLOURS = ("blue", "red", "yellow", "green", "orange", "purple", "white", "black")
-TINY = 1e-9  # seconds: stamps that are one may differ by it
+STAMP_TOLERANCE = 1e-9  # maximum difference of stamps that count as equal, seconds
 
 
 @dataclass(frozen=True)
 class LandmarkWorldParams(StrictParams):
-    """Of world, robot and sensor."""
+    """Parameters of world, robot and sensor."""
 
-    seed: int = param(0, within(0, 2**31 - 1))
-    landmarks: int = param(15, within(0, 10000))
-    classes: int = param(3, within(1, 1000))
-    half_side: float = param(8.0, within(1, 1e5))  # metres; landmarks stand in the square of twice this
-    separation: float = param(1.0, within(0, 100))  # metres; no two are nearer
-    duration: float = param(300.0, within(1e-9, 1e6))  # seconds
+    seed: int = param(0, within(0, 2**31 - 1))  # of the world, the path and all noise
+    landmarks: int = param(15, within(0, 10000))  # number of landmarks
+    classes: int = param(3, within(1, 1000))  # number of landmark classes
+    half_side: float = param(8.0, within(1, 1e5))  # half the side of the square of landmarks, metres
+    min_separation: float = param(1.0, within(0, 100))  # minimum distance of two landmarks, metres
+    duration: float = param(300.0, within(1e-9, 1e6))  # of the drive, seconds
     odometry_rate: float = param(20.0, within(1e-9, 1000))  # Hz
     sensor_rate: float = param(5.0, within(1e-9, 1000))  # Hz
     speed: float = param(0.5, within(0, 100))  # m/s
-    turn_rate: float = param(0.8, within(0, 10))  # rad/s, at most
-    max_range: float = param(5.0, within(1e-9, 1e5))  # metres, that are seen
-    field_of_view: float = param(1.6, within(1e-9, 6.2832))  # radians
-    range_noise: Tuple[float, float] = (0.02, 0.005)  # metres: always, and more with every squared metre
-    bearing_noise: float = param(0.02, within(0, 1))  # radians
-    missed: float = param(0.0, within(0, 1 - 1e-9))  # of what could be seen
-    phantoms: float = param(0.0, within(0, 1 - 1e-9))  # probability of a false one with each sighting
-    delay: float = param(0.0, within(0, 10))  # seconds from a look to its arrival
-    clock_offset: float = param(0.0, within(-10, 10))  # seconds to add to the stamps of sightings
-    turn_by_turn: float = param(0.03, within(0, 1))  # as sextant.OdometryNoiseParams, so are the next four
-    turn_by_way: float = param(0.02, within(0, 1))
-    way_by_way: float = param(0.03, within(0, 1))
-    way_by_turn: float = param(0.01, within(0, 1))
-    aside_by_way: float = param(0.01, within(0, 1))
-    scale: float = param(1.0, within(0.1, 10))  # what odometry measures of a metre
+    turn_rate: float = param(0.8, within(0, 10))  # maximum turn rate, rad/s
+    max_range: float = param(5.0, within(1e-9, 1e5))  # of the sensor, metres
+    field_of_view: float = param(1.6, within(1e-9, 6.2832))  # of the sensor, radians
+    range_noise: Tuple[float, float] = (0.02, 0.005)  # standard deviation a + b * range^2: a in m, b in 1/m
+    bearing_noise: float = param(0.02, within(0, 1))  # standard deviation, radians
+    detection_probability: float = param(1.0, within(1e-9, 1))  # of a landmark in view
+    false_alarm_probability: float = param(0.0, within(0, 1 - 1e-9))  # of a false alarm, per detection
+    delay: float = param(0.0, within(0, 10))  # seconds from a scan to its arrival
+    clock_offset: float = param(0.0, within(-10, 10))  # seconds to add to the stamps of observations
+    # as sextant.OdometryNoiseParams, like the next four
+    rotation_from_rotation: float = param(0.03, within(0, 1))
+    rotation_from_translation: float = param(0.02, within(0, 1))
+    translation_from_translation: float = param(0.03, within(0, 1))
+    translation_from_rotation: float = param(0.01, within(0, 1))
+    lateral_from_translation: float = param(0.01, within(0, 1))
+    scale: float = param(1.0, within(0.1, 10))  # distance by odometry relative to the true one
 
     def odometry_noise(self) -> "sextant.OdometryNoiseParams":
-        """Of the steps that odometry measures."""
+        """Noise parameters of the steps that odometry measures."""
         noise = sextant.OdometryNoiseParams()
-        for name in ("turn_by_turn", "turn_by_way", "way_by_way", "way_by_turn", "aside_by_way"):
+        for name in (
+            "rotation_from_rotation",
+            "rotation_from_translation",
+            "translation_from_translation",
+            "translation_from_rotation",
+            "lateral_from_translation",
+        ):
             setattr(noise, name, getattr(self, name))
         return noise
 
 
-class SeenLandmark(NamedTuple):
-    """What a sensor says, in the robot frame."""
+class SimulatedObservation(NamedTuple):
+    """A measurement of the sensor, in the robot frame."""
 
     position: np.ndarray  # (2,) metres
-    covariance: np.ndarray  # (2, 2) of the sensor
-    class_name: str
-    truth: Optional[int]  # which landmark; None: a phantom
+    covariance: np.ndarray  # (2, 2) of the sensor noise, m^2
+    class_name: str  # of the landmark
+    truth: Optional[int]  # index of the landmark; None: a false alarm
 
 
-class Look(NamedTuple):
-    """What the sensor saw at one moment; nothing, where nothing was in view."""
+class LandmarkScan(NamedTuple):
+    """All measurements of the sensor at one stamp; empty if nothing was in view."""
 
     stamp: float  # seconds, by the sensor's clock
-    sightings: List[SeenLandmark]
+    observations: List[SimulatedObservation]  # in the robot frame
 
 
 class WorldMoment(NamedTuple):
-    """An instant of odometry, and what arrives of the sensor then."""
+    """One odometry reading, and the scan that arrives with it."""
 
     stamp: float  # seconds
     pose: np.ndarray  # (3,) x, y, heading in the map
-    step: np.ndarray  # (3,) by odometry since the last moment, in the robot frame then
-    noise: np.ndarray  # (3, 3) covariance of the step, felt where it begins
-    look: Optional[Look]  # None: nothing arrives
-    speed: float  # m/s, forward, that brought it here
-    turn_rate: float  # rad/s
+    step: np.ndarray  # (3,) x, y, yaw measured by odometry, in the robot frame of the last moment
+    noise: np.ndarray  # (3, 3) covariance of the step, in the same frame
+    scan: Optional[LandmarkScan]  # None: no scan arrives
+    speed: float  # m/s, forward, of the last step
+    turn_rate: float  # rad/s, of the last step
 
 
 class LandmarkWorld:
-    """The landmarks stay; every call of moments() drives anew, with the same noise."""
+    """Landmarks in the plane; every call of moments() gives the same drive with the same noise."""
 
     def __init__(self, params: LandmarkWorldParams):
-        """:raises ValueError: a parameter out of range, or landmarks that find no room"""
+        """:raises ValueError: a parameter is out of range, or there is no room for the landmarks"""
         self.params = params
         rng = np.random.default_rng([params.seed, 0])
         self.positions = _scattered(rng, params)  # (n, 2) metres
@@ -96,41 +103,42 @@ class LandmarkWorld:
         self.start = self.place(rng)
 
     def moments(self) -> Iterator[WorldMoment]:
-        """From the start to the end."""
+        """Yields all moments of the drive."""
         drive = LandmarkDrive(self)
         for _ in range(round(self.params.duration * self.params.odometry_rate)):
             yield drive.advance()
 
     def place(self, rng: np.random.Generator) -> np.ndarray:
-        """A pose (3,) anywhere in the middle of the world."""
+        """Draws a pose (3,) in the middle of the world."""
         return np.array([*rng.uniform(-0.4, 0.4, 2) * self.params.half_side, rng.uniform(-np.pi, np.pi)])
 
-    def seen(self, rng: np.random.Generator, pose: np.ndarray) -> List[SeenLandmark]:
-        """What the sensor says at a pose (3,)."""
+    def seen(self, rng: np.random.Generator, pose: np.ndarray) -> List[SimulatedObservation]:
+        """Draws the measurements of the sensor at a pose (3,)."""
         positions = in_frame(pose, self.positions)
         bearings, params = np.arctan2(positions[:, 1], positions[:, 0]), self.params
         is_near = np.hypot(*positions.T) <= params.max_range
-        found = []
+        observations = []
         for number in np.flatnonzero(is_near & (abs(bearings) <= params.field_of_view / 2)):
-            if rng.random() >= params.missed:
-                found.append(self._measured(rng, positions[number], self.classes[number], int(number)))
-        for _ in range(len(found)):
-            if rng.random() < params.phantoms:
-                found.append(self._phantom(rng))
-        return found
+            if rng.random() >= 1 - params.detection_probability:
+                observations.append(self._measured(rng, positions[number], self.classes[number], int(number)))
+        for _ in range(len(observations)):
+            if rng.random() < params.false_alarm_probability:
+                observations.append(self._false_alarm(rng))
+        return observations
 
     def _measured(
         self, rng: np.random.Generator, position: np.ndarray, class_name: str, truth: Optional[int]
-    ) -> SeenLandmark:
+    ) -> SimulatedObservation:
+        """Adds range and bearing noise to a position (2,) in the robot frame."""
         distance, bearing = np.hypot(*position), np.arctan2(position[1], position[0])
-        near, more = self.params.range_noise
-        deviations = np.array([near + more * distance**2, self.params.bearing_noise * distance])
+        constant, quadratic = self.params.range_noise
+        deviations = np.array([constant + quadratic * distance**2, self.params.bearing_noise * distance])
         axes = rotation(bearing)
         covariance = axes @ np.diag(deviations**2) @ axes.T
         measured = position + axes @ (deviations * rng.standard_normal(2))
-        return SeenLandmark(measured, covariance, class_name, truth)
+        return SimulatedObservation(measured, covariance, class_name, truth)
 
-    def _phantom(self, rng: np.random.Generator) -> SeenLandmark:
+    def _false_alarm(self, rng: np.random.Generator) -> SimulatedObservation:
         bearing = rng.uniform(-0.5, 0.5) * self.params.field_of_view
         distance = self.params.max_range * np.sqrt(rng.uniform(0.01, 1))
         position = distance * np.array([np.cos(bearing), np.sin(bearing)])
@@ -138,18 +146,18 @@ class LandmarkWorld:
 
 
 class LandmarkDrive:
-    """A robot in a landmark world, moment by moment."""
+    """Simulates a robot in a landmark world step by step."""
 
     def __init__(self, world: LandmarkWorld):
         self._world, self._pose, self._noise = world, world.start, world.params.odometry_noise()
         self._rng = np.random.default_rng([world.params.seed, 1])
         self._number, self._turn_rate = 0, 0.0
-        self._on_their_way: Deque[Look] = deque()
+        self._delayed: Deque[LandmarkScan] = deque()
 
     def advance(self, command: Optional[Tuple[float, float]] = None) -> WorldMoment:
-        """The next moment of odometry.
+        """Simulates the next odometry step.
 
-        :param command: speed (m/s) and turn rate (rad/s) until then; None: it wanders
+        :param command: speed (m/s) and turn rate (rad/s); None: random motion
         """
         params = self._world.params
         self._number += 1
@@ -158,54 +166,54 @@ class LandmarkDrive:
         step = np.array([speed, 0.0, turn_rate]) / params.odometry_rate
         self._pose = composed(self._pose, step)
         noise = sextant.odometry_step_noise(step, self._noise)
-        felt = np.sqrt(np.diag(noise)) * self._rng.standard_normal(3)
-        measured = composed(felt, step * (params.scale, params.scale, 1))
+        error = np.sqrt(np.diag(noise)) * self._rng.standard_normal(3)
+        measured = composed(error, step * (params.scale, params.scale, 1))
         if self._number % max(1, round(params.odometry_rate / params.sensor_rate)) == 0:
-            look = Look(stamp - params.clock_offset, self._world.seen(self._rng, self._pose))
-            self._on_their_way.append(look)
+            scan = LandmarkScan(stamp - params.clock_offset, self._world.seen(self._rng, self._pose))
+            self._delayed.append(scan)
         return WorldMoment(stamp, self._pose, measured, noise, self._arrived(stamp), speed, turn_rate)
 
-    def carry(self) -> float:
-        """Somebody puts the robot elsewhere; its wheels do not turn.
+    def kidnap(self) -> float:
+        """Moves the robot to a random pose; odometry does not measure it.
 
-        :returns: how far, metres
+        :returns: distance between the poses, metres
         """
         before, self._pose = self._pose, self._world.place(self._rng)
         return float(np.hypot(*(self._pose - before)[:2]))
 
-    def _arrived(self, stamp: float) -> Optional[Look]:
-        """Looks are no more frequent than moments are: never two at one."""
-        waiting, params = self._on_their_way, self._world.params
-        late = params.clock_offset + params.delay - TINY
-        return waiting.popleft() if waiting and waiting[0].stamp + late <= stamp else None
+    def _arrived(self, stamp: float) -> Optional[LandmarkScan]:
+        """The scan that arrives at this stamp; at most one, as scans are not more frequent than odometry."""
+        waiting, params = self._delayed, self._world.params
+        latency = params.clock_offset + params.delay - STAMP_TOLERANCE
+        return waiting.popleft() if waiting and waiting[0].stamp + latency <= stamp else None
 
     def _wandering(self) -> Tuple[float, float]:
-        """Turns back to the middle before it leaves the world."""
-        params, most = self._world.params, self._world.params.turn_rate
+        """Speed and turn rate of random motion; turns to the centre before the robot leaves the world."""
+        params, limit = self._world.params, self._world.params.turn_rate
         if np.hypot(*self._pose[:2]) > 0.75 * params.half_side:
             inwards = np.arctan2(-self._pose[1], -self._pose[0]) - self._pose[2]
-            self._turn_rate = most if np.sin(inwards) > 0 else -most
+            self._turn_rate = limit if np.sin(inwards) > 0 else -limit
         elif (self._number - 1) % max(1, round(2 * params.odometry_rate)) == 0:
-            self._turn_rate = self._rng.uniform(-most, most)
+            self._turn_rate = self._rng.uniform(-limit, limit)
         return params.speed, self._turn_rate
 
 
 def class_name(number: int) -> str:
-    """Pillars of one colour, as long as there are colours."""
+    """Name of a class: coloured pillars, numbered where the colours repeat."""
     colour = COLOURS[number % len(COLOURS)]
     return f"{colour}_pillar" if number < len(COLOURS) else f"{colour}_pillar_{number // len(COLOURS) + 1}"
 
 
 def _scattered(rng: np.random.Generator, params: LandmarkWorldParams) -> np.ndarray:
-    """(n, 2) no two nearer than the separation."""
+    """Draws positions (n, 2), metres, with the minimum separation."""
     points = np.empty((0, 2))
     for _ in range(1000 * (params.landmarks + 1)):
         if len(points) == params.landmarks:
             return points
         point = rng.uniform(-params.half_side, params.half_side, 2)
-        if not len(points) or np.hypot(*(points - point).T).min() >= params.separation:
+        if not len(points) or np.hypot(*(points - point).T).min() >= params.min_separation:
             points = np.vstack([points, point])
     raise ValueError(
-        f"{params.landmarks} landmarks {params.separation:g} m apart find no room in a square of "
-        f"{2 * params.half_side:g} m: fewer of them, a smaller separation or a larger half_side"
+        f"{params.landmarks} landmarks {params.min_separation:g} m apart do not fit into a square of "
+        f"{2 * params.half_side:g} m: fewer landmarks, a smaller min_separation or a larger half_side"
     )

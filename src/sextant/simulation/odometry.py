@@ -1,28 +1,31 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Wheel odometry that drifts as real wheels do, and knows how much."""
+"""Simulation of wheel odometry with drift and its covariance."""
 
 from dataclasses import dataclass
 from typing import Tuple
 
 import numpy as np
 
+from sextant.base.strict_params import StrictParams, param, within
 from sextant.geometry.plane_poses import composed, rotation, wrapped
 from sextant.simulation.motion import Motion
 
 
 @dataclass(frozen=True)
-class OdometryNoise:
-    """Standard deviations that grow with the square root of what was driven (Thrun, Burgard, Fox 2005,
-    "Probabilistic robotics", 5.4: variances proportional to distance and angle). Not those of the core
-    (sextant.OdometryNoiseParams): drawn along and about an arc, on which wheels do not slip aside."""
+class OdometryNoise(StrictParams):
+    """Noise with variances proportional to distance and angle.
 
-    distance_per_metre: float = 0.02  # m / sqrt(m)
-    angle_per_metre: float = 0.02  # rad / sqrt(m)
-    angle_per_radian: float = 0.03  # rad / sqrt(rad)
+    Thrun, Burgard, Fox 2005, "Probabilistic robotics", 5.4. Unlike sextant.OdometryNoiseParams it changes the
+    length and the angle of a circular arc; there is no lateral slip.
+    """
+
+    distance_per_metre: float = param(0.02, within(0.0, 1.0))  # m / sqrt(m)
+    angle_per_metre: float = param(0.02, within(0.0, 1.0))  # rad / sqrt(m)
+    angle_per_radian: float = param(0.03, within(0.0, 1.0))  # rad / sqrt(rad)
 
     def deviations(self, distance: float, turn: float) -> np.ndarray:
-        """(2,) of a way (metres) and a turn (radians)."""
+        """Standard deviations (2,), metres and radians, of a distance (metres) and a turn (radians)."""
         by_distance, by_turn = np.sqrt(abs(distance)), np.sqrt(abs(turn))
         angle = np.hypot(self.angle_per_metre * by_distance, self.angle_per_radian * by_turn)
         return np.array([self.distance_per_metre * by_distance, angle])
@@ -30,16 +33,16 @@ class OdometryNoise:
 
 @dataclass(frozen=True)
 class OdometryReading:
-    """What the wheels say, and how far it may be off."""
+    """Measured pose and velocity with their covariance."""
 
     motion: Motion  # in the frame odom
-    covariance: np.ndarray  # (3, 3) of x, y, yaw in odom (m^2, m rad, rad^2), first order
+    covariance: np.ndarray  # (3, 3) of x, y, yaw in odom (m^2, m rad, rad^2), linearized
     speed_variance: float  # (m/s)^2
     turn_rate_variance: float  # (rad/s)^2
 
 
 class _Odometry:
-    """What its readings are made of; the frame odom starts where the robot does."""
+    """Accumulated pose and covariance; the odom frame starts at the robot's first pose."""
 
     def __init__(self) -> None:
         self._pose = np.zeros(3)  # x, y, yaw in odom
@@ -51,7 +54,7 @@ class _Odometry:
 
 
 class WheelOdometry(_Odometry):
-    """Integrates true motion with noise."""
+    """Integrates the true motion with noise."""
 
     def __init__(self, noise: OdometryNoise, seed: int):
         super().__init__()
@@ -60,7 +63,7 @@ class WheelOdometry(_Odometry):
         self._last = None
 
     def update(self, motion: Motion, seconds: float) -> OdometryReading:
-        """The reading after the robot came to this place in so many seconds; the first call starts odom."""
+        """Returns the reading after the robot moved here in a time (seconds); the first call starts odom."""
         if self._last is None:
             self._last = motion
             return self._reading(motion.speed, motion.turn_rate, np.zeros(2))
@@ -74,11 +77,11 @@ class WheelOdometry(_Odometry):
         return self._reading(*(measured / seconds), (sigmas / seconds) ** 2)
 
     def carry(self, motion: Motion) -> None:
-        """The robot is lifted and put down here; its wheels do not turn."""
+        """Moves the robot to this pose without wheel motion (kidnapping)."""
         self._last = motion
 
     def _spread(self, distance: float, turn: float, sigmas: np.ndarray) -> None:
-        """P = F P F' + G Q G' with the derivatives F by the pose and G by distance and turn."""
+        """P = F P F' + G Q G' with the Jacobians F with respect to the pose, G to distance and turn."""
         heading = self._pose[2] + 0.5 * turn  # of the chord
         c, s = np.cos(heading), np.sin(heading)
         F = np.array([[1.0, 0.0, -distance * s], [0.0, 1.0, distance * c], [0.0, 0.0, 1.0]])
@@ -87,13 +90,13 @@ class WheelOdometry(_Odometry):
 
 
 class SteppedOdometry(_Odometry):
-    """Adds up steps that are noisy already."""
+    """Accumulates steps that already contain noise."""
 
     def add(self, step: np.ndarray, noise: np.ndarray, seconds: float) -> OdometryReading:
-        """The reading after a step that took so many seconds.
+        """Returns the reading after a step that took a time (seconds).
 
-        :param step: (3,) in the robot frame
-        :param noise: (3, 3) of the step, felt where it begins
+        :param step: (3,) x, y, yaw in the robot frame at its start, metres and radians
+        :param noise: (3, 3) covariance of the step, in the robot frame at its start
         """
         before, self._pose = self._pose, composed(self._pose, step)
         dx, dy = (self._pose - before)[:2]
@@ -106,7 +109,7 @@ class SteppedOdometry(_Odometry):
 
 
 def _arc(start: Motion, end: Motion) -> Tuple[float, float]:
-    """(chord in metres, turn in radians) of the circular arc that leads from one pose to the other."""
+    """Chord (metres) and turn (radians) of the circular arc from one pose to the other."""
     turn = float(wrapped(end.yaw - start.yaw))
     heading = start.yaw + 0.5 * turn
     return (end.x - start.x) * np.cos(heading) + (end.y - start.y) * np.sin(heading), turn

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""The default room's markers, and a room for any other map."""
+"""Markers of the default room, and a room for any other map."""
 
 from typing import List
 
@@ -8,21 +8,21 @@ import numpy as np
 
 import sextant
 
-MARKER_SIZE = 0.2  # metres
+MARKER_SIZE = 0.2  # edge length, metres
 MARKER_HEIGHT = 1.0  # metres above the floor
 MARKER_SPACING = 3.0  # metres between the two markers of a wall
-CLEARANCE = 0.5  # metres between a marker and the walls of a room that had to grow around it
+CLEARANCE = 0.5  # metres between a marker and the walls of an enlarged room
 
-# Yaw of a marker on the walls +y, -x, -y, +x of a room, so that it looks inside.
+# Yaw, radians, of the walls +y, -x, -y, +x of a room relative to the wall +y; markers face inward.
 _WALL_YAWS = (0.0, 0.5 * np.pi, np.pi, -0.5 * np.pi)
 
 
 def default_map(family: str = "tag36h11") -> "sextant.MarkerMap":
     """Eight markers, ids 0 to 7, two on each wall of the default 6 x 6 m room, 1 m above the floor.
 
-    Frame `map`: origin in the middle of the floor, z up.
+    Frame `map`: origin in the centre of the floor, z up.
 
-    :raises ValueError: unknown family, or one with fewer than eight markers
+    :raises ValueError: unknown family, or a family with fewer than eight markers
     """
     marker_map = sextant.MarkerMap()
     half_room = 0.5 * sextant.RoomSceneParams().size[0]
@@ -39,9 +39,10 @@ def default_map(family: str = "tag36h11") -> "sextant.MarkerMap":
 def room_for(
     marker_map: "sextant.MarkerMap", seed: int = 1, obstacles: bool = True
 ) -> "sextant.RoomSceneParams":
-    """The default room; where markers lie outside of it, an empty room that holds both.
+    """Returns the default room; if markers lie outside, a larger one without obstacles.
 
-    :param obstacles: posts, a crate and a cupboard in the default room
+    :param seed: random seed of the walls
+    :param obstacles: whether the default room has posts, a crate and a cupboard
     """
     room = sextant.RoomSceneParams()
     room.seed = seed
@@ -60,6 +61,7 @@ def room_for(
 
 
 def _outside(marker_map: "sextant.MarkerMap", low: np.ndarray, high: np.ndarray) -> List[np.ndarray]:
-    on_the_wall = 1e-6  # metres
-    places = [marker.T_map_marker[:3, 3] for marker in marker_map.markers]
-    return [p for p in places if np.any(p < low - on_the_wall) or np.any(p > high + on_the_wall)]
+    """Positions (3,) of the markers that are not between the corners low and high, metres."""
+    on_the_wall = 1e-6  # tolerance, metres
+    positions = [marker.T_map_marker[:3, 3] for marker in marker_map.markers]
+    return [p for p in positions if np.any(p < low - on_the_wall) or np.any(p > high + on_the_wall)]

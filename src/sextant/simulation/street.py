@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""A simulated walk around a block: houses, trees and cars along a loop, at a season and in a light.
+"""Simulated street around a block: houses, trees and cars along a loop, in a season and a light.
 
-Metres, x and y on the ground, z up. The walk goes counterclockwise; its arc length begins at 0.
+Metres, x and y on the ground, z up. The arc length of the loop starts at 0 and grows counterclockwise.
 """
 
 from dataclasses import dataclass
@@ -17,21 +17,21 @@ from sextant.simulation.street_plants import bush, tree
 from sextant.simulation.street_sky import panorama
 from sextant.simulation.street_textures import SEASONS, Texture, car, facade
 
-LENGTH, WIDTH, CORNER = 120.0, 70.0, 12.0  # of the block, and the radius of its corners
-COARSER = 4  # times, the texels of what is seen from afar
-SUN_HEIGHT = 0.7  # tangent of its elevation
+LENGTH, WIDTH, CORNER = 120.0, 70.0, 12.0  # of the block, and radius of its corners, metres
+COARSER = 4  # ratio of texel sizes of successive levels of detail
+SUN_HEIGHT = 0.7  # tangent of the sun's elevation
 
 
 @dataclass(frozen=True)
 class StreetConditions(StrictParams):
-    """What changes between two walks along the same street."""
+    """Conditions that change between two walks along the same street."""
 
     season: str = param("summer", one_of(*SEASONS))
-    look: int = 0  # which blinds, posters, leaves and cars there are
-    sun: float = 0.6  # direction of the light, radians from x
-    direct: float = param(0.35, within(0, 1))  # share of light that has a direction
-    exposure: float = param(1.0, within(1e-3, 4))
-    noise: float = param(3.0, within(0, 50))  # grey levels of the camera
+    look: int = 0  # random seed of blinds, posters, leaves and cars
+    sun: float = 0.6  # azimuth of the sun, radians from x
+    direct: float = param(0.35, within(0, 1))  # fraction of directional light
+    exposure: float = param(1.0, within(1e-3, 4))  # relative brightness
+    noise: float = param(3.0, within(0, 50))  # standard deviation of the image noise, grey levels
 
 
 CONDITIONS = {
@@ -44,23 +44,23 @@ CONDITIONS = {
 
 
 class Upright(NamedTuple):
-    """A texture that stands on the ground between two points, as it is lit."""
+    """A lit texture that stands upright on the ground between two points."""
 
-    left: np.ndarray  # (2,) as seen from the street
-    right: np.ndarray
-    height: float
-    grey: np.ndarray  # uint8
-    mask: Optional[np.ndarray]
-    coarse: Optional["Upright"] = None  # the same with fewer texels, for afar
+    left: np.ndarray  # (2,) left end seen from the street, metres
+    right: np.ndarray  # (2,) right end, metres
+    height: float  # metres
+    grey: np.ndarray  # uint8 (rows, columns)
+    mask: Optional[np.ndarray]  # uint8, opacity; None: opaque
+    coarse: Optional["Upright"] = None  # next level of detail
 
 
 class Street:
-    """What stands along the loop, the same for a seed in all conditions but for what they change."""
+    """Scene along the loop; the seed determines everything that StreetConditions does not describe."""
 
     def __init__(self, seed: int = 1, conditions: StreetConditions = CONDITIONS["summer"]):
         self.seed, self.conditions = seed, conditions
         self._corners, self._arc = _loop()
-        self.length = float(self._arc[-1])  # of the walk
+        self.length = float(self._arc[-1])  # of the loop, metres
         self.uprights: List[Upright] = []
         for side in (-1, 1):
             self._line(np.random.default_rng([seed, side + 1]), side)
@@ -70,47 +70,51 @@ class Street:
         self.sky = panorama(seed, season, look)
 
     def pose(self, arc: float, aside: float = 0.0, turn: float = 0.0) -> np.ndarray:
-        """(x, y, yaw) of a walker at an arc length, aside metres to the left, turned by radians."""
+        """Pose (x, y, yaw) at an arc length, with an offset to the left and a rotation; metres, radians."""
         along = self._point(arc + 0.5) - self._point(arc - 0.5)
         along /= np.linalg.norm(along)
         x, y = self._point(arc) + aside * np.array([-along[1], along[0]])
         return np.array([x, y, np.arctan2(along[1], along[0]) + turn])
 
     def _point(self, arc: float) -> np.ndarray:
+        """Point (2,) of the centre line."""
         return np.array([np.interp(arc % self.length, self._arc, self._corners[:, axis]) for axis in (0, 1)])
 
     def _line(self, rng: np.random.Generator, side: int) -> None:
+        """Adds houses, trees and bushes along one side: -1 right, 1 left."""
         season, look, arc = self.conditions.season, self.conditions.look, 0.0
         while arc < self.length:
             width, height, back = rng.uniform(6, 14), rng.uniform(4, 11), rng.uniform(6, 9)
             seed, kind, turn = int(rng.integers(1 << 30)), rng.random(), rng.normal(0, 0.04)
-            at, near, has_tree = arc + rng.uniform(0, width), rng.uniform(3.8, 5.5), rng.random()
+            tree_at, near, has_tree = arc + rng.uniform(0, width), rng.uniform(3.8, 5.5), rng.random()
             if kind < 0.75:
                 self._stand(arc + width / 2, side * back, facade(seed, width, height, look, season), turn)
             if kind > 0.5 or has_tree < 0.3:
-                self._stand(at, side * near, tree(seed + 1, season, look))
+                self._stand(tree_at, side * near, tree(seed + 1, season, look))
             for number in range(int(rng.integers(0, 5))):
                 bush_at, aside = arc + rng.uniform(0, width), rng.uniform(5.5, min(back, 7.0))
                 self._stand(bush_at, side * aside, bush(seed + 2 + number, season, look))
             arc += 1.02 * width
 
     def _park(self, rng: np.random.Generator) -> None:
+        """Adds parked cars."""
         for arc in np.arange(0, self.length, 14):
-            where, side, seed = arc + rng.uniform(0, 8), rng.choice([-1, 1]), int(rng.integers(1 << 30))
+            position, side, seed = arc + rng.uniform(0, 8), rng.choice([-1, 1]), int(rng.integers(1 << 30))
             if rng.random() < 0.4:
-                self._stand(where, 3.6 * side, car(seed))
+                self._stand(position, 3.6 * side, car(seed))
 
     def _stand(self, arc: float, aside: float, texture: Texture, turn: float = 0.0) -> None:
+        """Adds an upright at an arc length with an offset to the left (metres), rotated by turn (radians)."""
         x, y, yaw = self.pose(arc, aside, turn)
         half = 0.5 * texture.width * np.array([np.cos(yaw), np.sin(yaw)])
         left, right = np.array([x, y]) - half, np.array([x, y]) + half
-        if aside < 0:  # from the street, what comes later is at the left
+        if aside < 0:  # seen from the street, larger arc lengths are on the left
             left, right = right, left
         grey = self._lit(texture, left, right)
         self.uprights.append(_with_coarse(Upright(left, right, texture.height, grey, texture.mask)))
 
     def _shadows(self) -> List[np.ndarray]:
-        """Corners on the ground of what keeps the sun off."""
+        """Corners (4, 2) of the shadow of each upright on the ground."""
         away = -np.array([np.cos(self.conditions.sun), np.sin(self.conditions.sun)]) / SUN_HEIGHT
         return [
             np.array([each.left, each.right, each.right + each.height * away, each.left + each.height * away])
@@ -118,6 +122,7 @@ class Street:
         ]
 
     def _lit(self, texture: Texture, left: np.ndarray, right: np.ndarray) -> np.ndarray:
+        """Brightness of a texture between two points in the light of the conditions."""
         light, along = self.conditions, (right - left) / np.linalg.norm(right - left)
         facing = abs(along[0] * np.sin(light.sun) - along[1] * np.cos(light.sun))
         grey = texture.grey * (1 - light.direct + light.direct * 1.6 * facing)
@@ -126,9 +131,9 @@ class Street:
         return np.clip(grey * light.exposure, 0, 255).astype(np.uint8)
 
     def _shade(self, grey: np.ndarray, left: np.ndarray) -> None:
-        """Shadows of what stands somewhere before it, which go with the sun."""
-        where = np.abs(np.rint([100 * left[0], 100 * left[1], 50 * self.conditions.sun])).astype(int)
-        rng = np.random.default_rng([self.seed, *where])
+        """Adds random shadows that depend on the sun."""
+        key = np.abs(np.rint([100 * left[0], 100 * left[1], 50 * self.conditions.sun])).astype(int)
+        rng = np.random.default_rng([self.seed, *key])
         rows, columns = grey.shape
         for _ in range(int(rng.integers(0, 3))):
             x, y = rng.uniform(0, columns, 3), rng.uniform(0, rows)
@@ -139,6 +144,7 @@ class Street:
 
 
 def _with_coarse(upright: Upright) -> Upright:
+    """The upright with its coarser levels of detail."""
     if min(upright.grey.shape) < 2 * COARSER**2:
         return upright
     size = tuple(side // COARSER for side in upright.grey.shape[::-1])
@@ -150,7 +156,7 @@ def _with_coarse(upright: Upright) -> Upright:
 
 
 def _loop() -> Tuple[np.ndarray, np.ndarray]:
-    """Points of a rectangle with round corners, closed, and their arc lengths."""
+    """Points of a closed rectangle with round corners, and their arc lengths."""
     centres = [
         (LENGTH - CORNER, CORNER, -90),
         (LENGTH - CORNER, WIDTH - CORNER, 0),

@@ -1,9 +1,8 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""The ground of a simulated street: road, kerb, pavement and lawn, with what lies on them in a season.
+"""Ground of a simulated street: road, kerb, pavement and lawn, covered with leaves or snow by season.
 
-A layout says what is where; a grain of finer texels, which repeats, says how that looks from near. Both are
-pyramids: what is far away is taken from a smaller picture.
+A coarse layout is combined with a finer, repeating grain. Both are image pyramids, for distant pixels.
 """
 
 from typing import List, NamedTuple, Sequence, Tuple
@@ -13,30 +12,27 @@ import numpy as np
 
 from sextant.simulation.street_textures import SNOW, grain, noise, repeating_noise
 
-ORIGIN, EXTENT = np.array([-25.0, -25.0]), (170.0, 120.0)  # metres; what the layout covers
-LAYOUT_TEXELS = 20.0  # a metre
-GRAIN_SIDE, GRAIN_TEXELS = 2048, 150.0  # texels, and as many a metre
-ROAD, KERB, PAVEMENT = 3.2, 3.35, 5.4  # metres from the middle, where each ends
-MIDDLE = 128.0  # of a grain's brightness
-SHADOW, FOOT = 0.55, 0.6  # of the light that has a direction, taken away; left where something stands
+ORIGIN, EXTENT = np.array([-25.0, -25.0]), (170.0, 120.0)  # of the layout, metres
+LAYOUT_TEXELS = 20.0  # per metre
+GRAIN_SIDE, GRAIN_TEXELS = 2048, 150.0  # texels; texels per metre
+ROAD, KERB, PAVEMENT = 3.2, 3.35, 5.4  # distance of the outer edges to the centre line, metres
+MIDDLE = 128.0  # mean brightness of the grain
+SHADOW, FOOT = 0.55, 0.6  # fraction of directional light blocked by shadows; brightness below uprights
 
 Pyramid = List[np.ndarray]
 
 
 class Ground(NamedTuple):
-    """Both have three channels; shares are 0 to 255.
+    """Image pyramids of the ground, uint8 (rows, columns, 3)."""
 
-    layout: brightness, share of grass, share of what covers it; grain: of stone, of grass, of the cover.
-    """
-
-    layout: Pyramid
-    grain: Pyramid
+    layout: Pyramid  # brightness, grass fraction, cover fraction; fractions are 0 to 255
+    grain: Pyramid  # grain of stone, of grass, of the cover (leaves or snow)
 
     def seen(self, x: np.ndarray, y: np.ndarray, footprint: np.ndarray) -> np.ndarray:
-        """Brightness, float32.
+        """Brightness at points of the ground, float32 (rows, columns).
 
         :param x: y: (rows, columns) metres
-        :param footprint: (rows,) metres that a pixel covers, getting smaller from row to row
+        :param footprint: (rows,) size of a pixel on the ground, metres; decreasing
         """
         at = (x - ORIGIN[0]) * LAYOUT_TEXELS, (y - ORIGIN[1]) * LAYOUT_TEXELS
         tone, grass, cover = cv2.split(_sampled(self.layout, *at, footprint * LAYOUT_TEXELS))
@@ -50,7 +46,7 @@ class Ground(NamedTuple):
 def _sampled(
     pyramid: Pyramid, x: np.ndarray, y: np.ndarray, footprint: np.ndarray, border: int = cv2.BORDER_REPLICATE
 ) -> np.ndarray:
-    """Texels of the largest picture, between the two pictures whose texels are as large as a pixel."""
+    """Interpolates between the two pyramid levels whose texels are closest to the pixel size."""
     levels = np.clip(np.log2(np.maximum(footprint, 1e-6)), 0, len(pyramid) - 1.001)
     seen = np.empty((*x.shape, 3), np.float32)
     for level in np.unique(levels.astype(int)):
@@ -73,16 +69,16 @@ def _sampled(
 def ground(
     seed: int, season: str, look: int, middle: np.ndarray, shadows: Sequence[np.ndarray], direct: float
 ) -> Ground:
-    """What lies along a road.
+    """Generates the ground along a road.
 
-    :param look: of leaves and tracks
-    :param middle: (n, 2) closed line along the road, metres
-    :param shadows: (m, 2) corners of each, metres; between the first two stands what throws it
-    :param direct: [0, 1]; share of the light that the shadows lack
+    :param look: random seed of leaves and tracks
+    :param middle: (n, 2) closed centre line of the road, metres
+    :param shadows: corners (m, 2) of each shadow, metres; the first two are the foot of the upright
+    :param direct: fraction of directional light, [0, 1]
     """
     rng, look_rng = np.random.default_rng([seed, 5]), np.random.default_rng([seed, 6, look])
-    tone, grass, off = _bare(rng, middle)
-    cover = _covered(look_rng, season, tone, off)
+    tone, grass, distance = _bare(rng, middle)
+    cover = _covered(look_rng, season, tone, distance)
     lit = np.ones(tone.shape, np.float32)
     for corners in shadows:
         cv2.fillPoly(lit, [_texels(corners)], 1 - SHADOW * direct)
@@ -94,26 +90,26 @@ def ground(
 
 
 def _bare(rng: np.random.Generator, middle: np.ndarray) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Brightness, share of grass, and the distance to the middle of the road in metres."""
+    """Brightness and grass fraction without cover, and distance to the centre line of the road in metres."""
     columns, rows = (int(extent * LAYOUT_TEXELS) for extent in EXTENT)
     line = np.full((rows, columns), 255, np.uint8)
     cv2.polylines(line, [_texels(middle)], True, 0)
-    off = cv2.distanceTransform(line, cv2.DIST_L2, 5) / LAYOUT_TEXELS
+    distance = cv2.distanceTransform(line, cv2.DIST_L2, 5) / LAYOUT_TEXELS
     worn = 7 * noise(rng, rows, columns, 3 * LAYOUT_TEXELS) + 6 * noise(rng, rows, columns, LAYOUT_TEXELS / 2)
     worn += 5 * noise(rng, rows, columns, LAYOUT_TEXELS / 8)
     road = 105 + worn
     _repairs(rng, road, middle)
-    road[np.abs(off - 0.9 * ROAD) < 0.05] = 190  # a line of paint
+    road[np.abs(distance - 0.9 * ROAD) < 0.05] = 190  # road marking
     tone = 92 + 1.8 * worn
     for end, surface in ((PAVEMENT, _slabs(rng, rows, columns) + worn), (KERB, 150 + worn), (ROAD, road)):
-        np.copyto(tone, surface, where=off < end)
-    tone[np.abs(off - KERB) < 0.05] -= 45  # the gutter
-    grass = np.clip((off - PAVEMENT) * LAYOUT_TEXELS / 3, 0, 1)
-    return tone, grass, off
+        np.copyto(tone, surface, where=distance < end)
+    tone[np.abs(distance - KERB) < 0.05] -= 45  # the gutter
+    grass = np.clip((distance - PAVEMENT) * LAYOUT_TEXELS / 3, 0, 1)
+    return tone, grass, distance
 
 
 def _repairs(rng: np.random.Generator, road: np.ndarray, middle: np.ndarray) -> None:
-    """Patches, manholes and cracks, here and there along the road."""
+    """Draws random patches, manholes and cracks."""
     for _ in range(260):
         at = middle[rng.integers(len(middle))] + rng.normal(0, 2.0, 2) + rng.uniform(-9, 9, 2)
         kind, size, tone = rng.random(), rng.uniform(0.3, 1.6, 2), float(rng.uniform(60, 125))
@@ -136,23 +132,24 @@ def _slabs(rng: np.random.Generator, rows: int, columns: int) -> np.ndarray:
     return slabs
 
 
-def _covered(rng: np.random.Generator, season: str, tone: np.ndarray, off: np.ndarray) -> np.ndarray:
-    """Share of what covers the ground; snow shows in its brightness, too."""
+def _covered(rng: np.random.Generator, season: str, tone: np.ndarray, distance: np.ndarray) -> np.ndarray:
+    """Fraction covered with leaves or snow; snow changes the brightness in place."""
     rows, columns = tone.shape
     if season == "summer":
         return np.zeros(tone.shape, np.float32)
     drift = noise(rng, rows, columns, LAYOUT_TEXELS) + 0.7 * noise(rng, rows, columns, 4 * LAYOUT_TEXELS)
     if season == "autumn":
-        return np.clip(0.35 + 0.3 * drift + 0.3 * (off > KERB), 0, 1)
+        return np.clip(0.35 + 0.3 * drift + 0.3 * (distance > KERB), 0, 1)
     drift += 0.7 * noise(rng, rows, columns, LAYOUT_TEXELS / 5)
-    ruts = np.exp(-(((off - 0.8) / 0.2) ** 2))  # two, where cars went
-    snow = np.clip(1.4 - 1.1 * ruts - 0.5 * (off < ROAD) + 0.3 * drift, 0, 1)
+    ruts = np.exp(-(((distance - 0.8) / 0.2) ** 2))  # of cars
+    snow = np.clip(1.4 - 1.1 * ruts - 0.5 * (distance < ROAD) + 0.3 * drift, 0, 1)
     drifts = SNOW - 14 + 4 * drift + 5 * noise(rng, rows, columns, LAYOUT_TEXELS / 10)
     tone += snow * (drifts - tone)
     return snow
 
 
 def _grain(rng: np.random.Generator, look_rng: np.random.Generator, season: str) -> np.ndarray:
+    """Repeating grain of stone, grass and cover, uint8 (GRAIN_SIDE, GRAIN_SIDE, 3)."""
     side = GRAIN_SIDE
     stones = grain(rng, side, side)
     chips = np.maximum(np.abs(repeating_noise(rng, side, 0.3)) - 1.6, 0)  # light chips in the tar
@@ -164,7 +161,7 @@ def _grain(rng: np.random.Generator, look_rng: np.random.Generator, season: str)
 
 
 def _leaves(rng: np.random.Generator, side: int) -> np.ndarray:
-    """Fallen ones, some centimetres long."""
+    """Brightness of fallen leaves, some centimetres long; 0 elsewhere."""
     lying = np.zeros((side, side), np.float32)
     for _ in range(int(70 * (side / GRAIN_TEXELS) ** 2)):
         axes = (int(rng.uniform(3, 6)), int(rng.uniform(2, 4)))

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Maps of a simulated street: photos all along the walk, in one season or several."""
+"""Writes place maps of a simulated street, with photos in one or several seasons."""
 
 import functools
 import json
@@ -12,42 +12,44 @@ import numpy as np
 
 from sextant.base.atomic_file import atomic_file
 from sextant.base.jobs import run_jobs
-from sextant.place_maps.map_addition import NewPhoto, add_photos
 from sextant.place_maps.place_clusters import clustered
 from sextant.place_maps.place_map import MetricFrame, Overview, PlaceMap
+from sextant.place_maps.place_map_addition import NewPhoto, add_photos
 from sextant.place_maps.place_map_file import write_place_map
 from sextant.simulation.street import CONDITIONS, Street
-from sextant.simulation.street_overview import AerialPicture, aerial_picture
+from sextant.simulation.street_overview import AerialImage, aerial_image
 from sextant.simulation.street_view import street_view
 
 MAP, CLUSTERS, OVERVIEW = "map.txt", "clusters.txt", "overview.jpg"
-RECORD = "street.json"  # of what was wanted
+RECORD = "street.json"  # file with the parameters of the map
 FRAME = "map"
 QUALITY = 90  # of the JPEG files
 
 
 class StreetMap(NamedTuple):
-    """What is photographed."""
+    """Parameters of a map."""
 
-    seed: int  # of the street
-    seasons: Sequence[str]  # of sextant.simulation.street.CONDITIONS: a photo of every place in each
-    spacing: float  # metres from place to place
+    seed: int  # random seed of the street
+    seasons: Sequence[str]  # keys of sextant.simulation.street.CONDITIONS; one photo of each place per season
+    spacing: float  # distance between places, metres
     size: Tuple[int, int]  # width and height of a photo, pixels
-    parts: int  # of the walk, in the map of clusters
+    parts: int  # number of clusters in the map of clusters
 
 
 class _Shot(NamedTuple):
-    image: str
-    season: str
-    pose: np.ndarray  # (x, y, yaw)
-    number: int
+    """A photo to render."""
+
+    image: str  # file name
+    season: str  # key of CONDITIONS
+    pose: np.ndarray  # (x, y, yaw), metres and radians
+    number: int  # of the place, seeds the image noise
 
 
 def has_street_map(folder: Path, wanted: StreetMap) -> bool:
-    """Whether the folder has this very map.
+    """Whether the folder contains the map with these parameters.
 
-    :raises OSError: it cannot be read
-    :raises ValueError: it has another one
+    :raises OSError: a file cannot be read
+    :raises ValueError: the folder contains another map
     """
     if not (folder / MAP).is_file():
         return False
@@ -55,7 +57,7 @@ def has_street_map(folder: Path, wanted: StreetMap) -> bool:
     found = record.read_text(encoding="utf-8") if record.exists() else "an unknown street"
     if found != _record(wanted):
         raise ValueError(
-            f"{folder / MAP}: is of {found}, wanted is {_record(wanted)}; remove the folder or give another"
+            f"{folder / MAP}: is of {found}, expected {_record(wanted)}; remove the folder or use another"
         )
     return True
 
@@ -65,10 +67,10 @@ def _record(wanted: StreetMap) -> str:
 
 
 def write_street_map(folder: Path, wanted: StreetMap) -> Path:
-    """Photos, overview, a map with exact positions and one with parts of the way; shows how far it is.
+    """Writes photos, overview, a map with exact positions and a map of clusters; shows a progress bar.
 
-    :returns: the map with exact positions, written last: where it is, all of it is
-    :raises OSError: something cannot be written
+    :returns: the file of the map with exact positions; it is written last, so the others exist if it does
+    :raises OSError: a file cannot be written
     :raises ValueError: an unknown season, or more parts than places
     """
     folder.mkdir(parents=True, exist_ok=True)
@@ -80,7 +82,7 @@ def write_street_map(folder: Path, wanted: StreetMap) -> Path:
         for season in wanted.seasons
         for i, pose in enumerate(poses)
     ]
-    aerial = aerial_picture(street)
+    aerial = aerial_image(street)
     place_map = _map_of(folder, aerial, shots)
     parts = clustered(place_map, wanted.parts)
     take = functools.partial(_take, folder, wanted)
@@ -94,7 +96,7 @@ def write_street_map(folder: Path, wanted: StreetMap) -> Path:
     return folder / MAP
 
 
-def _map_of(folder: Path, aerial: AerialPicture, shots: List[_Shot]) -> PlaceMap:
+def _map_of(folder: Path, aerial: AerialImage, shots: List[_Shot]) -> PlaceMap:
     height, width = aerial.image.shape[:2]
     frame = MetricFrame(FRAME, aerial.resolution, (*aerial.corner, 0.0))
     overview = Overview(OVERVIEW, width, height)
@@ -102,7 +104,7 @@ def _map_of(folder: Path, aerial: AerialPicture, shots: List[_Shot]) -> PlaceMap
         NewPhoto(shot.image, *frame.pixel(overview, *shot.pose[:2]), frame.photo_yaw(shot.pose[2]))
         for shot in shots
     ]
-    return add_photos(PlaceMap(folder, overview, (), frame), photos).place_map
+    return add_photos(PlaceMap(folder, overview, (), frame), photos)[0]
 
 
 def _take(folder: Path, wanted: StreetMap, shot: _Shot) -> None:
@@ -113,11 +115,11 @@ def _take(folder: Path, wanted: StreetMap, shot: _Shot) -> None:
 
 
 def _write(path: Path, image: np.ndarray) -> None:
-    """:param image: grey or BGR"""
+    """Writes an image (grey or BGR) as JPEG."""
     if not cv2.imwrite(str(path), image, [cv2.IMWRITE_JPEG_QUALITY, QUALITY]):
         raise OSError(f"{path}: cannot be written")
 
 
-@functools.lru_cache(maxsize=1)  # the photos come season by season
+@functools.lru_cache(maxsize=1)  # photos are rendered season by season
 def _street(seed: int, season: str) -> Street:
     return Street(seed, CONDITIONS[season])

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Trees and bushes of a simulated street, as textures; leaves come and go with the season.
+"""Textures of trees and bushes of a simulated street, with leaves by season.
 
-Wood stays the same for a seed; a texture's `look` is how the leaves hang.
+The branches depend on the seed only; `look` is the random seed of the leaves.
 """
 
 from typing import List, NamedTuple, Sequence, Tuple
@@ -12,25 +12,25 @@ import numpy as np
 
 from sextant.simulation.street_textures import SNOW, TEXELS, Texture, grain, noise
 
-LEAVES = {"summer": (1.0, 84.0), "autumn": (0.1, 140.0), "winter": (0.0, 0.0)}  # how many; brightness
-LEAF = 0.05  # metres
-MARGIN = 0.35  # metres around the twigs, for leaves
-THIN = 2.0  # how much fewer leaves there are at the edge of a crown
+LEAVES = {"summer": (1.0, 84.0), "autumn": (0.1, 140.0), "winter": (0.0, 0.0)}  # density, brightness
+LEAF = 0.05  # size of a leaf, metres
+MARGIN = 0.35  # space for leaves around the twigs, metres
+THIN = 2.0  # decrease of the leaf density towards the edge of a crown
 
 Point = Tuple[float, float]
 
 
 class _Branch(NamedTuple):
-    """Metres, from the foot of the tree to the right and up."""
+    """A branch; points in metres to the right of and above the foot of the tree."""
 
     begin: Point
     end: Point
-    thickness: float
-    is_twig: bool
+    thickness: float  # metres
+    is_twig: bool  # whether it has leaves
 
 
 def tree(seed: int, season: str, look: int) -> Texture:
-    """A tree as it is in a season."""
+    """Texture of a tree."""
     rng, look_rng = np.random.default_rng(seed), np.random.default_rng([seed, look])
     branches = _branches(rng, rng.uniform(3.5, 7))
     ends = np.array([branch.end for branch in branches])
@@ -46,7 +46,7 @@ def tree(seed: int, season: str, look: int) -> Texture:
 
 
 def bush(seed: int, season: str, look: int) -> Texture:
-    """A bush or a piece of hedge."""
+    """Texture of a bush or hedge."""
     rng, look_rng = np.random.default_rng(seed), np.random.default_rng([seed, look])
     width, height = rng.uniform(1.5, 4.5), rng.uniform(1.0, 2.0)
     wood = np.zeros((int(height * TEXELS), int(width * TEXELS)), np.uint8)
@@ -65,19 +65,22 @@ def bush(seed: int, season: str, look: int) -> Texture:
 def _grown(
     rng: np.random.Generator, look_rng: np.random.Generator, season: str, wood: np.ndarray, crown: np.ndarray
 ) -> Texture:
-    """Wood with its leaves in the crown, or with snow."""
+    """Texture of a plant: adds leaves or snow to the branches.
+
+    :param wood: crown: masks of the branches and of the foliage, uint8 (rows, columns)
+    """
     rows, columns = wood.shape
     grey = rng.uniform(40, 90) + 10 * grain(rng, rows, columns)
-    share, tone = LEAVES[season]
+    density, tone = LEAVES[season]
     mask = wood.copy()
-    if share:
+    if density:
         hang = 0.7 * noise(look_rng, rows, columns, LEAF * TEXELS)
         hang += 0.5 * noise(look_rng, rows, columns, 5 * LEAF * TEXELS) + 0.4 * grain(look_rng, rows, columns)
         thin = 1 - cv2.blur(crown, (int(MARGIN * TEXELS), int(MARGIN * TEXELS))) / np.float32(255)
-        leaves = (hang > THIN * thin - share) & (crown > 0)
-        depth = 15 * noise(look_rng, rows, columns, 6 * LEAF * TEXELS)  # some are in the shade of others
-        each = 28 * noise(look_rng, rows, columns, LEAF * TEXELS) + 14 * grain(look_rng, rows, columns)
-        grey[leaves] = (tone + depth + each)[leaves]
+        leaves = (hang > THIN * thin - density) & (crown > 0)
+        depth = 15 * noise(look_rng, rows, columns, 6 * LEAF * TEXELS)  # leaves shade each other
+        texture = 28 * noise(look_rng, rows, columns, LEAF * TEXELS) + 14 * grain(look_rng, rows, columns)
+        grey[leaves] = (tone + depth + texture)[leaves]
         mask[leaves] = 255
     if season == "winter":
         grey[cv2.subtract(mask, np.roll(mask, 3, axis=0)) > 0] = SNOW  # on top of every branch
@@ -85,21 +88,21 @@ def _grown(
 
 
 def _branches(rng: np.random.Generator, height: float) -> List[_Branch]:
-    """A trunk and what grows of it."""
+    """Trunk and branches of a tree; height: about that of the tree, metres."""
     branches = []
     growing = [((0.0, 0.0), 0.0, 0.28 * height, rng.uniform(0.15, 0.35), 6)]
     while growing:
-        begin, angle, length, thickness, depth = growing.pop()
+        begin, angle, length, thickness, order = growing.pop()
         end = (begin[0] + length * np.sin(angle), max(begin[1] + length * np.cos(angle), MARGIN))
-        branches.append(_Branch(begin, end, thickness, depth <= 2))
-        for _ in range(int(rng.integers(2, 4)) if depth else 0):
-            turned = angle + rng.normal(0, 0.5)
-            growing.append((end, turned, length * rng.uniform(0.6, 0.8), 0.6 * thickness, depth - 1))
+        branches.append(_Branch(begin, end, thickness, order <= 2))
+        for _ in range(int(rng.integers(2, 4)) if order else 0):
+            next_angle = angle + rng.normal(0, 0.5)
+            growing.append((end, next_angle, length * rng.uniform(0.6, 0.8), 0.6 * thickness, order - 1))
     return branches
 
 
 def _bunches(rng: np.random.Generator, count: int) -> List[int]:
-    """Radii of the leaves around the ends of twigs, texels."""
+    """Radii of the foliage around the ends of twigs, texels."""
     return (rng.uniform(0.4, 0.9, count) * MARGIN * TEXELS).astype(int).tolist()
 
 

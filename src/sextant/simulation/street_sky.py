@@ -1,9 +1,8 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""What is behind everything in a simulated street: clouds, and trees and hills at the horizon.
+"""Background of a simulated street: clouds, and trees and hills at the horizon.
 
-It is so far away that it depends on the direction only: a panorama on an upright cylinder, its rows up to
-the tangent of the elevation.
+A cylindrical panorama at infinity; rows are linear in the tangent of the elevation.
 """
 
 import cv2
@@ -11,23 +10,23 @@ import numpy as np
 
 from sextant.simulation.street_textures import grain, repeating_noise
 
-SIDE = 8192  # texels around
+SIDE = 8192  # texels in 360 degrees
 TOP = 0.6  # tangent of the elevation at the upper edge
-TOP_TONE, HORIZON_TONE = 235.0, 205.0
-CLOUDS = {"summer": 9.0, "autumn": 12.0, "winter": 5.0}  # deviation of their brightness
+TOP_TONE, HORIZON_TONE = 235.0, 205.0  # brightness
+CLOUDS = {"summer": 9.0, "autumn": 12.0, "winter": 5.0}  # standard deviation of their brightness
 TREES = {"summer": (118.0, 11.0), "autumn": (135.0, 13.0), "winter": (165.0, 14.0)}  # brightness, deviation
-TEXELS = SIDE / (2 * np.pi)  # a radian
+TEXELS = SIDE / (2 * np.pi)  # per radian of azimuth, and per unit of the tangent of the elevation
 
 
 def panorama(seed: int, season: str, look: int) -> np.ndarray:
-    """uint8 (rows, SIDE); the azimuth grows with the column, the last row is the horizon.
+    """Panorama, uint8 (rows, SIDE): azimuth by column, the horizon is the last row.
 
-    :param look: of the clouds
+    :param look: random seed of the clouds; the seed determines the rest
     """
     rng, look_rng = np.random.default_rng([seed, 7]), np.random.default_rng([seed, 8, look])
     rows = int(TOP * TEXELS)
-    small = repeating_noise(look_rng, SIDE // 8, 1.6)[: rows // 4]
-    clouds = cv2.resize(np.ascontiguousarray(small), (SIDE, rows), interpolation=cv2.INTER_CUBIC)
+    coarse = repeating_noise(look_rng, SIDE // 8, 1.6)[: rows // 4]
+    clouds = cv2.resize(np.ascontiguousarray(coarse), (SIDE, rows), interpolation=cv2.INTER_CUBIC)
     sky = np.linspace(TOP_TONE, HORIZON_TONE, rows, dtype=np.float32)[:, None] + CLOUDS[season] * clouds
     elevation = np.linspace(TOP, 0, rows, dtype=np.float32)[:, None]
     hills = 0.035 + 0.012 * _ridge(rng, 1.8)
@@ -35,14 +34,14 @@ def panorama(seed: int, season: str, look: int) -> np.ndarray:
     tone, deviation = TREES[season]
     crowns = tone + deviation * np.hstack([grain(rng, rows, SIDE // 4) for _ in range(4)])
     trees = elevation < 0.02 + 0.007 * _ridge(rng, 0.9)
-    if season == "winter":  # bare: the sky shows between the branches
+    if season == "winter":  # the sky is visible between bare branches
         trees &= crowns < tone + deviation
     sky[trees] = crowns[trees]
     return np.clip(sky, 0, 255).astype(np.uint8)
 
 
 def _ridge(rng: np.random.Generator, smoothness: float) -> np.ndarray:
-    """(SIDE,) heights of deviation 1 that meet at their ends."""
+    """Periodic random heights (SIDE,) with standard deviation 1."""
     spectrum = np.fft.rfft(rng.normal(size=SIDE))
     spectrum /= np.maximum(np.arange(len(spectrum)), 4) ** smoothness
     spectrum[0] = 0

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""What stands along a simulated street: facades and cars, as grey textures with seeds of their own.
+"""Textures of facades and cars of a simulated street, each with its random seed.
 
-Brightness is 0 to 255 in the light of a cloudy day. A texture's `look` is what people change from day to day:
-blinds, posters; everything else of a facade stays.
+Brightness is 0 to 255 in diffuse light. `look` is the random seed of blinds and posters, which change
+from day to day.
 """
 
 from functools import lru_cache
@@ -13,23 +13,23 @@ import cv2
 import numpy as np
 from scipy import fft
 
-TEXELS = 96  # a metre
+TEXELS = 96  # per metre
 SEASONS = ("summer", "autumn", "winter")
-SNOW = 225.0
-TILE = 2048  # texels; side of the grain that all surfaces are cut from
+SNOW = 225.0  # brightness of snow
+TILE = 2048  # side of the grain texture from which all surfaces are cut, texels
 
 
 class Texture(NamedTuple):
-    """A picture of something upright, `width` x `height` metres; the lower edge is on the ground."""
+    """Texture of an upright object; its lower edge is on the ground."""
 
     grey: np.ndarray  # float32 (rows, columns)
-    mask: Optional[np.ndarray]  # uint8 (rows, columns), 255 where it is; None: everywhere
-    width: float
-    height: float
+    mask: Optional[np.ndarray]  # uint8 (rows, columns), 255: opaque; None: opaque everywhere
+    width: float  # metres
+    height: float  # metres
 
 
 def noise(rng: np.random.Generator, rows: int, columns: int, grain: float) -> np.ndarray:
-    """Smooth noise of deviation 1, float32 (rows, columns); grain: its size in pixels."""
+    """Smooth noise of standard deviation 1, float32 (rows, columns); grain: its size in pixels."""
     shape = (int(rows / grain) + 4, int(columns / grain) + 4)
     return cv2.resize(
         rng.normal(size=shape).astype(np.float32), (columns, rows), interpolation=cv2.INTER_CUBIC
@@ -37,9 +37,9 @@ def noise(rng: np.random.Generator, rows: int, columns: int, grain: float) -> np
 
 
 def repeating_noise(rng: np.random.Generator, side: int, exponent: float) -> np.ndarray:
-    """Noise of all sizes and deviation 1 that repeats without a seam, float32 (side, side).
+    """Periodic noise of standard deviation 1, float32 (side, side).
 
-    :param exponent: its amplitudes fall with frequency to the power of this: 0: white; 1: as in most pictures
+    :param exponent: amplitudes are proportional to frequency ** -exponent; 0: white; 1: natural images
     """
     spectrum = fft.rfft2(rng.standard_normal((side, side), np.float32))
     frequency = np.hypot(*np.meshgrid(fft.rfftfreq(side), fft.fftfreq(side))).astype(np.float32)
@@ -55,14 +55,14 @@ def _tile() -> np.ndarray:
 
 
 def grain(rng: np.random.Generator, rows: int, columns: int) -> np.ndarray:
-    """Noise of all sizes and deviation 1, float32 (rows, columns), at most TILE; a piece of one for all."""
+    """Noise of standard deviation 1, float32 (rows, columns), at most TILE: a part of the common grain."""
     y, x = rng.integers(TILE - rows + 1), rng.integers(TILE - columns + 1)
-    turn = slice(None, None, int(rng.choice([-1, 1])))
-    return _tile()[y : y + rows, x : x + columns][turn, ::-1]
+    flip = slice(None, None, int(rng.choice([-1, 1])))
+    return _tile()[y : y + rows, x : x + columns][flip, ::-1]
 
 
 def facade(seed: int, width: float, height: float, look: int, season: str) -> Texture:
-    """The front of a house, metres."""
+    """Texture of a house front; width and height in metres."""
     rng, look_rng = np.random.default_rng(seed), np.random.default_rng([seed, look])
     rows, columns = int(height * TEXELS), int(width * TEXELS)
     base = rng.uniform(60, 190)
@@ -83,7 +83,7 @@ def facade(seed: int, width: float, height: float, look: int, season: str) -> Te
 
 
 def car(seed: int) -> Texture:
-    """A parked car, seen from its side."""
+    """Texture of a parked car from its side."""
     rng = np.random.default_rng(seed)
     width, height = 4.2, 1.5
     rows, columns = int(height * TEXELS), int(width * TEXELS)
@@ -122,7 +122,7 @@ def _bricks(rng: np.random.Generator, grey: np.ndarray) -> None:
 
 
 def _panels(rng: np.random.Generator, grey: np.ndarray) -> None:
-    """Boards, with the grain of wood."""
+    """Boards with wood grain."""
     rows, columns = grey.shape
     grey += 7 * cv2.resize(grain(rng, rows // 16, columns), (columns, rows)) + 9 * grain(rng, rows, columns)
     for x in range(0, columns, int(rng.uniform(0.12, 0.5) * TEXELS)):
@@ -165,7 +165,7 @@ def _roof(rng: np.random.Generator, grey: np.ndarray) -> int:
 
 
 def _snow(rng: np.random.Generator, roof: np.ndarray) -> None:
-    """Some has slid off."""
+    """Snow on a roof, where it has not slid off."""
     rows, columns = roof.shape
     slid = noise(rng, rows, columns, 2 * TEXELS) + 0.4 * noise(rng, rows, columns, 0.1 * TEXELS)
     lying = np.clip(1.8 + 1.5 * slid - 0.5 * np.linspace(0, 1, rows)[:, None], 0, 1)
@@ -198,7 +198,7 @@ def _window(
     dark = look_rng.uniform(20, 110)
     glass = grey[top:bottom, left:right]
     glass[:] = np.linspace(dark + look_rng.uniform(0, 50), dark, len(glass))[:, None]
-    glass += look_rng.uniform(3, 14) * noise(look_rng, *glass.shape, 0.15 * TEXELS)  # what it mirrors
+    glass += look_rng.uniform(3, 14) * noise(look_rng, *glass.shape, 0.15 * TEXELS)  # reflections
     if look_rng.random() < 0.4:  # a blind
         blind = glass[: int(len(glass) * look_rng.uniform(0.2, 0.8))]
         blind[:] = look_rng.uniform(100, 220)
@@ -215,7 +215,7 @@ def _window(
 
 
 def _pipe(rng: np.random.Generator, grey: np.ndarray) -> None:
-    """From the gutter to the ground."""
+    """Rain pipe from the gutter to the ground."""
     x, width = int(rng.choice([0.04, 0.95]) * grey.shape[1]), int(0.09 * TEXELS)
     grey[:, x : x + width] = rng.uniform(60, 190) + 40 * np.sin(np.linspace(0, np.pi, width))
     grey[int(1.5 * TEXELS) :: int(2 * TEXELS), x - 2 : x + width + 2] = 60

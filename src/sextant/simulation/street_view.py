@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a camera sees of a simulated street: textures on planes, the farthest first."""
+"""Renders camera images of a simulated street: textured planes, back to front."""
 
 from typing import NamedTuple, Optional, Tuple
 
@@ -12,17 +12,17 @@ from sextant.simulation.street import COARSER, Street, Upright
 from sextant.simulation.street_sky import SIDE
 from sextant.simulation.street_sky import TEXELS as SKY_TEXELS
 
-EYE = 1.5  # metres above the ground
-NEAR, FAR = 0.5, 70.0  # metres; nothing nearer or farther is seen
-HAZE = 120.0  # metres at which what stands is hazed wholly
-GROUND_HAZE, MOST_HAZE = 150.0, 0.6
-HAZE_TONE = 170.0
-SHARP = 1.5  # texels a pixel, from which on a texture is made smaller first
-SLANT = 2.5  # texels a pixel along the ground, as much
+EYE = 1.5  # height of the camera above the ground, metres
+NEAR, FAR = 0.5, 70.0  # clipping distances, metres
+HAZE = 120.0  # distance at which uprights are fully hazed, metres
+GROUND_HAZE, MAX_HAZE = 150.0, 0.6  # the same for the ground, metres; maximum fraction of haze there
+HAZE_TONE = 170.0  # brightness
+SHARP = 1.5  # texels per pixel above which a texture is reduced
+SLANT = 2.5  # texels per pixel above which the ground is reduced, along the viewing direction
 
 
 class _Camera(NamedTuple):
-    """Looks along the ground; pixels."""
+    """Camera with a horizontal optical axis; x, y in metres, the rest in pixels."""
 
     x: float
     y: float
@@ -36,7 +36,7 @@ class _Camera(NamedTuple):
         return (self.width - 1) / 2, (self.height - 1) / 2
 
     def depth_and_right(self, points: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
-        """Of points (n, 2) on the ground, metres."""
+        """Depth and lateral offset of points (n, 2) on the ground, metres."""
         offset = points - (self.x, self.y)
         cosine, sine = np.cos(self.yaw), np.sin(self.yaw)
         return offset @ (cosine, sine), offset @ (sine, -cosine)
@@ -49,11 +49,12 @@ def street_view(
     seed: int = 0,
     horizontal_fov: float = HORIZONTAL_FOV,
 ) -> np.ndarray:
-    """The picture, uint8 (height, width).
+    """Renders an image, uint8 (height, width).
 
     :param pose: (x, y, yaw) of the camera, see Street.pose()
     :param size: width and height, pixels
-    :param seed: of the camera's noise
+    :param seed: random seed of the image noise
+    :param horizontal_fov: radians
     """
     width, height = size
     camera = _Camera(*pose, width, height, 0.5 * width / np.tan(horizontal_fov / 2))
@@ -87,20 +88,22 @@ def _ground(street: Street, camera: _Camera) -> np.ndarray:
     x = camera.x + cosine * depth[:, None] + sine * right
     y = camera.y + sine * depth[:, None] - cosine * right
     ground = street.ground.seen(x, y, depth / camera.f * np.maximum(depth / EYE / SLANT, 1))
-    haze = np.float32(np.minimum(depth / GROUND_HAZE, MOST_HAZE))[:, None]
+    haze = np.float32(np.minimum(depth / GROUND_HAZE, MAX_HAZE))[:, None]
     return (ground * (1 - haze) + HAZE_TONE * haze) * street.conditions.exposure
 
 
 def _far_to_near(street: Street, camera: _Camera):
-    seen = []
+    """Uprights within the clipping distances, the farthest first."""
+    visible = []
     for upright in street.uprights:
         depth, _ = camera.depth_and_right(np.array([upright.left, upright.right]))
         if depth.max() > NEAR and depth.min() < FAR:
-            seen.append((depth.mean(), upright))
-    return [upright for _, upright in sorted(seen, key=lambda each: -each[0])]
+            visible.append((depth.mean(), upright))
+    return [upright for _, upright in sorted(visible, key=lambda each: -each[0])]
 
 
 def _draw(image: np.ndarray, camera: _Camera, upright: Upright, exposure: float) -> None:
+    """Draws an upright in place."""
     depth, right = camera.depth_and_right(np.array([upright.left, upright.right]))
     parts = _visible(depth, right, (camera.width / 2 + 1) / camera.f)
     nearest = (depth[0] + np.array(parts) * (depth[1] - depth[0])).min()
@@ -124,15 +127,15 @@ def _draw(image: np.ndarray, camera: _Camera, upright: Upright, exposure: float)
     )
     H = cv2.getPerspectiveTransform(source, np.float32(corners - (left, top)))
     size = (stop_x - left, stop_y - top)
-    seen = cv2.warpPerspective(grey, H, size, flags=cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    warped = cv2.warpPerspective(grey, H, size, flags=cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     opaque = cv2.warpPerspective(np.full_like(grey, 255) if mask is None else mask, H, size) / np.float32(255)
     haze = min(1.0, depth.min() / HAZE)
     part = image[top:stop_y, left:stop_x]
-    part += opaque * (seen * (1 - haze) + HAZE_TONE * exposure * haze - part)
+    part += opaque * (warped * (1 - haze) + HAZE_TONE * exposure * haze - part)
 
 
 def _sharp_enough(upright: Upright, pixels: float) -> Tuple[Upright, float]:
-    """Its coarsest texels that suffice for so many pixels a metre, and the scale to make them smaller by."""
+    """The coarsest level of detail that is sharp enough, and its scale in the image; pixels: per metre."""
     width = np.linalg.norm(upright.right - upright.left)
     while True:
         scale = SHARP * pixels * width / upright.grey.shape[1]
@@ -142,9 +145,9 @@ def _sharp_enough(upright: Upright, pixels: float) -> Tuple[Upright, float]:
 
 
 def _visible(depth: np.ndarray, right: np.ndarray, tangent: float) -> Tuple[float, float]:
-    """Which parts of the way between two points lie before the camera and within its picture's width.
+    """Clips the segment between two points to the field of view; returns the fractions of its ends.
 
-    :param tangent: of half of the angle of view
+    :param tangent: of half the field of view
     """
     low, high = 0.0, 1.0
     for begin, end in (depth - NEAR, tangent * depth - right, tangent * depth + right):
@@ -158,7 +161,7 @@ def _visible(depth: np.ndarray, right: np.ndarray, tangent: float) -> Tuple[floa
 
 
 def _projected(camera: _Camera, depth: np.ndarray, right: np.ndarray, height: float) -> np.ndarray:
-    """(4, 2) pixels of the corners: upper left, upper right, lower right, lower left."""
+    """Pixels (4, 2) of the corners: upper left, upper right, lower right, lower left."""
     centre_x, centre_y = camera.centre
     u = centre_x + camera.f * right / depth
     top, bottom = (centre_y + camera.f * (EYE - z) / depth for z in (height, 0.0))
@@ -166,14 +169,14 @@ def _projected(camera: _Camera, depth: np.ndarray, right: np.ndarray, height: fl
 
 
 def _box(camera: _Camera, corners: np.ndarray) -> Optional[Tuple[int, int, int, int]]:
-    """Left, top, right and bottom of the pixels that corners enclose; None: none of the picture."""
+    """Left, top, right and bottom of the bounding box in the image; None if the box is outside."""
     low = np.maximum(np.floor(corners.min(axis=0)), 0).astype(int)
     high = np.minimum(np.ceil(corners.max(axis=0)), (camera.width, camera.height)).astype(int)
     return (*low, *high) if np.all(high > low) else None
 
 
 def _reduced(texture: Optional[np.ndarray], first: int, last: int, scale: float) -> Optional[np.ndarray]:
-    """The columns that are seen, without more texels than needed."""
+    """The visible columns of a texture, reduced by the scale."""
     if texture is None:
         return None
     part = texture[:, first : last + 1]

@@ -1,50 +1,47 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""A detector judged by pictures whose objects are known, and the picture of what it takes for what."""
+"""Evaluation of a detector on images with ground truth, and a plot of its confusion matrix."""
 
 from dataclasses import replace
 from pathlib import Path
 from typing import Sequence
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from sextant.base.atomic_file import atomic_file
 from sextant.objects.yolo_detector import YoloDetector, YoloParams
-from sextant.training.mean_precision import DetectorScore, KnownObjects, detector_score
+from sextant.training.average_precision import DetectorScore, TrueObjects, detector_score
 
-LEAST = 0.01  # score of a box that counts in a mean precision
+MIN_SCORE = 0.01  # minimum score of the detections that count in the average precision
 
 
-def scored(
-    images: Sequence[np.ndarray], known: Sequence[KnownObjects], params: YoloParams
-) -> DetectorScore:
-    """A network at the threshold of its parameters.
+def scored(images: Sequence[np.ndarray], known: Sequence[TrueObjects], params: YoloParams) -> DetectorScore:
+    """Scores a network; the confusion matrix is at params.confidence.
 
-    :param images: uint8 (height, width, 3), red first
+    :param images: uint8 (height, width, 3), RGB
+    :param known: ground truth of each image
     :raises OSError: the model cannot be read
     :raises ValueError: as YoloDetector
     """
-    detector = YoloDetector(replace(params, confidence=LEAST))
+    detector = YoloDetector(replace(params, confidence=MIN_SCORE))
     found = [detector.detect(image) for image in images]
     return detector_score(found, known, len(detector.classes), params.confidence)
 
 
 def plot_confusion(path: Path, score: DetectorScore, classes: Sequence[str]) -> None:
-    """Writes a PNG: of each class, as what it was found.
+    """Writes the confusion matrix as a PNG file.
 
-    :raises OSError: it cannot be written
+    :raises OSError: the file cannot be written
     """
     names = [*(each.replace("_", " ") for each in classes), "nothing"]
     table = score.table
-    share = table / np.maximum(1, table.sum(axis=1, keepdims=True))
+    fraction = table / np.maximum(1, table.sum(axis=1, keepdims=True))
     figure = Figure(figsize=(5.6, 4.8), dpi=110, layout="constrained")
-    FigureCanvasAgg(figure)
     axes = figure.subplots()
-    image = axes.imshow(share, cmap="Blues", vmin=0.0, vmax=1.0)
+    image = axes.imshow(fraction, cmap="Blues", vmin=0.0, vmax=1.0)
     for (row, column), count in np.ndenumerate(table):
-        colour = "white" if share[row, column] > 0.5 else "black"
+        colour = "white" if fraction[row, column] > 0.5 else "black"
         axes.text(column, row, str(count), ha="center", va="center", color=colour)
     axes.set_xticks(range(len(names)), names, rotation=30, ha="right")
     axes.set_yticks(range(len(names)), names)

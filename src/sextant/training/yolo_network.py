@@ -1,52 +1,47 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""A small detection network with the outputs of the YOLOv8 and YOLO11 families, cut before boxes are decoded.
+"""A small detection network with the outputs of the YOLOv8 and YOLO11 families, cut before decoding.
 
 Cross-stage partial blocks (Wang et al. 2020, "CSPNet"), pyramid pooling (He et al. 2015), a path aggregation
-network over three grids (Liu et al. 2018) and heads apart for boxes and classes, without anchors (Tian et al.
+network over three grids (Liu et al. 2018) and anchor-free heads, separate for boxes and classes (Tian et al.
 2019, "FCOS"), with distances as distributions (Li et al. 2020, "Generalized focal loss"). Needs PyTorch.
 """
 
-import io
 import math
-import warnings
-from pathlib import Path
-from typing import List, Tuple
+from typing import Tuple
 
-import onnx
 import torch
 from torch import Tensor, nn
 
-from sextant.base.atomic_file import atomic_file
 from sextant.objects.yolo_output import BINS
 
-WIDTHS = (24, 48, 72, 80, 80)  # channels after each halving of the picture
-HEAD = 48  # channels
-LIKELY = 0.01  # score of a class before anything is learnt
+WIDTHS = (24, 48, 72, 80, 80)  # number of channels after each halving of the image
+HEAD = 48  # number of channels in the heads
+PRIOR_SCORE = 0.01  # initial score of a class
 
 
 class Conv(nn.Sequential):
-    """Convolution, normalization, SiLU."""
+    """Convolution, batch normalization, SiLU activation."""
 
-    def __init__(self, taken: int, made: int, size: int = 1, stride: int = 1, groups: int = 1):
+    def __init__(self, channels_in: int, channels_out: int, size: int = 1, stride: int = 1, groups: int = 1):
         super().__init__(
-            nn.Conv2d(taken, made, size, stride, size // 2, groups=groups, bias=False),
-            nn.BatchNorm2d(made),
+            nn.Conv2d(channels_in, channels_out, size, stride, size // 2, groups=groups, bias=False),
+            nn.BatchNorm2d(channels_out),
             nn.SiLU(),
         )
 
 
 class Block(nn.Module):
-    """Half of the channels go through residual pairs of convolutions, and every step of it is kept."""
+    """Cross-stage partial block: half of the channels pass residual convolutions; joins all stages."""
 
-    def __init__(self, taken: int, made: int, pairs: int = 1):
+    def __init__(self, channels_in: int, channels_out: int, pairs: int = 1):
         super().__init__()
-        half = made // 2
-        self.aside, self.first = Conv(taken, half), Conv(taken, half)
+        half = channels_out // 2
+        self.aside, self.first = Conv(channels_in, half), Conv(channels_in, half)
         self.pairs = nn.ModuleList(
             nn.Sequential(Conv(half, half, 3), Conv(half, half, 3)) for _ in range(pairs)
         )
-        self.join = Conv((2 + pairs) * half, made)
+        self.join = Conv((2 + pairs) * half, channels_out)
 
     def forward(self, x: Tensor) -> Tensor:
         parts = [self.aside(x), self.first(x)]
@@ -56,7 +51,7 @@ class Block(nn.Module):
 
 
 class Pooling(nn.Module):
-    """What is about each place, at several sizes."""
+    """Spatial pyramid pooling."""
 
     def __init__(self, channels: int):
         super().__init__()
@@ -72,25 +67,27 @@ class Pooling(nn.Module):
 
 
 class Head(nn.Module):
-    """Boxes and classes of one grid: (n, 4 * BINS + classes, height, width)."""
+    """Box distributions and class scores of one grid: (n, 4 * BINS + classes, height, width)."""
 
-    def __init__(self, taken: int, classes: int):
+    def __init__(self, channels_in: int, classes: int):
         super().__init__()
-        self.box = nn.Sequential(Conv(taken, HEAD, 3), Conv(HEAD, HEAD, 3), nn.Conv2d(HEAD, 4 * BINS, 1))
+        self.box = nn.Sequential(
+            Conv(channels_in, HEAD, 3), Conv(HEAD, HEAD, 3), nn.Conv2d(HEAD, 4 * BINS, 1)
+        )
         self.scores = nn.Sequential(
-            Conv(taken, taken, 3, groups=taken), Conv(taken, HEAD), Conv(HEAD, HEAD, 3, groups=HEAD),
-            Conv(HEAD, HEAD), nn.Conv2d(HEAD, classes, 1),
+            Conv(channels_in, channels_in, 3, groups=channels_in), Conv(channels_in, HEAD),
+            Conv(HEAD, HEAD, 3, groups=HEAD), Conv(HEAD, HEAD), nn.Conv2d(HEAD, classes, 1),
         )  # fmt: skip
-        nn.init.constant_(self.scores[-1].bias, math.log(LIKELY / (1.0 - LIKELY)))
+        nn.init.constant_(self.scores[-1].bias, math.log(PRIOR_SCORE / (1.0 - PRIOR_SCORE)))
         with torch.no_grad():
-            self.box[-1].bias.copy_(-0.5 * torch.arange(BINS).repeat(4))  # most things are small
+            self.box[-1].bias.copy_(-0.5 * torch.arange(BINS).repeat(4))  # most objects are small
 
     def forward(self, x: Tensor) -> Tensor:
         return torch.cat([self.box(x), self.scores(x)], 1)
 
 
 class YoloNetwork(nn.Module):
-    """(n, 3, height, width) in [0, 1], red first, to (n, 4 * BINS + classes, places), the finest first."""
+    """Maps RGB (n, 3, height, width) in [0, 1] to (n, 4 * BINS + classes, predictions), finest grid first."""
 
     def __init__(self, classes: int):
         super().__init__()
@@ -107,12 +104,13 @@ class YoloNetwork(nn.Module):
 
     def forward(self, x: Tensor) -> Tensor:
         grids = self._grids(x)
-        told = [head(grid) for head, grid in zip(self.heads, grids)]
+        predicted = [head(grid) for head, grid in zip(self.heads, grids)]
         return torch.cat(
-            [each.reshape(-1, each.shape[1], int(each.shape[2] * each.shape[3])) for each in told], 2
+            [each.reshape(-1, each.shape[1], int(each.shape[2] * each.shape[3])) for each in predicted], 2
         )
 
     def _grids(self, x: Tensor) -> Tuple[Tensor, Tensor, Tensor]:
+        """Features of the fine, middle and coarse grid: down the pyramid, then up again."""
         fine = self.fine(self.stem(x))
         middle = self.middle(fine)
         coarse = self.coarse(middle)
@@ -120,22 +118,3 @@ class YoloNetwork(nn.Module):
         fine = self.down_fine(torch.cat([self.up(middle), fine], 1))
         middle = self.up_middle(torch.cat([self.halve_fine(fine), middle], 1))
         return fine, middle, self.up_coarse(torch.cat([self.halve_middle(middle), coarse], 1))
-
-
-def export(network: YoloNetwork, path: Path, size: int, names: List[str]) -> None:
-    """Writes an ONNX file that takes one picture of size × size pixels and says what its classes are.
-
-    :raises OSError: it cannot be written
-    """
-    drawn, picture = io.BytesIO(), torch.zeros(1, 3, size, size)
-    # Sizes become constants of the graph: OpenCV's dnn computes none.
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", torch.jit.TracerWarning)
-        torch.onnx.export(
-            network.eval(), picture, drawn, opset_version=12, input_names=["images"], output_names=["output"]
-        )
-    model = onnx.load_from_string(drawn.getvalue())
-    entry = model.metadata_props.add()
-    entry.key, entry.value = "names", repr(dict(enumerate(names)))
-    with atomic_file(path, "wb") as file:
-        file.write(model.SerializeToString())

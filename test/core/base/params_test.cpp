@@ -56,15 +56,17 @@ TEST(Params, WhatIsRefusedIsNamed) {
   EXPECT_EQ(refusalOf([](Outer& p) {
               p.sizes = {{3, 0.5}, {7, 2.0}};
             }),
-            "sizes: that of 7 is 2, allowed is (0, 1] m");
+            "sizes[7] is 2, allowed is (0, 1] m");
   EXPECT_EQ(refusalOf([](Outer& p) { p.position[2] = 2; }), "position is 2, allowed is [-1, 1] m");
 }
 
 TEST(Params, TopicsHaveNamesOfTheirOwn) {
   for (const std::string wrong : {"", "front markers", "7up", "a-b"})
-    EXPECT_EQ(refusalOf([&](Outer& p) { p.cameras = {wrong}; }).find("cameras: '" + wrong + "' is no topic"),
+    EXPECT_EQ(refusalOf([&](Outer& p) {
+                p.cameras = {wrong};
+              }).find("cameras: '" + wrong + "' is not a topic name"),
               0u);
-  EXPECT_EQ(refusalOf([](Outer& p) { p.cameras = {"a", "a"}; }), "cameras: 'a' is there twice");
+  EXPECT_EQ(refusalOf([](Outer& p) { p.cameras = {"a", "a"}; }), "cameras: 'a' is listed twice");
 }
 
 TEST(Params, DescribeThemselves) {

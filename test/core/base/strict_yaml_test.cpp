@@ -18,9 +18,9 @@ TEST(StrictYaml, ReadsWhatItWrites) {
   const double values[] = {0.1, -2e-300, 3};
   EXPECT_EQ(numbers(YAML::Load(listText(values, 3)), 3), Eigen::Vector3d(0.1, -2e-300, 3));
   for (const std::string text : {"door 7", "a \"quoted\" \\ name", "tür: [", "true", "#"})
-    EXPECT_EQ(word(YAML::Load(quotedText(text))), text);
+    EXPECT_EQ(nonEmptyText(YAML::Load(quotedText(text))), text);
   EXPECT_EQ(wholeNumber(YAML::Load("-7")), -7);
-  EXPECT_TRUE(truth(YAML::Load("true")));
+  EXPECT_TRUE(boolean(YAML::Load("true")));
 }
 
 TEST(StrictYaml, NamesTheLineOfTheMistake) {
@@ -28,8 +28,8 @@ TEST(StrictYaml, NamesTheLineOfTheMistake) {
   EXPECT_EQ(mistakeIn("[1]", number), "f.yaml:1: needs a finite number");
   EXPECT_EQ(mistakeIn(".inf", number), "f.yaml:1: needs a finite number, not '.inf'");
   EXPECT_EQ(mistakeIn("1.0", wholeNumber), "f.yaml:1: needs a whole number");
-  EXPECT_EQ(mistakeIn("perhaps", truth), "f.yaml:1: needs true or false");
-  EXPECT_EQ(mistakeIn("''", word), "f.yaml:1: needs a name");
+  EXPECT_EQ(mistakeIn("perhaps", boolean), "f.yaml:1: needs true or false");
+  EXPECT_EQ(mistakeIn("''", nonEmptyText), "f.yaml:1: needs a name");
   const auto two = [](const YAML::Node& node) { return numbers(node, 2); };
   EXPECT_EQ(mistakeIn("[1, 2, 3]", two), "f.yaml:1: needs a list of 2 numbers");
   EXPECT_EQ(mistakeIn("- 1\n- x", two), "f.yaml:2: needs a finite number, not 'x'");
@@ -42,7 +42,7 @@ TEST(StrictYaml, TablesHaveTheirKeysOnceAndNoOthers) {
   EXPECT_EQ(mistakeIn("id: 1\nname: a", read), "accepted");
   EXPECT_EQ(mistakeIn("name: a", read), "f.yaml:1: a door lacks 'id'");
   EXPECT_EQ(mistakeIn("id: 1\nsize: 2", read), "f.yaml:2: unknown name 'size' in a door");
-  EXPECT_EQ(mistakeIn("id: 1\nid: 2", read), "f.yaml:2: 'id' is there twice");
+  EXPECT_EQ(mistakeIn("id: 1\nid: 2", read), "f.yaml:2: 'id' is given twice");
   EXPECT_EQ(mistakeIn("[id]", read), "f.yaml:1: a door must be a table of names and values");
 }
 

@@ -6,6 +6,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "sextant/markers/aruco_dictionary.hpp"
 #include "sextant/markers/marker_family.hpp"
 
 namespace sextant {
@@ -28,10 +29,7 @@ cv::Mat seen(int id) {
   return image;
 }
 
-CodeReader reader() {
-  return {cv::aruco::getPredefinedDictionary(cv::aruco::DICT_5X5_50),
-          cv::aruco::DetectorParameters::create()};
-}
+CodeReader reader() { return {makeArucoDictionary("DICT_5X5_50"), cv::aruco::DetectorParameters()}; }
 
 TEST(CodeReader, ReadsEveryMarkerFromEveryCorner) {
   for (int id = 0; id < 50; ++id)

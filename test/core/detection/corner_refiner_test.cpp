@@ -172,7 +172,7 @@ TEST(CornerRefiner, FollowsTheLens) {
   }
 }
 
-// The image ends before the marker does: with the lens known, its other edges tell where it goes on.
+// The marker is cut off by the image border: with a known lens, its other edges determine the hidden one.
 TEST(CornerRefiner, FindsAnEdgeThatIsCutOffByTheOthersAndTheLens) {
   for (const CameraCalibration& calibration : testCalibrations()) {
     const CameraModel camera(calibration, CameraModel::Image::raw);

@@ -63,7 +63,7 @@ TEST(FindHidden, TellsHowFarItIsOff) {
   std::normal_distribution<double> noise(0, kSigma);
   for (const double yaw : {0.0, 0.3, 0.7}) {
     const Corners truth = seen(camera, yaw);
-    double squares = 0, told = 0;
+    double squares = 0, variance = 0;
     int count = 0;
     for (int i = 0; i < 400; ++i) {
       HiddenEdge hidden = hiddenEdge(camera, truth, 1, kSigma);
@@ -79,12 +79,12 @@ TEST(FindHidden, TellsHowFarItIsOff) {
       ++count;
       for (int k = 0; k < 2; ++k) {
         squares += (found->corners[k] - truth[(1 + k) % 4]).squaredNorm() / 2;
-        told += found->sigmas[k] * found->sigmas[k];
+        variance += found->sigmas[k] * found->sigmas[k];
       }
     }
     EXPECT_GT(count, 380) << yaw;
-    EXPECT_GT(std::sqrt(told / squares), 0.75) << yaw;
-    EXPECT_LT(std::sqrt(told / squares), yaw == 0 ? 30.0 : 2.0) << yaw;
+    EXPECT_GT(std::sqrt(variance / squares), 0.75) << yaw;
+    EXPECT_LT(std::sqrt(variance / squares), yaw == 0 ? 30.0 : 2.0) << yaw;
   }
 }
 

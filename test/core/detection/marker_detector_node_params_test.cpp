@@ -16,7 +16,7 @@ TEST(MarkerDetectorNodeParams, RefusesFramesThatCouldBeTheMaps) {
   EXPECT_NO_THROW(validate(params));  // no frame is published
   params.publish_tf = true;
   EXPECT_EQ(refusal<std::invalid_argument>([&] { validate(params); }),
-            "tf_prefix is empty: the frames could be those of the marker map");
+            "tf_prefix is empty: the frames could have the names of the map's markers");
 }
 
 }  // namespace

@@ -109,7 +109,7 @@ TEST_P(Tracking, SearchesEverywhereWhenTheImageHasAnotherSize) {
 INSTANTIATE_TEST_SUITE_P(Backends, Tracking, testing::Values("tag36h11", "DICT_APRILTAG_36h11"),
                          [](const auto& info) { return info.param; });
 
-// Remembers where it was told to look.
+// Records the regions in which it was asked to search.
 class Watched : public MarkerSearch {
  public:
   void everywhere(const cv::Mat&, FoundMarkers& found) override {

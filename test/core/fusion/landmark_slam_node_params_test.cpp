@@ -9,7 +9,7 @@
 namespace sextant {
 namespace {
 
-TEST(LandmarkSlamNodeParams, BeginsAtTheOriginOrAtThePoseThatIsSet) {
+TEST(LandmarkSlamNodeParams, StartsAtTheOriginOrAtStartPose) {
   LandmarkSlamNodeParams params;
   EXPECT_EQ(params.startPose().position, Eigen::Vector2d(0, 0));
   params.start_pose = {1, 2, 2 * M_PI + 0.5};
@@ -20,21 +20,21 @@ TEST(LandmarkSlamNodeParams, BeginsAtTheOriginOrAtThePoseThatIsSet) {
       Eigen::Matrix3d(Eigen::Vector3d(0.01, 0.04, 0.09).asDiagonal()), 1e-12));
 }
 
-TEST(LandmarkSlamNodeParams, RefusesTwoFramesOfOneName) {
+TEST(LandmarkSlamNodeParams, RefusesTwoFramesWithTheSameName) {
   LandmarkSlamNodeParams params;
   params.odom_frame = params.base_frame = "base_link";
   EXPECT_EQ(refusal<std::invalid_argument>([&] { validate(params); }),
-            "odom_frame is 'base_link', and so is another frame");
+            "odom_frame is 'base_link', the same as another frame");
   params.odom_frame = "map";
   EXPECT_EQ(refusal<std::invalid_argument>([&] { validate(params); }),
-            "map_frame is 'map', and so is another frame");
+            "map_frame is 'map', the same as another frame");
 }
 
 TEST(LandmarkSlamNodeParams, RefusesAPoseThatIsNotThreeNumbers) {
   LandmarkSlamNodeParams params;
   params.start_pose = {1, 2};
   EXPECT_EQ(refusal<std::invalid_argument>([&] { validate(params); }),
-            "start_pose has 2 numbers, needed are x, y (m) and heading (rad)");
+            "start_pose has 2 numbers, expected are x, y (m) and heading (rad)");
 }
 
 }  // namespace

@@ -8,8 +8,9 @@
 #include <cmath>
 #include <random>
 
+#include "test_matrices.hpp"
+#include "test_observations.hpp"
 #include "test_refusal.hpp"
-#include "test_sightings.hpp"
 
 namespace sextant {
 namespace {
@@ -34,7 +35,7 @@ Matrix6d noiseOfPose() {
   return scale * A * A.transpose() * scale;
 }
 
-TEST(MarkerLandmarks, HeadingIsWhereAPrintOnTheWallLooks) {
+TEST(MarkerLandmarks, HeadingOfAPrintOnAWallIsItsNormal) {
   for (const double yaw : {0.0, 0.7, -2.0})  // markerOnWall looks along -x
     EXPECT_NEAR(wrapped(headingOf(markerOnWall({3, 1, 1}, yaw).linear()) - (M_PI + yaw)), 0, 1e-12);
   for (const double lean : {-1.5, -0.786, -0.785, 0.785, 0.786, 1.5}) {  // also about 45 degrees
@@ -43,21 +44,21 @@ TEST(MarkerLandmarks, HeadingIsWhereAPrintOnTheWallLooks) {
   }
 }
 
-TEST(MarkerLandmarks, HeadingIsTheNormalOfAPrintThatHangsTurned) {
+TEST(MarkerLandmarks, HeadingOfARotatedPrintIsItsNormal) {
   for (const double turn : {-2.0, -0.8, 0.3, 0.8, M_PI_2, 2.0}) {
     const Matrix3d turned = markerOnWall({3, 1, 1}, 0.5).linear() * expSO3({0, 0, turn});
     EXPECT_NEAR(wrapped(headingOf(turned) - (M_PI + 0.5)), 0, 1e-12) << turn;
   }
 }
 
-TEST(MarkerLandmarks, HeadingIsAcrossTheLowerEdgeOfAPrintOnTheFloorOrTheCeiling) {
+TEST(MarkerLandmarks, HeadingOfAPrintOnFloorOrCeilingIsAcrossItsLowerEdge) {
   for (const double heading : {0.0, 1.0, -3.0})
     EXPECT_NEAR(headingOf(markerOnFloor({1, 2, 0}, heading).linear()), heading, 1e-12);
   const Matrix3d ceiling = markerOnFloor({1, 2, 0}, 0.5).linear() * expSO3({M_PI, 0, 0});
   EXPECT_NEAR(headingOf(ceiling), 0.5, 1e-12);
 }
 
-/// (x, y, heading) of sightings as drawn: of the marker's pose in the camera, and of the robot's tilt.
+/// (x, y, heading) of observations as drawn: of the marker's pose in the camera, and of the robot's tilt.
 Matrix3d drawnCovariance(const Pose& T_base_camera, const Pose& T_camera_marker, const Matrix6d& covariance,
                          double tilt) {
   const Matrix6d root = covariance.llt().matrixL();
@@ -80,46 +81,46 @@ Matrix3d drawnCovariance(const Pose& T_base_camera, const Pose& T_camera_marker,
   return scatter;
 }
 
-TEST(MarkerLandmarks, CovarianceIsThatOfDrawnPosesAndTilts) {
+TEST(MarkerLandmarks, CovarianceIsThatOfSampledPosesAndTilts) {
   const Pose T_base_camera = poseFromXyzRpy({0.1, 0.02, 0.4}, {-M_PI_2 - 0.2, 0.05, -M_PI_2 + 0.3});
   for (const Pose& T_base_marker :
        {Pose(markerOnWall({2, 0.5, 1.4}, 0.4)), markerOnFloor({2, -0.5, 0}, 2.0)}) {
     MarkerLandmarkParams params;
     params.tilt_sigma = 0.01;
     const Pose T_camera_marker = T_base_camera.inverse() * T_base_marker;
-    const LabelledSighting found =
-        markerSighting(kKey, T_base_camera, T_camera_marker, noiseOfPose(), 0, params);
+    const LabelledObservation found =
+        markerObservation(kKey, T_base_camera, T_camera_marker, noiseOfPose(), 0, params);
     const Matrix3d drawn = drawnCovariance(T_base_camera, T_camera_marker, noiseOfPose(), params.tilt_sigma);
-    EXPECT_LT((found.sighting.covariance - drawn).norm(), 0.02 * drawn.norm()) << drawn;
-    EXPECT_NEAR(found.sighting.covariance(2, 2), drawn(2, 2), 0.02 * drawn(2, 2));
-    EXPECT_LT((found.sighting.position - T_base_marker.translation().head<2>()).norm(), 1e-12);
-    EXPECT_NEAR(*found.sighting.heading, headingOf(T_base_marker.linear()), 1e-12);
+    EXPECT_LT((found.observation.covariance - drawn).norm(), 0.02 * drawn.norm()) << drawn;
+    EXPECT_NEAR(found.observation.covariance(2, 2), drawn(2, 2), 0.02 * drawn(2, 2));
+    EXPECT_LT((found.observation.position - T_base_marker.translation().head<2>()).norm(), 1e-12);
+    EXPECT_NEAR(*found.observation.heading, headingOf(T_base_marker.linear()), 1e-12);
     EXPECT_EQ(found.label, (LandmarkLabel{"tag36h11", 7}));
-    EXPECT_TRUE(found.begins);
+    EXPECT_TRUE(found.can_initialize);
   }
 }
 
-TEST(MarkerLandmarks, AnAmbiguousOneHasNoHeadingAndBeginsNothing) {
+TEST(MarkerLandmarks, AnAmbiguousMarkerHasNoHeadingAndCannotInitialize) {
   const MarkerLandmarkParams params;
   const Pose mount = forwardMount(0.5);
   const auto at = [&](double other) {
-    return markerSighting(kKey, mount, mount.inverse() * markerOnWall({2, 0, 1}), noiseOfPose(), other,
-                          params);
+    return markerObservation(kKey, mount, mount.inverse() * markerOnWall({2, 0, 1}), noiseOfPose(), other,
+                             params);
   };
-  EXPECT_TRUE(at(0.9e-4).sighting.heading);
-  EXPECT_TRUE(at(0.9e-4).begins);
-  const LabelledSighting ambiguous = at(1.1e-4);
-  EXPECT_FALSE(ambiguous.sighting.heading);
-  EXPECT_FALSE(ambiguous.begins);
-  EXPECT_EQ(ambiguous.sighting.position, at(0).sighting.position);
-  EXPECT_EQ(ambiguous.sighting.covariance, at(0).sighting.covariance);
+  EXPECT_TRUE(at(0.9e-4).observation.heading);
+  EXPECT_TRUE(at(0.9e-4).can_initialize);
+  const LabelledObservation ambiguous = at(1.1e-4);
+  EXPECT_FALSE(ambiguous.observation.heading);
+  EXPECT_FALSE(ambiguous.can_initialize);
+  EXPECT_EQ(ambiguous.observation.position, at(0).observation.position);
+  EXPECT_EQ(ambiguous.observation.covariance, at(0).observation.covariance);
 }
 
-TEST(MarkerLandmarks, TheOtherPoseIsAsProbableAsTheCornersSay) {
-  EXPECT_DOUBLE_EQ(probabilityOfOther(0.2, 0.2, 0.3), 0.5);
+TEST(MarkerLandmarks, AlternativePoseProbabilityIsTheLikelihoodRatio) {
+  EXPECT_DOUBLE_EQ(alternativePoseProbability(0.2, 0.2, 0.3), 0.5);
   // Two normal densities of eight residuals each.
   const auto density = [](double rms) { return std::exp(-8 * rms * rms / (2 * 0.3 * 0.3)); };
-  EXPECT_NEAR(probabilityOfOther(0.2, 0.5, 0.3), density(0.5) / (density(0.2) + density(0.5)), 1e-15);
+  EXPECT_NEAR(alternativePoseProbability(0.2, 0.5, 0.3), density(0.5) / (density(0.2) + density(0.5)), 1e-15);
 }
 
 TEST(MarkerLandmarks, AMapOfMarkersAsLandmarks) {
@@ -136,15 +137,16 @@ TEST(MarkerLandmarks, AMapOfMarkersAsLandmarks) {
   EXPECT_LT(found.covariances[1].norm(), 1e-6);
 
   // On the floor the heading is the rotation about z.
-  const std::vector<int> plane{0, 1, 5};
-  EXPECT_LT((found.covariances[0] - MatrixXd(covariance(plane, plane))).norm(), 1e-7);
+  const std::vector<Eigen::Index> plane{0, 1, 5};
+  EXPECT_LT((found.covariances[0] - picked(covariance, plane, plane)).norm(), 1e-7);
 }
 
 TEST(MarkerLandmarks, NamesAFieldThatIsOutOfRange) {
   MarkerLandmarkParams params;
   validate(params);
-  params.decided = 1.1;
-  EXPECT_EQ(refusal<std::invalid_argument>([&] { validate(params); }).find("decided is "), 0u);
+  params.heading_min_probability = 1.1;
+  EXPECT_EQ(refusal<std::invalid_argument>([&] { validate(params); }).find("heading_min_probability is "),
+            0u);
   params = {};
   params.tilt_sigma = -0.1;
   EXPECT_EQ(refusal<std::invalid_argument>([&] { validate(params); }).find("tilt_sigma is "), 0u);

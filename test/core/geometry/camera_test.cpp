@@ -97,7 +97,7 @@ TEST(Camera, SeesNothingBehindItOrBeyondItsLens) {
   EXPECT_TRUE(barrel.project({1.04, 0, 1}));
   EXPECT_FALSE(barrel.project({1.07, 0, 1}));
   EXPECT_FALSE(barrel.unproject({325 + 400 * 0.8, 236}));
-  // A fisheye sees sideways and behind.
+  // The field of view of a fisheye lens includes points beside and behind the camera.
   EXPECT_TRUE(raw(testCalibration("equidistant", {0, 0, 0, 0})).project({1, 0, -0.2}));
 }
 
@@ -128,7 +128,7 @@ TEST(Camera, RefusesWhatIsNoCalibration) {
   expectRefused(with([](auto& c) { c.D[2] = kNan; }), "D[2]");
   expectRefused(testCalibration("equidistant", {}), "D has 0 numbers");
   expectRefused(with([](auto& c) { c.P.setZero(); }), "P fx is 0", CameraModel::Image::rectified);
-  expectRefused(with([](auto& c) { c.R.setZero(); }), "R is no rotation", CameraModel::Image::rectified);
+  expectRefused(with([](auto& c) { c.R.setZero(); }), "R is not a rotation", CameraModel::Image::rectified);
 }
 
 }  // namespace

@@ -23,7 +23,7 @@ TEST(CameraDriverNodeParams, NeedsASource) {
 
 TEST(CameraDriverNodeParams, RefusesNamesThatNoFileAndNoDeviceHas) {
   EXPECT_EQ(refused([](auto& params) { params.camera_name = "my camera"; }),
-            "camera_name is 'my camera', it must be of letters, digits and _");
+            "camera_name is 'my camera', it must consist of letters, digits and _");
   EXPECT_EQ(refused([](auto& params) { params.source.fourcc = "JPG"; }),
             "fourcc is 'JPG', it must be empty or four letters such as MJPG");
 }

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "test_matrices.hpp"
+
 namespace sextant {
 namespace {
 
@@ -20,8 +22,8 @@ TEST(CovarianceStore, IsTheDenseMatrix) {
   const CovarianceStore store(dense.triangularView<Eigen::Lower>());  // nothing above the diagonal
   const Indices which{4, 0, 6};
   EXPECT_TRUE(store.full().isApprox(dense));
-  EXPECT_TRUE(store.columns(which).isApprox(dense(Eigen::all, which)));
-  EXPECT_TRUE(store.block(which).isApprox(dense(which, which)));
+  EXPECT_TRUE(store.columns(which).isApprox(pickedColumns(dense, which)));
+  EXPECT_TRUE(store.block(which).isApprox(picked(dense, which, which)));
   EXPECT_EQ(store(2, 5), dense(5, 2));
 }
 
@@ -50,22 +52,22 @@ TEST(CovarianceStore, GrowsAndShrinks) {
   EXPECT_TRUE(store.full().isApprox(all));
   store.erase(2, 3);
   const Indices left{0, 1, 5, 6, 7};
-  EXPECT_TRUE(store.full().isApprox(all(left, left)));
+  EXPECT_TRUE(store.full().isApprox(picked(all, left, left)));
   store.erase(3, 2);
-  EXPECT_TRUE(store.full().isApprox(all(Indices{0, 1, 5}, Indices{0, 1, 5})));
+  EXPECT_TRUE(store.full().isApprox(picked(all, {0, 1, 5}, {0, 1, 5})));
 }
 
 void expectSame(const CovarianceStore& store, const MatrixXd& dense) {
   const Indices which{dense.rows() - 1, 0, 3};
   ASSERT_EQ(store.size(), dense.rows());
-  EXPECT_LT((store.columns(which) - dense(Eigen::all, which)).norm(), 1e-10);
-  EXPECT_LT((store.block(which) - dense(which, which)).norm(), 1e-10);
+  EXPECT_LT((store.columns(which) - pickedColumns(dense, which)).norm(), 1e-10);
+  EXPECT_LT((store.block(which) - picked(dense, which, which)).norm(), 1e-10);
   EXPECT_LT((store.full() - dense).norm(), 1e-10);
   EXPECT_NEAR(store(1, 3), dense(3, 1), 1e-10);
 }
 
-// Squares wait until there are 32 columns of them; nobody sees that.
-TEST(CovarianceStore, SquaresThatWaitAreSeenByEveryReader) {
+// Updates are buffered up to 32 columns; results include them.
+TEST(CovarianceStore, PendingUpdatesAreInEveryResult) {
   MatrixXd dense = symmetric(9);
   CovarianceStore store(dense);
   for (const int columns : {1, 5, 3, 20, 2, 1, 32, 1, 33, 40, 7, 0, 31, 2}) {
@@ -80,7 +82,7 @@ TEST(CovarianceStore, SquaresThatWaitAreSeenByEveryReader) {
 }
 
 // One after another: a row of the dense matrix for everything that may be done to the store.
-TEST(CovarianceStore, SquaresThatWaitAreInWhatChangesNext) {
+TEST(CovarianceStore, PendingUpdatesAreAppliedBeforeChanges) {
   MatrixXd dense = symmetric(9);
   CovarianceStore store(dense);
   for (int round = 0; round < 12; ++round) {
@@ -100,7 +102,7 @@ TEST(CovarianceStore, SquaresThatWaitAreInWhatChangesNext) {
       Indices left;
       for (Eigen::Index i = 0; i < dense.rows(); ++i)
         if (i != round % 5) left.push_back(i);
-      dense = dense(left, left).eval();
+      dense = picked(dense, left, left);
     } else if (round % 4 == 2) {
       const MatrixXd column = MatrixXd::Random(dense.rows(), 1);
       store.setColumns({4}, column);

@@ -9,6 +9,8 @@
 #include <cmath>
 #include <random>
 
+#include "test_matrices.hpp"
+
 namespace sextant {
 namespace {
 
@@ -18,7 +20,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-PlaneSighting sighting(const Vector2d& position, double sigma = 0.1, std::optional<double> heading = {}) {
+Observation2D observation(const Vector2d& position, double sigma = 0.1, std::optional<double> heading = {}) {
   return {position, heading, sigma * sigma * Matrix3d::Identity()};
 }
 
@@ -28,21 +30,21 @@ OdometryStep step(double x, double y, double heading, double sigma = 0.02) {
 
 const Matrix3d kStart = Vector3d(0.04, 0.09, 0.01).asDiagonal();
 
-/// A robot on an arc that sees three landmarks, one of which has a heading.
+/// A robot on an arc that observes three landmarks, one with a heading.
 LandmarkFilter driven() {
   LandmarkFilter filter({}, {{1, 2}, 0.5}, kStart);
   std::mt19937 random(1);
   std::normal_distribution<double> noise(0, 0.1);
-  const std::vector<PlaneLandmark> truth{{{4, 2}, {}}, {{3, 6}, 1.0}, {{-1, 4}, {}}};
+  const std::vector<Landmark2D> truth{{{4, 2}, {}}, {{3, 6}, 1.0}, {{-1, 4}, {}}};
   Pose2 robot{{1.1, 1.8}, 0.55};
   for (int i = 0; i < 30; ++i) {
     const OdometryStep moved = step(0.1, 0.0, 0.05);
     robot = robot * moved.step;
     filter.predict(moved, 0.1);
-    std::vector<KnownSighting> seen;
+    std::vector<AssociatedObservation> seen;
     for (size_t k = 0; k < truth.size(); ++k) {
-      PlaneSighting z =
-          sighting(robot.inverse() * truth[k].position + Vector2d(noise(random), noise(random)));
+      Observation2D z =
+          observation(robot.inverse() * truth[k].position + Vector2d(noise(random), noise(random)));
       if (truth[k].heading) z.heading = wrapped(*truth[k].heading - robot.heading + noise(random));
       if (k < filter.landmarks().size() && (i + k) % 3 != 0) seen.push_back({k, z});
       if (k == filter.landmarks().size()) filter.add(z);
@@ -54,32 +56,32 @@ LandmarkFilter driven() {
 
 VectorXd values(const LandmarkFilter& filter) {
   std::vector<double> all{filter.pose().position.x(), filter.pose().position.y(), filter.pose().heading};
-  for (const PlaneLandmark& landmark : filter.landmarks()) {
+  for (const Landmark2D& landmark : filter.landmarks()) {
     all.insert(all.end(), {landmark.position.x(), landmark.position.y()});
     if (landmark.heading) all.push_back(*landmark.heading);
   }
   return Eigen::Map<VectorXd>(all.data(), all.size());
 }
 
-TEST(LandmarkFilter, AMapOfWhichAllIsKnownExactlyIsNoEndlessRepair) {
+TEST(LandmarkFilter, AnExactMapIsRepairedOnce) {
   LandmarkFilter filter({}, {}, kStart);
   filter.setState({}, {{{2, 1}, {}}}, MatrixXd::Zero(5, 5));
-  filter.update({{0, sighting({2.3, 1})}});
+  filter.update({{0, observation({2.3, 1})}});
   EXPECT_GE(filter.repairs(), 1);
   EXPECT_LT(filter.pose().position.norm(), 1e-6);
 }
 
 // With a heading that is known, everything is linear: the textbook's Kalman filter.
-TEST(LandmarkFilter, WithAKnownHeadingItIsTheKalmanFilter) {
+TEST(LandmarkFilter, WithAKnownHeadingEqualsTheKalmanFilter) {
   Matrix3d start = kStart;
   start(2, 2) = 1e-16;
   LandmarkFilter filter({}, {{0, 0}, 0}, start);
   OdometryStep straight = step(1, 0, 0);
   straight.noise = Vector3d(0.01, 0.02, 1e-16).asDiagonal();
   filter.predict(straight);
-  filter.add(sighting({2, 1}, 0.3));
+  filter.add(observation({2, 1}, 0.3));
   filter.predict(straight);
-  filter.update({{0, sighting({1.2, 1.1}, 0.3)}});
+  filter.update({{0, observation({1.2, 1.1}, 0.3)}});
 
   VectorXd x(4);
   x << 2, 0, 3, 1;
@@ -97,20 +99,21 @@ TEST(LandmarkFilter, WithAKnownHeadingItIsTheKalmanFilter) {
   P -= K * S * K.transpose();
 
   const VectorXd found = values(filter);
-  EXPECT_LT((found(Indices{0, 1, 3, 4}) - x).norm(), 1e-6);
+  const Indices which{0, 1, 3, 4};  // without the heading
+  EXPECT_LT((picked(found, which, {0}) - x).norm(), 1e-6);
   const MatrixXd covariance = filter.covariance();
-  EXPECT_LT((covariance(Indices{0, 1, 3, 4}, Indices{0, 1, 3, 4}) - P).norm(), 1e-6);
+  EXPECT_LT((picked(covariance, which, which) - P).norm(), 1e-6);
   EXPECT_NEAR(filter.nis(), innovation.dot(S.inverse() * innovation), 1e-6);
-  EXPECT_EQ(filter.nisWidth(), 2);
+  EXPECT_EQ(filter.nisDof(), 2);
 }
 
-// Draws robots and sightings; what landmarks they stand for scatters as told.
-TEST(LandmarkFilter, ANewLandmarkKnowsWhatItOwesToTheRobot) {
+// Draws robots and observations; the landmarks scatter with the covariance.
+TEST(LandmarkFilter, ANewLandmarkIsCorrelatedWithTheRobot) {
   const Pose2 robot{{3, -1}, 0.8};
   Matrix3d start = Vector3d(0.01, 0.02, 0.0004).asDiagonal();
   start(0, 2) = start(2, 0) = 0.001;
   LandmarkFilter filter({}, robot, start);
-  const PlaneSighting z = sighting({4, 1}, 0.05, 0.3);
+  const Observation2D z = observation({4, 1}, 0.05, 0.3);
   filter.add(z);
 
   std::mt19937 random(2);
@@ -135,40 +138,40 @@ TEST(LandmarkFilter, StaysPositiveDefinite) {
   LandmarkFilter filter({}, {}, 1e-12 * Matrix3d::Identity());
   std::mt19937 random(3);
   std::uniform_real_distribution<double> anywhere(-5, 5);
-  for (int k = 0; k < 5; ++k) filter.add(sighting({anywhere(random), anywhere(random)}, 100.0));
+  for (int k = 0; k < 5; ++k) filter.add(observation({anywhere(random), anywhere(random)}, 100.0));
   for (int i = 0; i < 2000; ++i) {
     filter.predict(step(0.1, 0, 0.3, i % 100 ? 1e-6 : 1.0));
     const size_t k = i % 5;
     filter.update(
-        {{k, sighting(filter.pose().inverse() * filter.landmarks()[k].position, i % 7 ? 1e-5 : 10.0)}});
+        {{k, observation(filter.pose().inverse() * filter.landmarks()[k].position, i % 7 ? 1e-5 : 10.0)}});
   }
   const VectorXd variances = filter.covariance().selfadjointView<Eigen::Lower>().eigenvalues();
   EXPECT_GT(variances.minCoeff(), -1e-9);
   EXPECT_TRUE(values(filter).allFinite());
 }
 
-TEST(LandmarkFilter, LandmarksThatGoLeaveTheOthersAsTheyAre) {
+TEST(LandmarkFilter, RemovingALandmarkKeepsTheOthers) {
   LandmarkFilter filter = driven();
   const VectorXd before = values(filter);
   const MatrixXd covariance = filter.covariance();
   filter.remove(0);
   const Indices left{0, 1, 2, 5, 6, 7, 8, 9};
-  EXPECT_LT((values(filter) - before(left)).norm(), 1e-12);
-  EXPECT_LT((filter.covariance() - covariance(left, left)).norm(), 1e-12);
+  EXPECT_LT((values(filter) - picked(before, left, {0})).norm(), 1e-12);
+  EXPECT_LT((filter.covariance() - picked(covariance, left, left)).norm(), 1e-12);
 }
 
-// Two that are one are at their weighted mean, and so is what is known of it.
+// Merged landmarks are at their weighted mean, with its covariance.
 TEST(LandmarkFilter, MergedLandmarksAreTheirWeightedMean) {
   LandmarkFilter filter({}, {}, 1e-12 * Matrix3d::Identity());
-  filter.add(sighting({2, 0}, 0.1));
-  filter.add(sighting({2.3, 0}, 0.2));
+  filter.add(observation({2, 0}, 0.1));
+  filter.add(observation({2.3, 0}, 0.2));
   filter.merge(0, 1);
   ASSERT_EQ(filter.landmarks().size(), 1u);
   EXPECT_LT((filter.landmarks()[0].position - Vector2d(2.06, 0)).norm(), 1e-5);
   EXPECT_LT((filter.covariance().bottomRightCorner(2, 2) - 0.008 * MatrixXd::Identity(2, 2)).norm(), 1e-5);
 }
 
-TEST(LandmarkFilter, AStateComesBackAsItWasGiven) {
+TEST(LandmarkFilter, AStateIsReturnedAsItWasSet) {
   const LandmarkFilter filter = driven();
   LandmarkFilter other({}, {}, kStart);
   other.setState(filter.pose(), filter.landmarks(), filter.covariance());
@@ -177,7 +180,7 @@ TEST(LandmarkFilter, AStateComesBackAsItWasGiven) {
   EXPECT_THROW(other.setState({}, filter.landmarks(), kStart), std::invalid_argument);
 }
 
-TEST(LandmarkFilter, ARobotThatWasPutElsewhereForgetsItsPoseOnly) {
+TEST(LandmarkFilter, SettingThePoseKeepsTheLandmarks) {
   LandmarkFilter filter = driven();
   const MatrixXd before = filter.covariance();
   const Pose2 elsewhere{{-4, 5}, 3.0};
@@ -189,38 +192,38 @@ TEST(LandmarkFilter, ARobotThatWasPutElsewhereForgetsItsPoseOnly) {
   EXPECT_LT((after.bottomRightCorner(7, 7) - before.bottomRightCorner(7, 7)).norm(), 1e-9);
 }
 
-TEST(LandmarkFilter, AheadIsWhatPredictComesTo) {
+TEST(LandmarkFilter, PredictPoseEqualsPredict) {
   LandmarkFilter filter = driven();
   const OdometryStep small = step(0.05, 0.01, 0.02, 1e-3);
-  const PlanePoseEstimate ahead = filter.ahead(small);
+  const PoseEstimate2D ahead = filter.predictPose(small);
   filter.predict(small);
   EXPECT_LT((ahead.pose.position - filter.pose().position).norm(), 1e-3);
   EXPECT_LT((ahead.covariance - filter.covariance({})).norm(), 1e-2 * ahead.covariance.norm());
 }
 
-TEST(LandmarkFilter, LearnsThatOdometryTellsTooMuch) {
+TEST(LandmarkFilter, EstimatesTheScaleOfOdometry) {
   LandmarkFilterParams scaled;
   scaled.scale_sigma = 0.1;
   LandmarkFilter filter(scaled, {}, 1e-8 * Matrix3d::Identity());
   Pose2 robot;
   const Vector2d landmark(3, 1);
-  filter.add(sighting(landmark, 0.01));
+  filter.add(observation(landmark, 0.01));
   for (int i = 0; i < 100; ++i) {
     robot = robot * Pose2{{0.09, 0}, 0.1};
     filter.predict(step(0.1, 0, 0.1, 1e-3));
-    filter.update({{0, sighting(robot.inverse() * landmark, 0.01)}});
+    filter.update({{0, observation(robot.inverse() * landmark, 0.01)}});
   }
   EXPECT_NEAR(filter.scale(), 0.9, 0.01);
   EXPECT_LT(std::abs(filter.scale() - 0.9), 3 * std::sqrt(filter.scaleVariance()));
 }
 
-TEST(LandmarkFilter, LearnsThatSightingsAreStampedLate) {
+TEST(LandmarkFilter, EstimatesTheClockOffset) {
   LandmarkFilterParams clocked;
   clocked.clock_sigma = 0.2;
   LandmarkFilter filter(clocked, {}, 1e-8 * Matrix3d::Identity());
   Pose2 robot;
   const Vector2d landmark(3, 1);
-  filter.add(sighting(landmark, 0.005));
+  filter.add(observation(landmark, 0.005));
   for (int i = 0; i < 200; ++i) {
     const double turn =
         i % 40 < 20 ? 0.1 : -0.1;  // in 0.1 s; seen 0.05 s after the stamp, that is corrected so far
@@ -228,26 +231,26 @@ TEST(LandmarkFilter, LearnsThatSightingsAreStampedLate) {
     robot = robot * Pose2{{0.05, 0}, turn};
     filter.predict(step(0.05, 0, turn, 1e-4), 0.1);
     const Pose2 then = robot * Pose2{{0.05 * late, 0}, turn * late};
-    filter.update({{0, sighting(then.inverse() * landmark, 0.005)}});
+    filter.update({{0, observation(then.inverse() * landmark, 0.005)}});
   }
   EXPECT_NEAR(filter.clockOffset(), 0.05, 0.01);
 }
 
-TEST(LandmarkFilter, RefusesALandmarkThatIsSeenTwiceAtOnce) {
+TEST(LandmarkFilter, RefusesALandmarkThatIsObservedTwiceInOneScan) {
   LandmarkFilter filter = driven();
-  EXPECT_THROW(filter.update({{0, sighting({1, 0})}, {0, sighting({1, 0})}}), std::invalid_argument);
+  EXPECT_THROW(filter.update({{0, observation({1, 0})}, {0, observation({1, 0})}}), std::invalid_argument);
 }
 
-TEST(LandmarkFilter, RefusesWhatIsNoCovariance) {
+TEST(LandmarkFilter, RefusesInvalidCovariances) {
   EXPECT_THROW(LandmarkFilter({}, {}, -kStart), std::invalid_argument);
 }
 
 /// Much is learned at once: a robot that hardly knows its heading sees what it knows exactly, aside far
-/// better than in range, so that the covariance of a sighting turns with the heading.
-TEST(LandmarkFilter, LearnsMuchAtOnceWithoutClaimingTooMuch) {
+/// better than in range, so that the covariance of an observation turns with the heading.
+TEST(LandmarkFilter, LargeUpdatesAreConsistent) {
   std::mt19937 random(3);
   std::normal_distribution<double> normal;
-  const std::vector<PlaneLandmark> landmarks{{{4, 1}, {}}, {{4, -1.5}, {}}};
+  const std::vector<Landmark2D> landmarks{{{4, 1}, {}}, {{4, -1.5}, {}}};
   const Matrix3d start = Vector3d(0.5, 0.5, 0.25).cwiseAbs2().asDiagonal();
   double nees = 0;
   const int runs = 400;
@@ -257,15 +260,16 @@ TEST(LandmarkFilter, LearnsMuchAtOnceWithoutClaimingTooMuch) {
     MatrixXd covariance = 1e-8 * MatrixXd::Identity(7, 7);
     covariance.topLeftCorner<3, 3>() = start;
     filter.setState({}, landmarks, covariance);
-    std::vector<KnownSighting> seen;
+    std::vector<AssociatedObservation> seen;
     for (size_t k = 0; k < landmarks.size(); ++k) {
       const Vector2d z = truth.inverse() * landmarks[k].position;
       const Eigen::Matrix2d axes = rotation2(std::atan2(z.y(), z.x()));
       const Vector2d sigmas(0.08, 0.01);
-      PlaneSighting sighting{
+      Observation2D observation{
           z + axes * sigmas.cwiseProduct(Vector2d(normal(random), normal(random))), {}, Matrix3d::Zero()};
-      sighting.covariance.topLeftCorner<2, 2>() = axes * sigmas.cwiseAbs2().asDiagonal() * axes.transpose();
-      seen.push_back({k, sighting});
+      observation.covariance.topLeftCorner<2, 2>() =
+          axes * sigmas.cwiseAbs2().asDiagonal() * axes.transpose();
+      seen.push_back({k, observation});
     }
     filter.update(seen);
     Vector3d error;

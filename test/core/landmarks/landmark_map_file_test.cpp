@@ -88,7 +88,7 @@ TEST_F(LandmarkMapFile, WritesWhatItReadsToTheLastBit) {
   }
 }
 
-TEST_F(LandmarkMapFile, TellsWhereTheRobotIsNot) {
+TEST_F(LandmarkMapFile, SavesThatTheRobotIsLost) {
   LandmarkMap map = mapOf({"blue_pillar"});
   writeLandmarkMap(map, path());
   EXPECT_FALSE(readLandmarkMap(path()).is_lost);
@@ -113,7 +113,7 @@ TEST_F(LandmarkMapFile, ReadsYaml) {
   EXPECT_EQ(map.covariance(3, 4), 0.1);
 }
 
-TEST_F(LandmarkMapFile, RefusesMistakesOfTheTableWithLineAndReason) {
+TEST_F(LandmarkMapFile, RefusesErrorsOfTheTableWithLineAndReason) {
   const struct {
     std::string content;
     int line;
@@ -121,7 +121,7 @@ TEST_F(LandmarkMapFile, RefusesMistakesOfTheTableWithLineAndReason) {
   } mistakes[] = {{"", 1, "must be a table"},
                   {"- 1\n", 1, "must be a table"},
                   {"frame: [\n", 2, ""},
-                  {"frame: map\nframe: map\n", 2, "'frame' is there twice"},
+                  {"frame: map\nframe: map\n", 2, "'frame' is given twice"},
                   {kHead + kOne, 1, "lacks 'covariance'"},
                   {kHead + kOne + kRows + "colour: red\n", 11, "unknown name 'colour'"},
                   {"frame: \"\"\nrobot: [1, 2, 3]\n" + kOne + kRows, 1, "needs a name"},
@@ -133,7 +133,7 @@ TEST_F(LandmarkMapFile, RefusesMistakesOfTheTableWithLineAndReason) {
   for (const auto& each : mistakes) expectRefused(each.content, each.line, each.part);
 }
 
-TEST_F(LandmarkMapFile, RefusesMistakesOfALandmarkWithLineAndReason) {
+TEST_F(LandmarkMapFile, RefusesErrorsOfALandmarkWithLineAndReason) {
   const std::pair<std::string, std::string> mistakes[] = {
       {"red", "must be a table"},
       {"{position: [3, 4]}", "lacks 'class'"},
@@ -149,10 +149,10 @@ TEST_F(LandmarkMapFile, RefusesMistakesOfALandmarkWithLineAndReason) {
   for (const auto& [landmark, part] : mistakes)
     expectRefused(std::string(kHead) + "landmarks:\n  - " + landmark + "\n" + kRows, 4, part);
   const std::string seven = "  - {class: tag, id: 7, position: [0, 0]}\n";
-  expectRefused(std::string(kHead) + "landmarks:\n" + seven + seven + kRows, 5, "there twice");
+  expectRefused(std::string(kHead) + "landmarks:\n" + seven + seven + kRows, 5, "occurs twice");
 }
 
-TEST_F(LandmarkMapFile, RefusesMistakesOfTheCovarianceWithLineAndReason) {
+TEST_F(LandmarkMapFile, RefusesErrorsOfTheCovarianceWithLineAndReason) {
   const std::string start = kHead + kOne + "covariance:\n";
   const std::string rows = start + kRobot;
   expectRefused(kHead + kOne + "covariance: 3\n", 5, "needs 5 rows");
@@ -161,10 +161,10 @@ TEST_F(LandmarkMapFile, RefusesMistakesOfTheCovarianceWithLineAndReason) {
   expectRefused(rows + "  - [0, 0, 0, 0.2]\n  - [0, 0, 0, 0.2]\n", 10, "list of 5");
   expectRefused(rows + "  - [0, 0, 0, 0.2, 0]\n  - [0, 0, 0, 0, 0.2]\n", 9, "list of 4");
   expectRefused(rows + "  - [0, 0, .nan, 0.2]\n  - [0, 0, 0, 0, 0.2]\n", 9, "finite number");
-  expectRefused(rows + "  - [0, 0, 0, 0.2]\n  - [0, 0, 0, 0.3, 0.2]\n", 6, "negative variance");
+  expectRefused(rows + "  - [0, 0, 0, 0.2]\n  - [0, 0, 0, 0.3, 0.2]\n", 6, "negative eigenvalue");
 }
 
-TEST_F(LandmarkMapFile, NamesWhatCannotBeReadOrWritten) {
+TEST_F(LandmarkMapFile, NamesFilesThatCannotBeReadOrWritten) {
   for (const std::string& none : {path(), folder_})
     EXPECT_EQ(refusal<std::runtime_error>([&] { readLandmarkMap(none); }).find(none + ": cannot be read: "),
               0u);
@@ -173,7 +173,7 @@ TEST_F(LandmarkMapFile, NamesWhatCannotBeReadOrWritten) {
   EXPECT_NE(text.find(nowhere), std::string::npos) << text;
 }
 
-TEST_F(LandmarkMapFile, WritesNothingThatCannotBeReadAgain) {
+TEST_F(LandmarkMapFile, WritesNoInvalidMap) {
   const std::pair<std::string, std::function<void(LandmarkMap&)>> mistakes[] = {
       {"needs a label", [](LandmarkMap& map) { map.labels.pop_back(); }},
       {"needs 13 rows", [](LandmarkMap& map) { map.covariance = covarianceOf(12); }},
@@ -181,8 +181,8 @@ TEST_F(LandmarkMapFile, WritesNothingThatCannotBeReadAgain) {
       {"not finite", [](LandmarkMap& map) { map.landmarks[1].position.y() = std::nan(""); }},
       {"not finite", [](LandmarkMap& map) { map.landmarks[0].heading = INFINITY; }},
       {"not finite", [](LandmarkMap& map) { map.T_map_base.heading = INFINITY; }},
-      {"negative variance", [](LandmarkMap& map) { map.covariance(3, 3) -= 100; }},
-      {"there twice", [](LandmarkMap& map) { map.labels[0] = map.labels[1]; }},
+      {"negative eigenvalue", [](LandmarkMap& map) { map.covariance(3, 3) -= 100; }},
+      {"occurs twice", [](LandmarkMap& map) { map.labels[0] = map.labels[1]; }},
       {"a name", [](LandmarkMap& map) { map.labels[0].class_name.clear(); }},
       {"a name", [](LandmarkMap& map) { map.frame.clear(); }}};
   LandmarkMap good = mapOf({"red", "red", "red", "blue"});

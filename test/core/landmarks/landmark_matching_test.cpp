@@ -29,7 +29,7 @@ MapPoint tag(int id, double x, double y, double heading) {
 
 MapPoint seenBy(const Pose2& T_map_local, const MapPoint& point, const Vector2d& noise = {0, 0}) {
   MapPoint seen = point;
-  seen.landmark = seenFrom(T_map_local, point.landmark);
+  seen.landmark = toRobotFrame(T_map_local, point.landmark);
   seen.landmark.position += noise;
   return seen;
 }
@@ -51,7 +51,7 @@ std::vector<MapPoint> hall(std::mt19937& random, int count) {
 }
 
 // Of the small map six are of the large one, two are not; the large one has many that the small one lacks.
-TEST(LandmarkMatching, FindsASmallMapInALargeOne) {
+TEST(LandmarkMatching, FindsALocalMapInTheMap) {
   std::mt19937 random(1);
   std::normal_distribution<double> noise(0, 0.05);
   std::uniform_real_distribution<double> angle(-M_PI, M_PI), near(-3, 3);
@@ -76,17 +76,17 @@ TEST(LandmarkMatching, FindsASmallMapInALargeOne) {
   EXPECT_GE(found, 18);
 }
 
-TEST(LandmarkMatching, IsNeverSureOfAMapFromElsewhere) {
+TEST(LandmarkMatching, RejectsAMapOfAnotherPlace) {
   std::mt19937 random(2);
-  int sure = 0;
+  int matches = 0;
   for (int run = 0; run < 40; ++run) {
     const std::vector<MapPoint> map = hall(random, 20), other = hall(random, 5);
-    sure += matchLandmarks(other, map, {}).has_value();
+    matches += matchLandmarks(other, map, {}).has_value();
   }
-  EXPECT_EQ(sure, 0);
+  EXPECT_EQ(matches, 0);
 }
 
-TEST(LandmarkMatching, DoesNotDecideWhatIsSymmetric) {
+TEST(LandmarkMatching, RejectsSymmetricMatches) {
   const std::vector<Pose2> corners{{{0, 0}, 0}, {{10, 0}, M_PI_2}, {{10, 10}, M_PI}, {{0, 10}, -M_PI_2}};
   std::vector<MapPoint> map;
   for (const Pose2& corner : corners)
@@ -115,8 +115,8 @@ TEST(LandmarkMatching, OneMarkerWithIdAndHeadingSuffices) {
     EXPECT_FALSE(matchLandmarks({each}, map, {}));
 }
 
-// Headings are less sure than positions: that of one marker takes the other beside its place.
-TEST(LandmarkMatching, TwoMarkersOfOnePlaceDoNotContradictEachOther) {
+// Headings are less accurate than positions: the heading error of one marker displaces the other one.
+TEST(LandmarkMatching, TwoMarkersAtOnePositionDoNotContradictEachOther) {
   const std::vector<MapPoint> map{tag(3, 0, 0, 0.1), tag(4, 8, 2, 2.0), tag(5, 6, 9, -3.0)};
   const Pose2 truth{{4, 5}, 2.5};
   for (const double off : {0.0, 0.02, 0.05, 0.1, 0.2}) {
@@ -126,7 +126,7 @@ TEST(LandmarkMatching, TwoMarkersOfOnePlaceDoNotContradictEachOther) {
   }
 }
 
-TEST(LandmarkMatching, NeverPairsWhatIsOfAnotherClass) {
+TEST(LandmarkMatching, NeverPairsDifferentClasses) {
   std::mt19937 random(3);
   const std::vector<MapPoint> map = hall(random, 20);
   std::vector<MapPoint> local;
@@ -140,7 +140,7 @@ TEST(LandmarkMatching, NeverPairsWhatIsOfAnotherClass) {
   EXPECT_FALSE(matchLandmarks(local, map, {}));
 }
 
-TEST(LandmarkMatching, NothingIsFoundInNothing) {
+TEST(LandmarkMatching, EmptyMapsHaveNoMatch) {
   EXPECT_FALSE(matchLandmarks({}, {point(1, 2)}, {}));
   EXPECT_FALSE(matchLandmarks({point(1, 2)}, {}, {}));
 }
@@ -148,8 +148,8 @@ TEST(LandmarkMatching, NothingIsFoundInNothing) {
 TEST(LandmarkMatching, NamesAFieldThatIsOutOfRange) {
   const std::vector<std::pair<std::string, double LandmarkMatchingParams::*>> fields{
       {"gate", &LandmarkMatchingParams::gate},
-      {"certainty", &LandmarkMatchingParams::certainty},
-      {"present", &LandmarkMatchingParams::present}};
+      {"min_probability", &LandmarkMatchingParams::min_probability},
+      {"inlier_probability", &LandmarkMatchingParams::inlier_probability}};
   validate(LandmarkMatchingParams());
   for (const auto& [name, field] : fields)
     for (const double value : {0.0, 1.0, std::nan("")}) {

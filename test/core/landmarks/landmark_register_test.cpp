@@ -11,19 +11,19 @@ namespace {
 
 using Eigen::Matrix3d;
 using Keys = std::vector<int>;
-using Told = std::vector<std::optional<int>>;
+using OptionalKeys = std::vector<std::optional<int>>;
 
-LabelledSighting at(double x, double y, const std::string& class_name = "red", double sigma = 0.01) {
+LabelledObservation at(double x, double y, const std::string& class_name = "red", double sigma = 0.01) {
   return {{class_name, {}}, {{x, y}, {}, sigma * sigma * Matrix3d::Identity()}};
 }
 
 LandmarkRegister empty() { return {{}, {}, 1e-8 * Matrix3d::Identity()}; }
 
-TEST(LandmarkRegister, AKeyIsGivenOnce) {
+TEST(LandmarkRegister, KeysAreUnique) {
   LandmarkRegister all = empty();
   for (int i = 0; i < 3; ++i) all.add(at(i, 0));
-  all.judge({1}, -10);
-  EXPECT_EQ(all.removeDoubted(), 1);
+  all.addEvidence({1}, -10);
+  EXPECT_EQ(all.removeUnlikely(), 1);
   EXPECT_EQ(all.keys(), (Keys{0, 2}));
   EXPECT_NEAR(all.filter().landmarks()[1].position.x(), 2, 1e-9);
   all.add(at(5, 5));
@@ -31,44 +31,45 @@ TEST(LandmarkRegister, AKeyIsGivenOnce) {
   EXPECT_EQ(all.nextKey(), 4);
 }
 
-TEST(LandmarkRegister, ThatItWasSeenForDaysKeepsOneNoLongerThanThatItWasSeenOften) {
+TEST(LandmarkRegister, LogOddsHaveAnUpperBound) {
   LandmarkRegister often = empty(), always = empty();
   often.add(at(1, 0)), always.add(at(1, 0));
-  for (int i = 0; i < 10; ++i) often.judge({0}, 1);
-  for (int i = 0; i < 10000; ++i) always.judge({0}, 1);
-  int looks = 0;
-  for (; often.labels().size() == 1 && looks < 1000; ++looks) {
-    for (LandmarkRegister* each : {&often, &always}) each->judge({0}, -1);
-    EXPECT_EQ(often.removeDoubted(), always.removeDoubted());
+  for (int i = 0; i < 10; ++i) often.addEvidence({0}, 1);
+  for (int i = 0; i < 10000; ++i) always.addEvidence({0}, 1);
+  int scans = 0;
+  for (; often.labels().size() == 1 && scans < 1000; ++scans) {
+    for (LandmarkRegister* each : {&often, &always}) each->addEvidence({0}, -1);
+    EXPECT_EQ(often.removeUnlikely(), always.removeUnlikely());
   }
-  EXPECT_LT(looks, 20);
+  EXPECT_LT(scans, 20);
 }
 
-TEST(LandmarkRegister, OfTwoThatAreOneTheFirstIsKept) {
+TEST(LandmarkRegister, MergingKeepsTheFirst) {
   LandmarkRegister all = empty();
   all.add(at(0, 0)), all.add(at(3, 0)), all.add(at(0.02, 0)), all.add(at(0.02, 0, "blue"));
-  Told told{2, {}, 1};
-  EXPECT_EQ(all.mergeSame({2}, 0.3, told), 1);
+  OptionalKeys keys{2, {}, 1};
+  EXPECT_EQ(all.mergeDuplicates({2}, 0.3, keys), 1);
   EXPECT_EQ(all.keys(), (Keys{0, 1, 3}));
-  EXPECT_EQ(told, (Told{0, {}, 1}));
-  EXPECT_NEAR(all.filter().landmarks()[0].position.x(), 0.01, 1e-6);  // both were as sure
+  EXPECT_EQ(keys, (OptionalKeys{0, {}, 1}));
+  EXPECT_NEAR(all.filter().landmarks()[0].position.x(), 0.01,
+              1e-6);  // the mean: both have the same covariance
 }
 
-TEST(LandmarkRegister, TwoThatAreSeenAtOnceAreTwo) {
+TEST(LandmarkRegister, LandmarksObservedTogetherAreNotMerged) {
   LandmarkRegister all = empty();
   all.add(at(0, 0)), all.add(at(0.02, 0));
-  Told told;
-  EXPECT_EQ(all.mergeSame({0, 1}, 0.3, told), 0);
+  OptionalKeys keys;
+  EXPECT_EQ(all.mergeDuplicates({0, 1}, 0.3, keys), 0);
 }
 
-TEST(LandmarkRegister, ThoseThatMayBeApartAreNotOne) {
+TEST(LandmarkRegister, UncertainLandmarksAreNotMerged) {
   LandmarkRegister all = empty();
   all.add(at(0, 0)), all.add(at(0.02, 0, "red", 0.2));
-  Told told;
-  EXPECT_EQ(all.mergeSame({1}, 0.3, told), 0);
+  OptionalKeys keys;
+  EXPECT_EQ(all.mergeDuplicates({1}, 0.3, keys), 0);
 }
 
-TEST(LandmarkRegister, ACopyLivesByItself) {
+TEST(LandmarkRegister, ACopyIsIndependent) {
   LandmarkRegister all = empty();
   all.add(at(1, 2));
   LandmarkRegister copy(all), assigned = empty();
@@ -82,10 +83,10 @@ TEST(LandmarkRegister, ACopyLivesByItself) {
   }
 }
 
-TEST(LandmarkRegister, AMapThatDoesNotFitChangesNothing) {
+TEST(LandmarkRegister, AnInvalidMapChangesNothing) {
   LandmarkRegister all = empty();
   all.add(at(1, 2));
-  const std::vector<PlaneLandmark> two(2);
+  const std::vector<Landmark2D> two(2);
   const Eigen::MatrixXd covariance = Eigen::MatrixXd::Identity(7, 7);
   EXPECT_THROW(all.setMap({}, two, {{"red", {}}}, covariance), std::invalid_argument);
   EXPECT_THROW(all.setMap({}, two, {2, {"red", {}}}, covariance.topRows(6)), std::invalid_argument);
@@ -94,7 +95,7 @@ TEST(LandmarkRegister, AMapThatDoesNotFitChangesNothing) {
   EXPECT_EQ(all.filter().covariance().rows(), 5);
 }
 
-TEST(LandmarkRegister, AMapFromElsewhereHasNewKeys) {
+TEST(LandmarkRegister, ANewMapHasNewKeys) {
   LandmarkRegister all = empty();
   all.add(at(1, 2));
   all.setMap({{1, 1}, 0}, {{{4, 4}, {}}, {{5, 5}, 0.5}}, {{"red", {}}, {"tag36h11", 3}},

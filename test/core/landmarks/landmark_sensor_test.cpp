@@ -18,9 +18,10 @@ using Eigen::Vector2d;
 
 using Found = std::vector<size_t>;
 
-SightingPrediction at(const std::vector<Vector2d>& positions, double sigma = 0.0) {
-  SightingPrediction expected{Eigen::VectorXd(2 * positions.size()),
-                              sigma * sigma * MatrixXd::Identity(2 * positions.size(), 2 * positions.size())};
+ObservationPrediction at(const std::vector<Vector2d>& positions, double sigma = 0.0) {
+  ObservationPrediction expected{
+      Eigen::VectorXd(2 * positions.size()),
+      sigma * sigma * MatrixXd::Identity(2 * positions.size(), 2 * positions.size())};
   for (size_t i = 0; i < positions.size(); ++i) expected.positions.segment<2>(2 * i) = positions[i];
   return expected;
 }
@@ -33,35 +34,35 @@ LandmarkSensorParams params() {
   LandmarkSensorParams params;
   params.max_range = 4;
   params.field_of_view = 1.0;
-  params.width = 0.2;
+  params.landmark_width = 0.2;
   return params;
 }
 
-TEST(LandmarkSensor, SeesWhatLiesInItsSector) {
+TEST(LandmarkSensor, ExpectsLandmarksInItsSector) {
   LandmarkSensorParams thin = params();
-  thin.width = 0;
+  thin.landmark_width = 0;
   const LandmarkSensor sensor(thin);
-  EXPECT_EQ(sensor.surelyInView(at({polar(3.99, 0), polar(4.01, 0.3), polar(2, 0.49), polar(2, -0.49),
-                                    polar(2, 0.51), polar(2, -0.51), polar(1, M_PI)})),
+  EXPECT_EQ(sensor.expectedInView(at({polar(3.99, 0), polar(4.01, 0.3), polar(2, 0.49), polar(2, -0.49),
+                                      polar(2, 0.51), polar(2, -0.51), polar(1, M_PI)})),
             (Found{0, 2, 3}));
-  EXPECT_TRUE(sensor.surelyInView(at({})).empty());
+  EXPECT_TRUE(sensor.expectedInView(at({})).empty());
 }
 
-TEST(LandmarkSensor, MayMissWhatIsNear) {
+TEST(LandmarkSensor, DoesNotExpectLandmarksBelowTheMinimumRange) {
   LandmarkSensorParams far = params();
-  far.width = 0;
+  far.landmark_width = 0;
   far.min_range = 1;
   const LandmarkSensor sensor(far);
-  EXPECT_EQ(sensor.surelyInView(at({polar(0.99, 0), polar(1.01, 0.1)})), Found{1});
-  EXPECT_TRUE(sensor.surelyInView(at({polar(1.29, 0)}, 0.1)).empty());
-  EXPECT_FALSE(sensor.surelyInView(at({polar(1.31, 0)}, 0.1)).empty());
+  EXPECT_EQ(sensor.expectedInView(at({polar(0.99, 0), polar(1.01, 0.1)})), Found{1});
+  EXPECT_TRUE(sensor.expectedInView(at({polar(1.29, 0)}, 0.1)).empty());
+  EXPECT_FALSE(sensor.expectedInView(at({polar(1.31, 0)}, 0.1)).empty());
 }
 
 // Three deviations are what a landmark may be off.
-TEST(LandmarkSensor, IsSureOnlyWhereItCannotBeOutside) {
+TEST(LandmarkSensor, ExpectsOnlyLandmarksThatCannotBeOutside) {
   const LandmarkSensor sensor(params());
   const auto sees = [&](const Vector2d& position) {
-    return !sensor.surelyInView(at({position}, 0.1)).empty();
+    return !sensor.expectedInView(at({position}, 0.1)).empty();
   };
   EXPECT_TRUE(sees(polar(3.69, 0)));
   EXPECT_FALSE(sees(polar(3.71, 0)));
@@ -71,27 +72,28 @@ TEST(LandmarkSensor, IsSureOnlyWhereItCannotBeOutside) {
   EXPECT_FALSE(sees(polar(0.2, 0)));  // it may be behind the robot
 }
 
-TEST(LandmarkSensor, AllAroundHasNoEdge) {
+TEST(LandmarkSensor, AFullCircleHasNoEdge) {
   LandmarkSensorParams around = params();
   around.field_of_view = 2 * M_PI;
   const LandmarkSensor sensor(around);
-  EXPECT_EQ(sensor.surelyInView(at({polar(3, M_PI), polar(3, -2.8), polar(3, 1.5)}, 0.01)), (Found{0, 1, 2}));
+  EXPECT_EQ(sensor.expectedInView(at({polar(3, M_PI), polar(3, -2.8), polar(3, 1.5)}, 0.01)),
+            (Found{0, 1, 2}));
 }
 
-TEST(LandmarkSensor, WhatStandsBehindAnotherIsNotSeen) {
+TEST(LandmarkSensor, LandmarksBehindOthersAreOccluded) {
   const LandmarkSensor sensor(params());
-  EXPECT_EQ(sensor.surelyInView(at({{1, 0}, {3, 0.1}})), (Found{0}));
-  EXPECT_EQ(sensor.surelyInView(at({{3, 0.1}, {1, 0}})), (Found{1}));
-  EXPECT_EQ(sensor.surelyInView(at({{1, 0.3}, {3, 0}})), (Found{0, 1}));
-  EXPECT_EQ(sensor.surelyInView(at({{1, 0.3}, {3, 0}}, 0.05)), (Found{0}));  // it may be in the way
-  EXPECT_EQ(sensor.surelyInView(at({{-1, 0}, {3, 0}})), (Found{1}));         // behind the robot
+  EXPECT_EQ(sensor.expectedInView(at({{1, 0}, {3, 0.1}})), (Found{0}));
+  EXPECT_EQ(sensor.expectedInView(at({{3, 0.1}, {1, 0}})), (Found{1}));
+  EXPECT_EQ(sensor.expectedInView(at({{1, 0.3}, {3, 0}})), (Found{0, 1}));
+  EXPECT_EQ(sensor.expectedInView(at({{1, 0.3}, {3, 0}}, 0.05)), (Found{0}));  // it may be in the way
+  EXPECT_EQ(sensor.expectedInView(at({{-1, 0}, {3, 0}})), (Found{1}));         // behind the robot
 }
 
 // p(seen | there) / p(seen | not there), as of Thrun, Burgard and Fox 2005, section 4.2.
 TEST(LandmarkSensor, EvidenceIsTheLogOfTheLikelihoodRatio) {
   LandmarkSensorParams known = params();
-  known.detection = 0.9;
-  known.phantom = 0.1;
+  known.detection_probability = 0.9;
+  known.false_alarm_probability = 0.1;
   const LandmarkSensor sensor(known);
   EXPECT_NEAR(sensor.evidence(true), std::log(9), 1e-12);
   EXPECT_NEAR(sensor.evidence(false), -std::log(9), 1e-12);
@@ -103,12 +105,12 @@ TEST(LandmarkSensor, LargestDeviationIsThatOfTheLongAxis) {
   EXPECT_EQ(largestDeviation(-Matrix2d::Identity()), 0);
 }
 
-TEST(LandmarkSensor, LooksWhereItIsTurnedTo) {
+TEST(LandmarkSensor, UsesThePoseOfTheSensor) {
   const LandmarkSensor sensor(params());
   const auto expected = at({{3, 0}, {0, 3}, {-3, 0}, {-4.2, 0}});
-  EXPECT_EQ(sensor.surelyInView(expected, {{0, 0}, M_PI / 2}), (Found{1}));
-  EXPECT_EQ(sensor.surelyInView(expected, {{0, 0}, M_PI}), (Found{2}));
-  EXPECT_EQ(sensor.surelyInView(expected, {{-3.5, 0}, M_PI}), (Found{3}));
+  EXPECT_EQ(sensor.expectedInView(expected, {{0, 0}, M_PI / 2}), (Found{1}));
+  EXPECT_EQ(sensor.expectedInView(expected, {{0, 0}, M_PI}), (Found{2}));
+  EXPECT_EQ(sensor.expectedInView(expected, {{-3.5, 0}, M_PI}), (Found{3}));
 }
 
 TEST(LandmarkSensor, NamesAFieldThatIsOutOfRange) {
@@ -116,10 +118,10 @@ TEST(LandmarkSensor, NamesAFieldThatIsOutOfRange) {
       {"max_range", [](auto& params) { params.max_range = 0; }},
       {"min_range", [](auto& params) { params.min_range = params.max_range + 1; }},
       {"field_of_view", [](auto& params) { params.field_of_view = 6.3; }},
-      {"detection", [](auto& params) { params.detection = 1; }},
-      {"phantom", [](auto& params) { params.phantom = 0; }},
-      {"width", [](auto& params) { params.width = -1; }},
-      {"separation", [](auto& params) { params.separation = std::nan(""); }}};
+      {"detection_probability", [](auto& params) { params.detection_probability = 1; }},
+      {"false_alarm_probability", [](auto& params) { params.false_alarm_probability = 0; }},
+      {"landmark_width", [](auto& params) { params.landmark_width = -1; }},
+      {"min_separation", [](auto& params) { params.min_separation = std::nan(""); }}};
   for (const auto& [name, spoil] : mistakes) {
     LandmarkSensorParams params;
     spoil(params);

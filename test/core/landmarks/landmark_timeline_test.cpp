@@ -22,16 +22,16 @@ using Eigen::Vector2d;
 
 const Pose2 kStart{{2, 1}, 0.4};
 
-struct Look {
+struct Scan {
   double stamp;
-  std::vector<LabelledSighting> sightings;
+  std::vector<LabelledObservation> observations;
 };
 
 /// A round trip at 0.5 m/s and 1 rad/s among six landmarks with ids; odometry has its own origin.
 struct Drive {
   std::vector<std::pair<double, Pose2>> odometry, truth;  // stamp, pose
-  std::vector<Look> looks;
-  std::vector<PlaneLandmark> landmarks;
+  std::vector<Scan> scans;
+  std::vector<Landmark2D> landmarks;
   std::vector<LandmarkLabel> labels;
 };
 
@@ -56,11 +56,11 @@ Drive drive(int seed) {
     drawn.truth.emplace_back(10 + i * kTick, robot);
     drawn.odometry.emplace_back(10 + i * kTick, wheels);
     if (i % 5) continue;
-    drawn.looks.push_back({10 + i * kTick, {}});
+    drawn.scans.push_back({10 + i * kTick, {}});
     for (size_t k = 0; k < drawn.landmarks.size(); ++k) {
-      const Vector2d at = seenFrom(robot, drawn.landmarks[k]).position;
+      const Vector2d at = toRobotFrame(robot, drawn.landmarks[k]).position;
       const Vector2d seen = at + 0.1 * Vector2d(noise(random), noise(random));
-      drawn.looks.back().sightings.push_back({drawn.labels[k], {seen, {}, 0.01 * Matrix3d::Identity()}});
+      drawn.scans.back().observations.push_back({drawn.labels[k], {seen, {}, 0.01 * Matrix3d::Identity()}});
     }
   }
   return drawn;
@@ -80,23 +80,23 @@ LandmarkTimeline timelineOf(const Drive& drive, double lag = 1.0, double clock_o
   return {params, slamOf(drive)};
 }
 
-/// All odometry, and each look as late as told. @returns root of the mean squared error of the position
+/// All odometry, and each scan with this delay. @returns root of the mean squared error of the position
 double run(LandmarkTimeline& timeline, const Drive& drive, const std::vector<double>& delays) {
   std::vector<std::pair<double, size_t>> arrivals;
-  for (size_t k = 0; k < drive.looks.size(); ++k)
-    arrivals.emplace_back(drive.looks[k].stamp + delays[k % delays.size()], k);
+  for (size_t k = 0; k < drive.scans.size(); ++k)
+    arrivals.emplace_back(drive.scans[k].stamp + delays[k % delays.size()], k);
   std::stable_sort(arrivals.begin(), arrivals.end());
   double squares = 0;
   auto next = arrivals.begin();
   for (size_t i = 0; i < drive.odometry.size(); ++i) {
     EXPECT_TRUE(timeline.odometry(drive.odometry[i].first, drive.odometry[i].second));
     for (; next != arrivals.end() && next->first < drive.odometry[i].first + kTick / 2; ++next)
-      EXPECT_EQ(timeline.see(drive.looks[next->second].stamp, drive.looks[next->second].sightings),
-                Arrival::taken);
+      EXPECT_EQ(timeline.observe(drive.scans[next->second].stamp, drive.scans[next->second].observations),
+                Arrival::applied);
     squares += (timeline.now()->T_map_base.position - drive.truth[i].second.position).squaredNorm();
   }
   for (; next != arrivals.end(); ++next)
-    timeline.see(drive.looks[next->second].stamp, drive.looks[next->second].sightings);
+    timeline.observe(drive.scans[next->second].stamp, drive.scans[next->second].observations);
   return std::sqrt(squares / drive.odometry.size());
 }
 
@@ -112,7 +112,7 @@ void expectSame(const LandmarkTimeline& a, const LandmarkTimeline& b, double tol
   EXPECT_EQ(a.slam().labels(), b.slam().labels());
 }
 
-TEST(LandmarkTimeline, OutOfOrderGivesWhatInOrderGives) {
+TEST(LandmarkTimeline, TheOrderOfArrivalDoesNotMatter) {
   const Drive drawn = drive(1);
   LandmarkTimeline in_order = timelineOf(drawn), mixed = timelineOf(drawn);
   run(in_order, drawn, {0});
@@ -120,7 +120,7 @@ TEST(LandmarkTimeline, OutOfOrderGivesWhatInOrderGives) {
   expectSame(in_order, mixed, 0);
 }
 
-TEST(LandmarkTimeline, LateSightingsAreAsGoodAsPromptOnes) {
+TEST(LandmarkTimeline, LateObservationsAreAsAccurateAsPromptOnes) {
   double prompt = 0, late = 0;
   for (int seed = 0; seed < 5; ++seed) {
     const Drive drawn = drive(seed);
@@ -131,81 +131,82 @@ TEST(LandmarkTimeline, LateSightingsAreAsGoodAsPromptOnes) {
   EXPECT_LT(late, 1.05 * prompt);
 }
 
-TEST(LandmarkTimeline, TellsOfEachMomentOnce) {
+TEST(LandmarkTimeline, ReportsEachScanOnce) {
   const Drive drawn = drive(1);
   LandmarkTimeline timeline = timelineOf(drawn, 60);
   for (const auto& [stamp, pose] : drawn.odometry) timeline.odometry(stamp, pose);
-  std::vector<int> order(drawn.looks.size());
+  std::vector<int> order(drawn.scans.size());
   std::iota(order.begin(), order.end(), 0);
   std::shuffle(order.begin(), order.end(), std::mt19937(1));
   for (const int i : order) {
-    ASSERT_EQ(timeline.see(drawn.looks[i].stamp, drawn.looks[i].sightings), Arrival::taken);
+    ASSERT_EQ(timeline.observe(drawn.scans[i].stamp, drawn.scans[i].observations), Arrival::applied);
     ASSERT_EQ(timeline.applied().size(), 1u);
-    EXPECT_EQ(timeline.applied()[0].stamp, drawn.looks[i].stamp);
-    EXPECT_EQ(timeline.applied()[0].report.keys.size(), drawn.looks[i].sightings.size());
+    EXPECT_EQ(timeline.applied()[0].stamp, drawn.scans[i].stamp);
+    EXPECT_EQ(timeline.applied()[0].report.keys.size(), drawn.scans[i].observations.size());
   }
   timeline.odometry(drawn.odometry.back().first + 1, drawn.odometry.back().second);
   EXPECT_TRUE(timeline.applied().empty());
 }
 
-TEST(LandmarkTimeline, TwoThatTellOfOneMomentAreBothHeard) {
+TEST(LandmarkTimeline, TwoScansOfOneStampAreBothApplied) {
   const Drive drawn = drive(2);
   LandmarkTimeline timeline = timelineOf(drawn);
   run(timeline, drawn, {0});
-  const Look& last = drawn.looks.back();
-  std::vector<LabelledSighting> other = last.sightings;
+  const Scan& last = drawn.scans.back();
+  std::vector<LabelledObservation> other = last.observations;
   other.pop_back();
-  EXPECT_EQ(timeline.see(last.stamp, other), Arrival::taken);
-  EXPECT_EQ(timeline.see(last.stamp, other), Arrival::duplicate);
+  EXPECT_EQ(timeline.observe(last.stamp, other), Arrival::applied);
+  EXPECT_EQ(timeline.observe(last.stamp, other), Arrival::duplicate);
 }
 
-TEST(LandmarkTimeline, TellsDuplicatesHoweverOldTheyAre) {
+TEST(LandmarkTimeline, RecognizesDuplicatesOfAnyAge) {
   const Drive drawn = drive(2);
   LandmarkTimeline timeline = timelineOf(drawn), other = timelineOf(drawn);
   run(timeline, drawn, {0});
   run(other, drawn, {0});
-  for (const Look& look : drawn.looks) {
-    const Arrival arrival = timeline.see(look.stamp, look.sightings);
-    EXPECT_TRUE(arrival == Arrival::duplicate || arrival == Arrival::too_late) << look.stamp;
-    if (look.stamp < drawn.looks.back().stamp - 0.99) continue;
-    EXPECT_EQ(arrival, Arrival::duplicate) << look.stamp;
+  for (const Scan& scan : drawn.scans) {
+    const Arrival arrival = timeline.observe(scan.stamp, scan.observations);
+    EXPECT_TRUE(arrival == Arrival::duplicate || arrival == Arrival::too_late) << scan.stamp;
+    if (scan.stamp < drawn.scans.back().stamp - 0.99) continue;
+    EXPECT_EQ(arrival, Arrival::duplicate) << scan.stamp;
   }
   expectSame(timeline, other, 0);
-  const Look& last = drawn.looks.back();
-  EXPECT_EQ(timeline.see(last.stamp, last.sightings, {{0, 0}, 1}), Arrival::taken);  // another sensor
+  const Scan& last = drawn.scans.back();
+  EXPECT_EQ(timeline.observe(last.stamp, last.observations, {{0, 0}, 1}),
+            Arrival::applied);  // another sensor
 }
 
-TEST(LandmarkTimeline, RefusesWhatIsTooLate) {
+TEST(LandmarkTimeline, RefusesLateScans) {
   const Drive drawn = drive(3);
   LandmarkTimeline timeline = timelineOf(drawn, 0.5);
-  EXPECT_EQ(timeline.see(10, {}), Arrival::waiting);
+  EXPECT_EQ(timeline.observe(10, {}), Arrival::waiting);
   for (int i = 0; i <= 100; ++i) timeline.odometry(drawn.odometry[i].first, drawn.odometry[i].second);
-  EXPECT_EQ(timeline.see(9.9, drawn.looks[0].sightings), Arrival::too_late);
-  EXPECT_EQ(timeline.see(11.49, drawn.looks[0].sightings), Arrival::too_late);
-  EXPECT_EQ(timeline.see(11.51, {}), Arrival::taken);
+  EXPECT_EQ(timeline.observe(9.9, drawn.scans[0].observations), Arrival::too_late);
+  EXPECT_EQ(timeline.observe(11.49, drawn.scans[0].observations), Arrival::too_late);
+  EXPECT_EQ(timeline.observe(11.51, {}), Arrival::applied);
 }
 
-TEST(LandmarkTimeline, SightingsAheadOfOdometryWait) {
+TEST(LandmarkTimeline, ObservationsAheadOfOdometryWait) {
   const Drive drawn = drive(4);
   LandmarkTimeline ahead = timelineOf(drawn), in_order = timelineOf(drawn);
   run(in_order, drawn, {0});
   EXPECT_FALSE(ahead.now());
-  size_t look = 0;
+  size_t scan = 0;
   for (const auto& [stamp, pose] : drawn.odometry) {
-    for (; look < drawn.looks.size() && drawn.looks[look].stamp < stamp + 0.2; ++look) {
-      EXPECT_EQ(ahead.see(drawn.looks[look].stamp, drawn.looks[look].sightings), Arrival::waiting);
-      EXPECT_EQ(ahead.see(drawn.looks[look].stamp, drawn.looks[look].sightings), Arrival::duplicate);
+    for (; scan < drawn.scans.size() && drawn.scans[scan].stamp < stamp + 0.2; ++scan) {
+      EXPECT_EQ(ahead.observe(drawn.scans[scan].stamp, drawn.scans[scan].observations), Arrival::waiting);
+      EXPECT_EQ(ahead.observe(drawn.scans[scan].stamp, drawn.scans[scan].observations), Arrival::duplicate);
     }
     const size_t waiting = ahead.waiting();
     ahead.odometry(stamp, pose);
     EXPECT_EQ(ahead.applied().size(), waiting - ahead.waiting());
   }
-  EXPECT_EQ(ahead.applied().back().stamp, drawn.looks.back().stamp);
-  EXPECT_EQ(ahead.applied().back().report.known, 6);
+  EXPECT_EQ(ahead.applied().back().stamp, drawn.scans.back().stamp);
+  EXPECT_EQ(ahead.applied().back().report.associated, 6);
   expectSame(ahead, in_order, 0);
 }
 
-TEST(LandmarkTimeline, MapToOdomChangesWithSightingsOnly) {
+TEST(LandmarkTimeline, MapToOdomChangesWithObservationsOnly) {
   const Drive drawn = drive(5);
   LandmarkTimeline timeline = timelineOf(drawn);
   const auto offset = [&] { return timeline.now()->T_map_odom; };
@@ -221,16 +222,16 @@ TEST(LandmarkTimeline, MapToOdomChangesWithSightingsOnly) {
     const auto now = timeline.now();
     EXPECT_LT(apart(now->T_map_odom * drawn.odometry[i].second, now->T_map_base), 1e-9);
     if (i != 50) continue;
-    timeline.see(drawn.looks[9].stamp, drawn.looks[9].sightings);
+    timeline.observe(drawn.scans[9].stamp, drawn.scans[9].observations);
     EXPECT_GT(apart(offset(), before), 1e-5);
   }
 }
 
-TEST(LandmarkTimeline, AddsTheClocksOffset) {
+TEST(LandmarkTimeline, AddsTheClockOffset) {
   Drive drawn = drive(6);
   LandmarkTimeline right = timelineOf(drawn), corrected = timelineOf(drawn, 1.0, 0.25);
   run(right, drawn, {0});
-  for (Look& look : drawn.looks) look.stamp -= 0.25;
+  for (Scan& scan : drawn.scans) scan.stamp -= 0.25;
   run(corrected, drawn, {0.25});
   expectSame(right, corrected, 1e-9);
 }
@@ -246,20 +247,21 @@ TEST(LandmarkTimeline, NamesAFieldThatIsOutOfRange) {
   params.clock_offset = 11;
   EXPECT_EQ(refused(params).find("clock_offset is "), 0u);
   params = {};
-  params.odometry.way_by_way = -1;
-  EXPECT_EQ(refused(params).find("way_by_way is "), 0u);
+  params.odometry.translation_from_translation = -1;
+  EXPECT_EQ(refused(params).find("translation_from_translation is "), 0u);
 }
 
-// ---- pauses, leaps, restarts, poses that are set
+// ---- pauses, jumps, restarts, poses that are set
 
-TEST(LandmarkTimeline, WhatIsGoneInAPauseOfOdometryIsNotLost) {
+TEST(LandmarkTimeline, MotionDuringAPauseOfOdometryIsUsed) {
   const LandmarkSlam slam({}, Pose2{}, 1e-4 * Matrix3d::Identity());
   LandmarkTimeline timeline({}, slam);
   for (int i = 0; i <= 100; ++i) timeline.odometry(10 + i * kTick, {{0.01 * i, 0}, 0});
-  EXPECT_EQ(timeline.see(11.9, {}), Arrival::taken);
+  EXPECT_EQ(timeline.observe(11.9, {}), Arrival::applied);
   timeline.odometry(20, {{3, 0}, 0});
   EXPECT_NEAR(timeline.now()->T_map_base.position.x(), 3, 1e-9);
-  EXPECT_NEAR(timeline.now()->covariance(0, 0), 1e-4 + 3 * 0.03 * 0.03, 1e-6);  // 3 m, way_by_way
+  EXPECT_NEAR(timeline.now()->covariance(0, 0), 1e-4 + 3 * 0.03 * 0.03,
+              1e-6);  // 3 m, translation_from_translation
   timeline.odometry(30, {{4, 0}, 0});
   EXPECT_NEAR(timeline.now()->T_map_base.position.x(), 4, 1e-9);
 }
@@ -277,50 +279,50 @@ TEST(LandmarkTimeline, ARestartKeepsTheMap) {
   EXPECT_LT((timeline.now()->T_map_base.position - pose.position).norm(), 1e-12);
   timeline.odometry(2, {{101, 0}, 0});
   EXPECT_LT((timeline.now()->T_map_base.position - pose * Vector2d(1, 0)).norm(), 1e-12);
-  EXPECT_EQ(timeline.see(1.5, {}), Arrival::taken);
+  EXPECT_EQ(timeline.observe(1.5, {}), Arrival::applied);
 }
 
-TEST(LandmarkTimeline, OdometryThatLeapsBeginsAnewAndTheRobotIsSought) {
+TEST(LandmarkTimeline, AJumpOfOdometryRestartsItAndTheRobotIsLost) {
   const Drive drawn = drive(9);
   LandmarkTimeline timeline = timelineOf(drawn);
   run(timeline, drawn, {0});
   const double last = drawn.odometry.back().first;
   const Pose2 fast = drawn.odometry.back().second * Pose2{{0.9, 0}, 0};
   EXPECT_TRUE(timeline.odometry(last + 0.02, fast));
-  EXPECT_EQ(timeline.leaps(), 0);
+  EXPECT_EQ(timeline.jumps(), 0);
   EXPECT_TRUE(timeline.odometry(last + 0.07, fast * Pose2{{1.1, 0}, 0}));  // 22 m/s
-  EXPECT_EQ(timeline.leaps(), 1);
+  EXPECT_EQ(timeline.jumps(), 1);
   EXPECT_TRUE(timeline.slam().isLost());
   EXPECT_EQ(timeline.slam().labels().size(), 6u);
-  EXPECT_EQ(timeline.see(last + 0.05, {}), Arrival::too_late);
+  EXPECT_EQ(timeline.observe(last + 0.05, {}), Arrival::too_late);
   EXPECT_TRUE(timeline.odometry(last + 10, fast * Pose2{{30, 0}, 0}));  // a pause
-  EXPECT_EQ(timeline.leaps(), 1);
+  EXPECT_EQ(timeline.jumps(), 1);
 }
 
-TEST(LandmarkTimeline, OfTooManyThatWaitTheLatestAreDropped) {
+TEST(LandmarkTimeline, DropsTheNewestOfTooManyWaitingScans) {
   const Drive drawn = drive(9);
   LandmarkTimeline timeline = timelineOf(drawn);
   timeline.odometry(drawn.odometry[0].first, drawn.odometry[0].second);
-  for (int i = 0; i < 200; ++i) EXPECT_EQ(timeline.see(1000 + i, {}), Arrival::waiting);
+  for (int i = 0; i < 200; ++i) EXPECT_EQ(timeline.observe(1000 + i, {}), Arrival::waiting);
   EXPECT_EQ(timeline.waiting(), 100u);
-  const Look& soon = drawn.looks[2];
-  EXPECT_EQ(timeline.see(soon.stamp, soon.sightings), Arrival::waiting);
+  const Scan& soon = drawn.scans[2];
+  EXPECT_EQ(timeline.observe(soon.stamp, soon.observations), Arrival::waiting);
   for (const auto& [stamp, pose] : drawn.odometry)
     if (stamp < soon.stamp + 0.05) timeline.odometry(stamp, pose);
   EXPECT_EQ(timeline.waiting(), 99u);
 }
 
-TEST(LandmarkTimeline, AChangeIsMadeAtTheLastOdometry) {
+TEST(LandmarkTimeline, AChangeIsAppliedAtTheNewestOdometry) {
   const Drive drawn = drive(8);
   LandmarkTimeline timeline = timelineOf(drawn);
   for (int i = 0; i <= 500; ++i) timeline.odometry(drawn.odometry[i].first, drawn.odometry[i].second);
-  EXPECT_EQ(timeline.see(20.3, drawn.looks[0].sightings), Arrival::waiting);
+  EXPECT_EQ(timeline.observe(20.3, drawn.scans[0].observations), Arrival::waiting);
   const Pose2 elsewhere{{-4, 5}, 3};
   timeline.change([&](LandmarkSlam& slam) { slam.setPose(elsewhere, 0.01 * Matrix3d::Identity()); });
   EXPECT_LT((timeline.now()->T_map_base.position - elsewhere.position).norm(), 1e-12);
   EXPECT_LT((timeline.now()->covariance - 0.01 * Matrix3d::Identity()).norm(), 1e-9);
   EXPECT_EQ(timeline.slam().labels().size(), 6u);
-  EXPECT_EQ(timeline.see(19.9, drawn.looks[0].sightings), Arrival::too_late);
+  EXPECT_EQ(timeline.observe(19.9, drawn.scans[0].observations), Arrival::too_late);
   timeline.odometry(20.5, drawn.odometry[500].second * Pose2{{1, 0}, 0});
   EXPECT_LT((timeline.now()->T_map_base.position - elsewhere * Vector2d(1, 0)).norm(), 1e-9);
 }

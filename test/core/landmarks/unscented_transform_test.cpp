@@ -30,7 +30,7 @@ TEST(UnscentedTransform, ALinearFunctionIsExact) {
 }
 
 // E[x^2] = s^2 is exact; the variance is 2 s^4 of a normal variable as alpha goes to 0.
-TEST(UnscentedTransform, ASquareHasItsMeanAndNearlyItsVariance) {
+TEST(UnscentedTransform, ASquareHasTheExactMeanAndAlmostTheVariance) {
   const double s = 0.7, alpha = 0.1;
   const UnscentedMoments moments = unscentedTransform(
       MatrixXd::Constant(1, 1, s), [](const VectorXd& x) -> VectorXd { return x.cwiseProduct(x); });
@@ -38,7 +38,7 @@ TEST(UnscentedTransform, ASquareHasItsMeanAndNearlyItsVariance) {
   EXPECT_NEAR(moments.covariance(0, 0), (2 + 2 * alpha * alpha) * std::pow(s, 4), 1e-6);
 }
 
-TEST(UnscentedTransform, DimensionsThatAFunctionDoesNotKnowChangeNothing) {
+TEST(UnscentedTransform, UnusedDimensionsHaveNoEffect) {
   const MatrixXd L = lower(6);
   const auto function = [](const VectorXd& x) -> VectorXd {
     return Eigen::Vector2d(std::sin(x(0)) * x(1), std::exp(0.3 * x(1)));

@@ -14,7 +14,7 @@
 namespace sextant {
 namespace {
 
-// The scale after so many images of two cameras whose corners have this noise, where 0.3 is assumed.
+// The scale after a number of images of two cameras with this corner noise; 0.3 pixels are assumed.
 CornerNoise after(int images, double left_sigma, double right_sigma) {
   const CameraModel camera(testCalibrations()[0], CameraModel::Image::raw);
   const MarkerLocator locator{LocatorParams{}};
@@ -43,7 +43,7 @@ TEST(CornerNoise, FindsTheNoiseOfEachCamera) {
   EXPECT_NEAR(0.3 * noise.typical(1), 0.4, 0.03);
 }
 
-// One marker's corners have a noise of their own beside that of the camera, and tell it.
+// The corners of one marker have additional noise, given by their corner_sigmas.
 TEST(CornerNoise, FindsWhatAllCornersHaveInCommon) {
   const CameraModel camera(testCalibrations()[0], CameraModel::Image::raw);
   const MarkerLocator locator{LocatorParams{}};
@@ -62,7 +62,7 @@ TEST(CornerNoise, FindsWhatAllCornersHaveInCommon) {
   EXPECT_NEAR(0.3 * noise.typical(0), 0.1, 0.01);
 }
 
-// Where images do not differ, what one of them says of itself counts little.
+// If images do not differ, the noise estimate of a single one has little weight.
 TEST(CornerNoise, OneImageOfManyAlikeIsLikeTheOthers) {
   const CornerNoise noise = after(150, 0.3, 0.3);
   EXPECT_NEAR(noise.scale(0) / noise.typical(0), 1.0, 0.1);
@@ -105,7 +105,7 @@ TEST(CornerNoise, ImagesThatDifferAreToldApart) {
   EXPECT_LT(lone_far, 0.015 * images);
 }
 
-// A marker that was moved is in a third of the images and spoils what they say, not what is usual.
+// A moved marker in a third of the images changes their estimates, but not the median.
 TEST(CornerNoise, SomeSpoiltImagesDoNotCount) {
   CornerNoise noise;
   std::mt19937 random(4);

@@ -19,8 +19,8 @@ MarkerMap oneMarker() {
   return map;
 }
 
-// A robot that drives from 1 m off to 5 m off, straight at one marker, with a little wobble: the branch must
-// be that of the start all the way.
+// A robot that drives from 1 m to 5 m away from one marker, facing it with a little wobble, must stay on the
+// planar solution of the start.
 TEST(MarkerLocalization, OdometryKeepsToTheTrueBranch) {
   const CameraModel camera(testCalibrations()[0], CameraModel::Image::raw);
   MarkerLocalization localization{LocalizationParams{}};
@@ -74,7 +74,7 @@ TEST(MarkerLocalization, RecoversWhereTheOdometryWasWrong) {
       refused < 100 &&
       !localization.locate(room(), {look(room(), camera, carried, 0.3, 2 + refused)}, Pose::Identity()).pose)
     ++refused;
-  EXPECT_EQ(refused, params.odometry.recovery - 1);
+  EXPECT_EQ(refused, params.odometry.max_rejections - 1);
   EXPECT_LT(poseError(carried, *localization.correction().transform()).norm(), 0.1);
 }
 
@@ -105,7 +105,7 @@ TEST(MarkerLocalization, RefusedParametersChangeNothing) {
   MarkerLocalization localization{LocalizationParams{}};
   LocalizationParams params;
   params.locator.corner_sigma = 0.5;
-  params.odometry.recovery = -1;
+  params.odometry.max_rejections = -1;
   EXPECT_THROW(localization.setParams(params), std::invalid_argument);
   EXPECT_EQ(localization.params().locator.corner_sigma, LocatorParams{}.corner_sigma);
 }

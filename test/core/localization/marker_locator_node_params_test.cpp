@@ -29,7 +29,7 @@ TEST(MarkerLocatorNodeParams, RefusesATransformWithoutItsFrames) {
             "tf_output map_to_base needs a base_frame");
   params.tf_output = "map_to_odom";
   params.base_frame = params.odom_frame = "odom";
-  EXPECT_NE(refusal<std::invalid_argument>([&] { validate(params); }).find("not the same"),
+  EXPECT_NE(refusal<std::invalid_argument>([&] { validate(params); }).find("different odom_frame"),
             std::string::npos);
 }
 
@@ -37,7 +37,7 @@ TEST(MarkerLocatorNodeParams, NeedsACamera) {
   MarkerLocatorNodeParams params;
   params.cameras.clear();
   EXPECT_EQ(refusal<std::invalid_argument>([&] { validate(params); }),
-            "cameras is empty, name at least one topic of markers");
+            "cameras is empty: set at least one topic of markers");
 }
 
 }  // namespace

@@ -89,16 +89,16 @@ TEST(MarkerLocator, TwoMarkersThatContradictEachOtherAreNotCertain) {
   params.corner_sigma = 0.1;
   const auto open = MarkerLocator(params).locate(room(), {swapped});
   ASSERT_TRUE(open.pose) << open.reason;
-  EXPECT_LT(open.pose->probability, params.decided);
+  EXPECT_LT(open.pose->probability, params.min_probability);
   EXPECT_EQ(open.pose->used().size(), 1u);
-  EXPECT_EQ(open.pose->leftOut().size(), 1u);
-  params.ambiguous = "skip";
+  EXPECT_EQ(open.pose->outliers().size(), 1u);
+  params.ambiguous_pose = "skip";
   const auto skipped = MarkerLocator(params).locate(room(), {swapped});
   EXPECT_FALSE(skipped.pose);
   EXPECT_NE(skipped.reason.find("ambiguous"), std::string::npos);
 }
 
-// Two corners are four equations for six unknowns; that the robot stands on the floor is three more.
+// Two corners give four equations for six unknowns; the floor gives three more.
 TEST(MarkerLocator, AMarkerOfWhichTwoCornersAreHiddenTellsNoPoseAlone) {
   const CameraModel camera(testCalibrations()[0], CameraModel::Image::raw);
   MarkerView view = look(room(), camera, kTruth, 0.1, 7);
@@ -144,7 +144,7 @@ TEST(MarkerLocator, AnUncertainMapMakesAnUncertainPose) {
   const MarkerLocator locator(params);
   const auto exact = locator.locate(room(), {view}), loose = locator.locate(taped, {view});
   ASSERT_TRUE(exact.pose && loose.pose);
-  // 2 cm of each of four markers: 1 cm where they all pull alike, at the least.
+  // Four markers with 2 cm each: at least 1 cm, if all have the same influence.
   EXPECT_LT(std::sqrt(exact.pose->covariance(2, 2)), 0.005);
   EXPECT_GT(std::sqrt(loose.pose->covariance(2, 2)), 0.0099);
 }
@@ -181,7 +181,8 @@ TEST(MarkerLocator, SaysWhyThereIsNoPose) {
   stranger.detections[0].key.id = 77;
   EXPECT_EQ(reason(stranger), "no marker in sight is in the map");
   twice.detections = {good.detections[0], good.detections[0]};
-  EXPECT_EQ(reason(twice), "the only mapped markers in sight are there more than once");
+  EXPECT_EQ(reason(twice),
+            "the mapped markers in sight were detected more than once, or their corners give no pose");
   wrong.detections.resize(1);
   wrong.detections[0].corners[0] += Eigen::Vector2d(-12, -9);  // no square's
   EXPECT_NE(reason(wrong).find("gate"), std::string::npos);
@@ -197,11 +198,11 @@ TEST(LocatorParams, RefusesWhatIsOutOfRange) {
   params.robust_width = std::nan("");
   EXPECT_THROW(MarkerLocator{params}, std::invalid_argument);
   params = {};
-  params.decided = 0.9999999;
+  params.min_probability = 0.9999999;
   MarkerLocator{params};
-  params.decided = 0.99999999;
+  params.min_probability = 0.99999999;
   EXPECT_EQ(refusal<std::invalid_argument>([&] { MarkerLocator{params}; }),
-            "decided is 1, allowed is [0.5, 0.9999999]");
+            "min_probability is 1, allowed is [0.5, 0.9999999]");
 }
 
 }  // namespace

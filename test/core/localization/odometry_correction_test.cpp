@@ -49,7 +49,7 @@ TEST(OdometryCorrection, PredictionGrowsWithTheWay) {
   EXPECT_NEAR(prior->covariance(0, 0), ahead + 4 * 0.0009, 1e-9);
 }
 
-// Two equal measurements at one place: half the variance, and the little that is forgotten.
+// Two equal measurements at one place: half the variance, plus the share of common errors.
 TEST(OdometryCorrection, EqualPosesAreAveraged) {
   OdometryCorrection correction({});
   correction.update(Pose::Identity(), poseFromXyzRpy({1, 0, 0}, {0, 0, 0}), spread(0.1, 0.1));
@@ -92,14 +92,14 @@ TEST(OdometryCorrection, OneFalsePoseIsRefused) {
   const Pose T_odom_base = poseFromXyzRpy({0.5, 0, 0}, {0, 0, 0}),
              wrong = poseFromXyzRpy({0.5, 3, 0}, {0, 0, 1});
   EXPECT_TRUE(correction.contradicts(T_odom_base, wrong, noise));
-  EXPECT_EQ(correction.update(T_odom_base, wrong, noise), Verdict::contradicts);
+  EXPECT_EQ(correction.update(T_odom_base, wrong, noise), Verdict::rejected);
   EXPECT_LT(poseError(Pose::Identity(), *correction.transform()).norm(), 1e-12);
-  EXPECT_EQ(correction.update(T_odom_base, T_odom_base, noise), Verdict::taken);
+  EXPECT_EQ(correction.update(T_odom_base, T_odom_base, noise), Verdict::accepted);
 }
 
 TEST(OdometryCorrection, PosesThatAgreeOverruleTheOdometry) {
   OdometryParams params;
-  params.recovery = 4;
+  params.max_rejections = 4;
   OdometryCorrection correction(params);
   const Matrix6d noise = spread(0.05, 0.02);
   correction.update(Pose::Identity(), Pose::Identity(), noise);
@@ -108,7 +108,7 @@ TEST(OdometryCorrection, PosesThatAgreeOverruleTheOdometry) {
   for (int i = 0; i < 4; ++i) {
     T_odom_base.translation().x() += 0.1;
     EXPECT_EQ(correction.update(T_odom_base, carried * T_odom_base, noise),
-              i < 3 ? Verdict::contradicts : Verdict::recovered);
+              i < 3 ? Verdict::rejected : Verdict::recovered);
   }
   EXPECT_LT(poseError(carried, *correction.transform()).norm(), 1e-9);
 }
@@ -120,7 +120,7 @@ TEST(OdometryCorrection, PosesThatContradictOneAnotherTooNeverDo) {
   for (int i = 0; i < 20; ++i)
     EXPECT_EQ(
         correction.update(Pose::Identity(), poseFromXyzRpy({3, i % 2 ? 2.0 : -2.0, 0}, {0, 0, 0}), noise),
-        Verdict::contradicts);
+        Verdict::rejected);
 }
 
 TEST(OdometryParams, RefusesWhatIsOutOfRange) {
@@ -128,7 +128,7 @@ TEST(OdometryParams, RefusesWhatIsOutOfRange) {
   params.position_drift = 0;
   EXPECT_THROW(OdometryCorrection{params}, std::invalid_argument);
   params = {};
-  params.recovery = 0;
+  params.max_rejections = 0;
   EXPECT_THROW(OdometryCorrection{params}, std::invalid_argument);
   OdometryCorrection correction({});
   EXPECT_THROW(correction.setParams(params), std::invalid_argument);

@@ -8,20 +8,20 @@
 
 #include "sextant/markers/marker_pose.hpp"
 #include "test_cameras.hpp"
-#include "test_sightings.hpp"
+#include "test_observations.hpp"
 
 namespace sextant {
 namespace {
 
 const Pose kForwardMount = forwardMount(1.0);
 
-std::vector<PoseStart> starts(const std::vector<MarkerSighting>& sightings) {
+std::vector<PoseStart> starts(const std::vector<MarkerObservation>& observations) {
   std::vector<PoseStart> all;
-  for (size_t i = 0; i < sightings.size(); ++i) {
-    const MarkerSighting& sighting = sightings[i];
-    const auto poses = solveMarkerPose(*sighting.camera, sighting.corners, sighting.size);
+  for (size_t i = 0; i < observations.size(); ++i) {
+    const MarkerObservation& observation = observations[i];
+    const auto poses = solveMarkerPose(*observation.camera, observation.corners, observation.size);
     const auto base = [&](const MarkerPose& pose) {
-      return sighting.T_map_marker * pose.T_camera_marker.inverse() * sighting.T_camera_base;
+      return observation.T_map_marker * pose.T_camera_marker.inverse() * observation.T_camera_base;
     };
     all.push_back({base(poses->best), i});
     if (poses->alternative) all.push_back({base(*poses->alternative), i});
@@ -31,9 +31,9 @@ std::vector<PoseStart> starts(const std::vector<MarkerSighting>& sightings) {
 
 class PoseHypotheses : public testing::Test {
  protected:
-  std::vector<PoseHypothesis> find(const std::vector<MarkerSighting>& sightings,
+  std::vector<PoseHypothesis> find(const std::vector<MarkerObservation>& observations,
                                    const std::optional<PosePrior>& prior = std::nullopt) {
-    return poseHypotheses(sightings, starts(sightings), {}, prior);
+    return poseHypotheses(observations, starts(observations), {}, prior);
   }
 
   CameraModel camera_{testCalibrations()[0], CameraModel::Image::raw};
@@ -53,12 +53,12 @@ TEST_F(PoseHypotheses, KeepsBothPosesOfOneFarMarker) {
 
 TEST_F(PoseHypotheses, ThePriorDecidesAndIsNotMixedIn) {
   const Pose truth = poseFromXyzRpy({-0.6, 1.7, 0}, {0, 0, -0.44});
-  const auto sightings =
+  const auto observations =
       seenFrom(truth, camera_, kForwardMount, {markerOnWall({3, 0, 1})}, 0.2, 0.3, random_);
-  const auto open = find(sightings);
+  const auto open = find(observations);
   for (const PoseHypothesis& meant : open) {
     const PosePrior prior{perturbed(meant.T_map_base, Vector6d::Constant(0.02)), 0.01 * Matrix6d::Identity()};
-    const auto found = find(sightings, prior);
+    const auto found = find(observations, prior);
     EXPECT_GT(found[0].weight, 0.9999);
     EXPECT_LT(poseError(meant.T_map_base, found[0].T_map_base).norm(), 1e-9);
     EXPECT_LT((found[0].covariance - meant.covariance).norm(), 1e-9);
@@ -69,9 +69,9 @@ TEST_F(PoseHypotheses, LeavesOutAMarkerThatWasMoved) {
   const std::vector<Pose> markers = {markerOnWall({3, 0.8, 1}), markerOnWall({3, 0, 1.2}),
                                      markerOnWall({3, -0.8, 1}), markerOnWall({2, 1.4, 1}, -0.8)};
   const Pose truth = poseFromXyzRpy({0.5, 0.1, 0}, {0, 0, 0.1});
-  auto sightings = seenFrom(truth, camera_, kForwardMount, markers, 0.2, 0.2, random_);
-  sightings[1].T_map_marker.translation() += Eigen::Vector3d(0, 0.2, 0);  // where the map has it
-  const auto found = find(sightings);
+  auto observations = seenFrom(truth, camera_, kForwardMount, markers, 0.2, 0.2, random_);
+  observations[1].T_map_marker.translation() += Eigen::Vector3d(0, 0.2, 0);  // where the map has it
+  const auto found = find(observations);
   ASSERT_FALSE(found.empty());
   EXPECT_EQ(found[0].used, (std::vector<size_t>{0, 2, 3}));
   EXPECT_GT(found[0].weight, 0.9999);
@@ -80,11 +80,11 @@ TEST_F(PoseHypotheses, LeavesOutAMarkerThatWasMoved) {
 
 TEST_F(PoseHypotheses, TwoThatContradictEachOtherLeaveBothOpen) {
   const Pose truth = poseFromXyzRpy({0.5, 0.1, 0}, {0, 0, 0.1});
-  auto sightings =
+  auto observations =
       seenFrom(truth, camera_, kForwardMount,
                {markerOnWall({3, 0.8, 1}, -0.6), markerOnWall({3, -0.8, 1}, 0.6)}, 0.3, 0.1, random_);
-  sightings[0].T_map_marker.translation() += Eigen::Vector3d(0, 0, 0.5);
-  const auto found = find(sightings);
+  observations[0].T_map_marker.translation() += Eigen::Vector3d(0, 0, 0.5);
+  const auto found = find(observations);
   ASSERT_GE(found.size(), 2u);
   EXPECT_EQ(found[0].used.size(), 1u);
   EXPECT_LT(found[0].weight, 0.9999);

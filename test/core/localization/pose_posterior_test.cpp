@@ -10,7 +10,7 @@
 
 #include "sextant/markers/marker_pose.hpp"
 #include "test_cameras.hpp"
-#include "test_sightings.hpp"
+#include "test_observations.hpp"
 
 namespace sextant {
 namespace {
@@ -18,7 +18,7 @@ namespace {
 const Pose kMount = forwardMount(1.0);
 constexpr double kRegion6 = 12.59, kRegion3 = 7.815;  // chi-square, 95 %
 
-// What a series of published poses amounts to.
+// Statistics of a series of published poses.
 struct Consistency {
   int frames = 0, decided = 0, inside = 0, position_inside = 0;
   double decided_nees = 0, nees = 0;
@@ -51,26 +51,26 @@ Consistency simulate(const std::vector<Pose>& markers, double farthest, int fram
       truth =
           truth * poseFromXyzRpy({0, 0, floor->height_sigma * noise(random)},
                                  {floor->tilt_sigma * noise(random), floor->tilt_sigma * noise(random), 0});
-    const auto sightings = seenFrom(truth, camera, kMount, markers, 0.2, 0.3, random);
+    const auto observations = seenFrom(truth, camera, kMount, markers, 0.2, 0.3, random);
     std::vector<PoseStart> starts;
-    for (size_t i = 0; i < sightings.size(); ++i) {
-      const MarkerSighting& sighting = sightings[i];
-      const auto poses = solveMarkerPose(camera, sighting.corners, 0.2);
+    for (size_t i = 0; i < observations.size(); ++i) {
+      const MarkerObservation& observation = observations[i];
+      const auto poses = solveMarkerPose(camera, observation.corners, 0.2);
       if (!poses) continue;
       const auto base = [&](const MarkerPose& pose) {
-        return sighting.T_map_marker * pose.T_camera_marker.inverse() * sighting.T_camera_base;
+        return observation.T_map_marker * pose.T_camera_marker.inverse() * observation.T_camera_base;
       };
       starts.push_back({base(poses->best), i});
       if (poses->alternative) starts.push_back({base(*poses->alternative), i});
     }
     HypothesesParams params;
     params.floor = floor;
-    const auto hypotheses = poseHypotheses(sightings, starts, params, std::nullopt);
+    const auto hypotheses = poseHypotheses(observations, starts, params, std::nullopt);
     if (hypotheses.empty()) continue;
     const PosteriorParams decision{0.999999, floor};
-    const auto posterior = posePosterior(sightings, hypotheses, decision);
+    const auto posterior = posePosterior(observations, hypotheses, decision);
     sum.add(truth, hypotheses[posterior.best].T_map_base, posterior,
-            posterior.probability >= decision.decided);
+            posterior.probability >= decision.min_probability);
   }
   return sum;
 }
@@ -98,7 +98,7 @@ TEST(PosePosterior, FloorAndOneMarkerAreConsistent) {
   EXPECT_NEAR(sum.nees / sum.frames, 6.0, 0.8);
 }
 
-// From afar the bearing of the markers is known so well that a shift along a turned line of sight counts.
+// From afar the bearing of the markers is so accurate that a shift along a rotated line of sight matters.
 TEST(PosePosterior, FloorAndFarCoplanarMarkersAreConsistent) {
   const auto sum =
       simulate({markerOnWall({3, -0.8, 1.2}), markerOnWall({3, 0, 1.2}), markerOnWall({3, 0.8, 1.2})}, 10,
@@ -107,8 +107,8 @@ TEST(PosePosterior, FloorAndFarCoplanarMarkersAreConsistent) {
   EXPECT_NEAR(sum.decided_nees / sum.decided, 6.0, 0.4);
 }
 
-// Three markers say that the base is here, three others that it is 2 m aside: a narrow Gaussian at each
-// place.
+// Three markers support this pose of the base, three others one 2 m aside: a narrow Gaussian at each
+// pose.
 TEST(PosePosterior, TwoHypothesesAreCoveredTogether) {
   const CameraModel camera(testCalibrations()[0], CameraModel::Image::raw);
   std::mt19937 random(8);
@@ -119,13 +119,13 @@ TEST(PosePosterior, TwoHypothesesAreCoveredTogether) {
                      T_map_base * markerOnWall({1.8, 0, 0.9}, -0.5)},
                     0.2, 0.1, random);
   };
-  auto sightings = three(here);
-  for (const MarkerSighting& sighting : three(aside)) sightings.push_back(sighting);
-  auto hypotheses = poseHypotheses(sightings, {{here, 0}, {aside, 3}}, {}, std::nullopt);
+  auto observations = three(here);
+  for (const MarkerObservation& observation : three(aside)) observations.push_back(observation);
+  auto hypotheses = poseHypotheses(observations, {{here, 0}, {aside, 3}}, {}, std::nullopt);
   ASSERT_EQ(hypotheses.size(), 2u);
   hypotheses[0].weight = 0.6;
   hypotheses[1].weight = 0.4;
-  const auto open = posePosterior(sightings, hypotheses, {});
+  const auto open = posePosterior(observations, hypotheses, {});
   EXPECT_EQ(open.best, 0u);
   EXPECT_DOUBLE_EQ(open.probability, 0.6);
   const double way = hypotheses[1].T_map_base.translation().y() - hypotheses[0].T_map_base.translation().y();
@@ -134,7 +134,7 @@ TEST(PosePosterior, TwoHypothesesAreCoveredTogether) {
   EXPECT_LT(open.covariance(0, 0), 0.01);
   hypotheses[0].weight = 0.99995;
   hypotheses[1].weight = 0.00005;
-  const auto certain = posePosterior(sightings, hypotheses, {});
+  const auto certain = posePosterior(observations, hypotheses, {});
   EXPECT_LT(certain.covariance(1, 1), 0.01);
 }
 
@@ -143,23 +143,23 @@ TEST(PosePosterior, TwoHypothesesAreCoveredTogether) {
 TEST(PosePosterior, TheRegionOfAnUndecidedPoseHoldsAtLeast92Percent) {
   const CameraModel camera(testCalibrations()[0], CameraModel::Image::raw);
   std::mt19937 random(8);
-  std::vector<MarkerSighting> sightings;
+  std::vector<MarkerObservation> observations;
   std::vector<PoseStart> starts;
   const Pose offsets[] = {Pose::Identity(), poseFromXyzRpy({2, 0, 0}, {0, 0, 0}),
                           poseFromXyzRpy({0, 2, 0}, {0, 0, 0}), poseFromXyzRpy({0, 0, 2}, {0, 0, 0})};
   for (const Pose& T_map_base : offsets) {
-    starts.push_back({T_map_base, sightings.size()});
-    for (const MarkerSighting& sighting :
+    starts.push_back({T_map_base, observations.size()});
+    for (const MarkerObservation& observation :
          seenFrom(T_map_base, camera, kMount,
                   {T_map_base * markerOnWall({2, 0.4, 1}, 0.3), T_map_base * markerOnWall({2.5, -0.6, 1.2}),
                    T_map_base * markerOnWall({1.8, 0, 0.9}, -0.5)},
                   0.2, 0.1, random))
-      sightings.push_back(sighting);
+      observations.push_back(observation);
   }
-  auto hypotheses = poseHypotheses(sightings, starts, {}, std::nullopt);
+  auto hypotheses = poseHypotheses(observations, starts, {}, std::nullopt);
   ASSERT_EQ(hypotheses.size(), 4u);
   for (size_t i = 0; i < 4; ++i) hypotheses[i].weight = i == 0 ? 0.85 : 0.05;
-  const auto posterior = posePosterior(sightings, hypotheses, {});
+  const auto posterior = posePosterior(observations, hypotheses, {});
   ASSERT_EQ(posterior.best, 0u);
   const Eigen::LDLT<Matrix6d> region(posterior.covariance);
   std::normal_distribution<double> normal(0, 1);

@@ -11,7 +11,7 @@ namespace {
 
 using Groups = StampGroups<std::string>;
 
-// "left0 right1", or "-" where nothing is ready.
+// "left0 right1", or "-" if no group is ready.
 std::string taken(Groups& groups, double now) {
   const auto group = groups.take(now);
   if (!group) return "-";
@@ -33,7 +33,7 @@ TEST(StampGroups, OneCameraWaitsForNobody) {
 TEST(StampGroups, NearStampsAreOneGroup) {
   Groups groups({2, 0.01, 0.05});
   groups.add(1, 100.004, 0.0, "r");
-  EXPECT_EQ(taken(groups, 0.0), "r1 ");  // the other camera has never been heard
+  EXPECT_EQ(taken(groups, 0.0), "r1 ");  // the other camera has never published
   groups.add(0, 100.030, 0.03, "l");
   EXPECT_EQ(taken(groups, 0.031), "-");
   groups.add(1, 100.034, 0.033, "r");
@@ -57,7 +57,7 @@ TEST(StampGroups, PatienceEnds) {
   EXPECT_EQ(taken(groups, 0.149), "-");
   EXPECT_EQ(taken(groups, 0.151), "l0 ");
   groups.add(0, 101.2, 1.2, "l");
-  EXPECT_EQ(taken(groups, 1.2), "l0 ");  // the right one has been silent for more than a second
+  EXPECT_EQ(taken(groups, 1.2), "l0 ");  // the right one has published nothing for more than a second
 }
 
 TEST(StampGroups, ClearForgets) {

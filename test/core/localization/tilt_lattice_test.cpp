@@ -10,7 +10,7 @@
 
 #include "sextant/markers/marker_pose.hpp"
 #include "test_cameras.hpp"
-#include "test_sightings.hpp"
+#include "test_observations.hpp"
 
 namespace sextant {
 namespace {
@@ -20,24 +20,24 @@ struct SeenWall {
       : camera(testCalibrations()[1], CameraModel::Image::raw) {
     std::mt19937 random(3);
     const Pose mount = forwardMount(1.0);
-    sightings = seenFrom(T_map_base, camera, mount, markers, 0.2, 0, random);
+    observations = seenFrom(T_map_base, camera, mount, markers, 0.2, 0, random);
     std::vector<PoseStart> starts = {{T_map_base, 0}};
-    const auto poses = solveMarkerPose(camera, sightings[0].corners, 0.2);
+    const auto poses = solveMarkerPose(camera, observations[0].corners, 0.2);
     if (poses && poses->alternative)
       starts.push_back({markers[0] * poses->alternative->T_camera_marker.inverse() * mount.inverse(), 0});
-    minima = poseHypotheses(sightings, starts, {}, std::nullopt);
+    minima = poseHypotheses(observations, starts, {}, std::nullopt);
   }
-  TiltLattice lattice() const { return tiltLattice(sightings, minima, std::nullopt); }
+  TiltLattice lattice() const { return tiltLattice(observations, minima, std::nullopt); }
 
   CameraModel camera;
-  std::vector<MarkerSighting> sightings;
+  std::vector<MarkerObservation> observations;
   std::vector<PoseHypothesis> minima;
 };
 
 const std::vector<Pose> kCorner = {markerOnWall({2, 0.4, 1}, 0.3), markerOnWall({2.5, -0.6, 1.2}),
                                    markerOnWall({1.8, 0, 0.9}, -0.5)};
 
-// Of markers that leave an ellipsoid, it has the ellipsoid's moments.
+// For markers with a Gaussian posterior, the lattice has the moments of that Gaussian.
 TEST(TiltLattice, IsTheGaussianWhereThereIsOne) {
   const SeenWall seen(Pose::Identity(), kCorner);
   ASSERT_EQ(seen.minima.size(), 1u);
@@ -58,7 +58,7 @@ TEST(TiltLattice, IsTheGaussianWhereThereIsOne) {
   EXPECT_LT((inverse * (moment / sum) * inverse.transpose() - Matrix6d::Identity()).norm(), 0.02);
 }
 
-// Of one marker's two planar solutions 5 m away.
+// For the two planar solutions of one marker at 5 m.
 TEST(TiltLattice, OnlyABarrierPartsTwoMinima) {
   const auto groupsFrom = [](double yaw) {
     const Pose T_map_base = poseFromXyzRpy({3 - 5 * std::cos(yaw), -5 * std::sin(yaw), 0}, {0, 0, yaw});

@@ -13,9 +13,9 @@
 namespace sextant {
 namespace {
 
-std::vector<RecordedSighting> allSightings(const MarkerRecording& recording) {
-  std::vector<RecordedSighting> all;
-  for (const auto& entry : sightingsByMarker(recording))
+std::vector<RecordedObservation> allObservations(const MarkerRecording& recording) {
+  std::vector<RecordedObservation> all;
+  for (const auto& entry : observationsByMarker(recording))
     all.insert(all.end(), entry.second.begin(), entry.second.end());
   return all;
 }
@@ -23,11 +23,11 @@ std::vector<RecordedSighting> allSightings(const MarkerRecording& recording) {
 Pose disturbed(const Pose& pose, double size, std::mt19937& random) {
   std::normal_distribution<double> noise(0, size);
   Vector6d xi;
-  for (double& value : xi) value = noise(random);
+  for (int i = 0; i < xi.size(); ++i) xi(i) = noise(random);
   return perturbed(pose, xi);
 }
 
-// The truth, off by a few centimetres but for marker 0.
+// The truth with errors of a few centimetres, except for marker 0.
 MapEstimate startOf(const SimulatedRecording& simulated, double size) {
   std::mt19937 random(3);
   MapEstimate start{MarkerMap(), {}};
@@ -52,11 +52,11 @@ Eigen::VectorXd errorsOf(const MarkerMap& truth, const MarkerMap& estimate) {
 
 TEST(MapAdjustment, ExactCornersLeadBackToTheTruth) {
   const auto simulated = drive(roomWithMarkers(8), 60, 0, 1);
-  const auto found = adjustMap(simulated.recording, allSightings(simulated.recording),
+  const auto found = adjustMap(simulated.recording, allObservations(simulated.recording),
                                only(simulated.truth, {0}), startOf(simulated, 0.03), {});
   ASSERT_TRUE(found);
   EXPECT_LT(errorsOf(simulated.truth, found->map).norm(), 1e-6);
-  for (const RecordedSighting& each : allSightings(simulated.recording))
+  for (const RecordedObservation& each : allObservations(simulated.recording))
     EXPECT_LT(poseError(simulated.T_map_base[each.instant], *found->T_map_base[each.instant]).norm(), 1e-6);
 }
 
@@ -67,7 +67,7 @@ TEST(MapAdjustment, ItsCovarianceIsHonest) {
   double nees = 0;
   for (int seed = 0; seed < 30; ++seed) {
     const auto simulated = drive(roomWithMarkers(8), 60, sigma, seed);
-    const auto used = allSightings(simulated.recording);
+    const auto used = allObservations(simulated.recording);
     const MarkerMap known = only(simulated.truth, {0});
     const auto found = adjustMap(simulated.recording, used, known, startOf(simulated, 0.01), {});
     ASSERT_TRUE(found);
@@ -80,7 +80,7 @@ TEST(MapAdjustment, ItsCovarianceIsHonest) {
   EXPECT_NEAR(nees, 1.0, 0.12);
 }
 
-// Two markers that are never seen together: the way between them is what odometry says, and so is its
+// Two markers that are never seen together: the transform between them comes from odometry, and so does its
 // uncertainty. Seen from the place where it is looked at, a marker is exact here.
 TEST(MapAdjustment, OdometryConnectsWhatIsNeverSeenTogether) {
   const CameraModel camera(testCalibrations()[0], CameraModel::Image::raw);
@@ -101,7 +101,7 @@ TEST(MapAdjustment, OdometryConnectsWhatIsNeverSeenTogether) {
   params.odometry.position_drift = 0.05;
   params.odometry.heading_drift = params.odometry.turn_drift = 1e-6;
   const MarkerMap known = only(truth, {0});
-  const auto used = allSightings(recording);
+  const auto used = allObservations(recording);
   const auto covariance = mapCovariance(recording, used, known, {truth, path}, params);
   ASSERT_TRUE(covariance);
   const double along = 0.05 * std::sqrt(2.0);  // the deviation of an axis after 2 m
@@ -120,8 +120,8 @@ TEST(MapAdjustment, KnownMarkersDrawByTheirCovariance) {
     if (id == 4) marker.T_map_marker.translation().z() += 0.03;
     known.add(marker);
   }
-  const auto found =
-      adjustMap(simulated.recording, allSightings(simulated.recording), known, startOf(simulated, 0.01), {});
+  const auto found = adjustMap(simulated.recording, allObservations(simulated.recording), known,
+                               startOf(simulated, 0.01), {});
   ASSERT_TRUE(found);
   const Eigen::VectorXd errors = errorsOf(simulated.truth, found->map);
   // Inverse variances 1 : 4, and nothing turns.
@@ -129,7 +129,7 @@ TEST(MapAdjustment, KnownMarkersDrawByTheirCovariance) {
   EXPECT_NEAR(-errors[6 * 4 + 2], 0.024, 0.002);
 }
 
-// A marker known to a metre and half a radian: the floor says height, roll and pitch, and no more.
+// A marker known to a metre and half a radian: the floor determines only height, roll and pitch.
 TEST(MapAdjustment, TheFloorHoldsHeightAndTilt) {
   const auto simulated = drive(roomWithMarkers(8), 60, 0.3, 1);
   const MarkerMap known = only(simulated.truth, {0}, tapeCovariance(1.0, 0.5));
@@ -137,7 +137,7 @@ TEST(MapAdjustment, TheFloorHoldsHeightAndTilt) {
   AdjustmentParams params;
   params.floor = FloorPrior{0.01, 0.01};
   const auto covariance =
-      mapCovariance(simulated.recording, allSightings(simulated.recording), known, truth, params);
+      mapCovariance(simulated.recording, allObservations(simulated.recording), known, truth, params);
   ASSERT_TRUE(covariance);
   const Vector6d sigmas = covariance->diagonal().head<6>().cwiseSqrt();
   EXPECT_NEAR(sigmas[0], 1.0, 0.05);
@@ -147,7 +147,7 @@ TEST(MapAdjustment, TheFloorHoldsHeightAndTilt) {
   EXPECT_LT(sigmas.segment<2>(3).maxCoeff(), 0.01);
 }
 
-TEST(MapAdjustment, WithoutSightingsThereIsNothingToDo) {
+TEST(MapAdjustment, WithoutObservationsThereIsNothingToDo) {
   EXPECT_FALSE(adjustMap({}, {}, MarkerMap(), {MarkerMap(), {}}, {}));
   EXPECT_FALSE(mapCovariance({}, {}, MarkerMap(), {MarkerMap(), {}}, {}));
 }

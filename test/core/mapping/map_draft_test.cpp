@@ -15,7 +15,7 @@ TEST(MapDraft, IsTheTruthWhereCornersAreExact) {
   const MappingParams params;
   MapDraft draft(simulated.recording, sizes, only(simulated.truth, {0}), params);
   draft.make();
-  EXPECT_TRUE(draft.ambiguous.empty() && draft.twice.empty() && draft.second_places.empty());
+  EXPECT_TRUE(draft.ambiguous.empty() && draft.inconsistent.empty() && draft.conflicting_poses.empty());
   ASSERT_EQ(draft.fit.estimate.map.markers().size(), 10u);
   for (const auto& [marker_key, marker] : simulated.truth.markers())
     EXPECT_LT(poseError(marker.T_map_marker, draft.fit.estimate.map.find(marker_key)->T_map_marker).norm(),
@@ -35,7 +35,7 @@ TEST(MapDraft, OneMarkerSaysNothingOfTheMapUnlessTheFloorOrOdometryDoes) {
   const auto [some, all] = usefulOf();
   EXPECT_LT(some.size(), all);
   EXPECT_GT(some.size(), 0u);
-  for (const RecordedSighting& each : some)
+  for (const RecordedObservation& each : some)
     EXPECT_GT(simulated.recording[each.instant].views[0].detections.size(), 1u);
   params.floor_height_sigma = 0.01;
   EXPECT_EQ(usefulOf().first.size(), all);

@@ -23,7 +23,7 @@ size_t detectionsOf(const SimulatedRecording& simulated) {
   return count;
 }
 
-// The first image with three markers: the first of them is seen 20 px too far to the right.
+// In the first image with three markers, the first of them has an error of 20 px to the right.
 size_t spoilOne(SimulatedRecording& simulated) {
   size_t instant = 0;
   while (simulated.recording[instant].views[0].detections.size() < 3) ++instant;
@@ -39,7 +39,7 @@ TEST(MapFit, TheTruthExplainsAllButWhatIsSpoilt) {
   const MapFit fit = fitOfTheTruth(simulated);
   EXPECT_EQ(fit.placed().size(), detectionsOf(simulated));
   EXPECT_EQ(fit.fitting().size(), detectionsOf(simulated) - 1);
-  const SightingResidual residual = fit.residual({spoilt, 0, 0});
+  const ObservationResidual residual = fit.residual({spoilt, 0, 0});
   EXPECT_FALSE(residual.used);
   EXPECT_NEAR(residual.rms, 20 * std::sqrt(0.5), 1e-6);  // in one of two coordinates
   EXPECT_NEAR(residual.squared_distance, 4 * std::pow(20 / 0.3, 2), 1e-3);
@@ -53,7 +53,7 @@ TEST(MapFit, TheTruthExplainsAllButWhatIsSpoilt) {
 TEST(MapFit, WhatHasNoPoseOrIsLeftOutIsNotPlaced) {
   const auto simulated = drive(roomWithMarkers(12), 40, 0, 1);
   MapFit fit = fitOfTheTruth(simulated);
-  const size_t of_the_first = fit.sightings().at(key(0)).size();
+  const size_t of_the_first = fit.observations().at(key(0)).size();
   ASSERT_GT(of_the_first, 0u);
   fit.begin({key(0)});
   EXPECT_EQ(fit.placed().size(), detectionsOf(simulated) - of_the_first);

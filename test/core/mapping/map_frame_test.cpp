@@ -11,7 +11,7 @@
 namespace sextant {
 namespace {
 
-// One camera that sees these markers at an instant.
+// An instant at which one camera observes these markers.
 RecordedInstant instantWith(const std::vector<int>& ids, const std::optional<Pose>& T_odom_base = {}) {
   MarkerView view{CameraModel(testCalibrations()[0], CameraModel::Image::raw), kRecordingMount, {}};
   for (const int id : ids) {
@@ -22,7 +22,8 @@ RecordedInstant instantWith(const std::vector<int>& ids, const std::optional<Pos
 }
 
 int firstOf(const MarkerRecording& recording, const std::set<MarkerKey>& without = {}) {
-  const MarkerMap map = firstMarker(recording, {}, without);
+  const MarkerMap map = firstMarker("hall", recording, {}, without);
+  EXPECT_EQ(map.frame(), "hall");
   EXPECT_EQ(map.markers().size(), 1u);
   return map.markers().begin()->first.id;
 }
@@ -37,13 +38,13 @@ TEST(FirstMarker, IsTheFirstOfTheLargestIsland) {
   EXPECT_EQ(firstOf(driven), 1);  // by odometry
   driven[2].drive = driven[3].drive = 1;
   EXPECT_EQ(firstOf(driven), 5);
-  EXPECT_THROW(firstMarker({instantWith({})}, {}, {}), std::runtime_error);
+  EXPECT_THROW(firstMarker("map", {instantWith({})}, {}, {}), std::runtime_error);
 }
 
 TEST(FirstMarker, HangsUprightInTheOriginAndLooksAlongMinusY) {
   MarkerSizes sizes;
   sizes.sizes["5"] = 0.4;
-  const MarkerMap map = firstMarker({instantWith({5})}, sizes, {});
+  const MarkerMap map = firstMarker("map", {instantWith({5})}, sizes, {});
   const MappedMarker& first = map.markers().begin()->second;
   EXPECT_EQ(first.size, 0.4);
   EXPECT_TRUE(first.T_map_marker.translation().isZero());
@@ -51,7 +52,7 @@ TEST(FirstMarker, HangsUprightInTheOriginAndLooksAlongMinusY) {
   EXPECT_TRUE(first.T_map_marker.linear().col(1).isApprox(Eigen::Vector3d::UnitZ(), 1e-15));
 }
 
-// A room with a level path, in the frame of a marker that hangs 1 m high, askew.
+// A room with a horizontal path, in the frame of a tilted marker at a height of 1 m.
 TEST(PutOnFloor, LevelsThePathAndKeepsTheShape) {
   const MarkerMap truth = roomWithMarkers(6);
   const Pose T_new_truth =

@@ -9,8 +9,8 @@
 namespace sextant {
 namespace {
 
-// A corridor with a marker every metre on the wall y = 1, looked at from 2 m: neighbours are seen together,
-// and what is farther than that is connected by others only.
+// A corridor with a marker every metre on the wall y = 1, observed from 2 m: only neighbours are observed
+// together.
 MarkerMap corridor(int count) {
   MarkerMap map;
   for (int id = 0; id < count; ++id)
@@ -65,15 +65,15 @@ TEST(MapGrowth, LeavesOutWhatItIsTold) {
   EXPECT_NE(grown.estimate.map.find(key(1)), nullptr);
 }
 
-TEST(SightingsByMarker, MarkersThatAreTwiceInAnImageAreNoSightings) {
+TEST(ObservationsByMarker, MarkersThatAreTwiceInAnImageAreNoObservations) {
   const MarkerMap truth = corridor(3);
   MarkerRecording recording = along(truth, 0.15, 0);
   auto& detections = recording[0].views[0].detections;
-  const auto before = sightingsByMarker(recording);
+  const auto before = observationsByMarker(recording);
   Detection twin = detections[0];
   twin.corners[0].x() += 100;
   detections.push_back(twin);
-  const auto after = sightingsByMarker(recording);
+  const auto after = observationsByMarker(recording);
   EXPECT_EQ(after.at(twin.key).size(), before.at(twin.key).size() - 1);
 }
 

@@ -13,7 +13,7 @@
 namespace sextant {
 namespace {
 
-Vector6d errorOf(const SimulatedRecording& simulated, const MadeMap& made, int id) {
+Vector6d errorOf(const SimulatedRecording& simulated, const MappingResult& made, int id) {
   return poseError(simulated.truth.find(key(id))->T_map_marker, made.map.find(key(id))->T_map_marker);
 }
 
@@ -22,9 +22,9 @@ TEST(MapMaker, OneKnownMarkerSufficesAndTheCovarianceIsHonest) {
   const int drives = 12, markers = 10;
   for (int seed = 0; seed < drives; ++seed) {
     const auto simulated = drive(roomWithMarkers(markers), 150, 0.2, seed);
-    const MadeMap made = makeMarkerMap(simulated.recording, {}, only(simulated.truth, {0}), {});
+    const MappingResult made = makeMarkerMap(simulated.recording, {}, only(simulated.truth, {0}), {});
     ASSERT_EQ(made.map.markers().size(), static_cast<size_t>(markers));
-    EXPECT_TRUE(made.ambiguous.empty() && made.unconnected.empty() && made.second_places.empty());
+    EXPECT_TRUE(made.ambiguous.empty() && made.unconnected.empty() && made.conflicting_poses.empty());
     EXPECT_TRUE(made.map.find(key(0))->covariance.isZero(0.0));
     EXPECT_NEAR(made.noise_scales.at(0), 0.2 / 0.3, 0.07);
     EXPECT_DOUBLE_EQ(made.correlated_images, 1.0);
@@ -39,7 +39,7 @@ TEST(MapMaker, OneKnownMarkerSufficesAndTheCovarianceIsHonest) {
 
 TEST(MapMaker, WithoutAKnownMarkerTheFirstHangsInTheOrigin) {
   const auto simulated = drive(roomWithMarkers(10), 150, 0.05, 1);
-  const MadeMap made = makeMarkerMap(simulated.recording, {}, MarkerMap(), {});
+  const MappingResult made = makeMarkerMap(simulated.recording, {}, MarkerMap(), {});
   ASSERT_EQ(made.map.markers().size(), 10u);
   const Pose first = made.map.find(key(0))->T_map_marker;
   EXPECT_LT(poseError(poseFromXyzRpy({0, 0, 0}, {M_PI_2, 0, 0}), first).norm(), 1e-9);
@@ -50,13 +50,13 @@ TEST(MapMaker, WithoutAKnownMarkerTheFirstHangsInTheOrigin) {
   }
 }
 
-// The path tells what is level, though no marker hangs quite upright.
+// The path determines the horizontal plane, although no marker is exactly upright.
 TEST(MapMaker, TheFloorTellsWhatIsLevel) {
   const auto simulated = drive(roomWithMarkers(10), 150, 0.05, 1);
   MappingParams params;
   params.floor_height_sigma = 0.005;
   params.floor_tilt_sigma = 0.005;
-  const MadeMap made = makeMarkerMap(simulated.recording, {}, MarkerMap(), params);
+  const MappingResult made = makeMarkerMap(simulated.recording, {}, MarkerMap(), params);
   const Pose first = made.map.find(key(0))->T_map_marker;
   EXPECT_LT(first.translation().head<2>().norm(), 1e-4);
   EXPECT_NEAR(first.translation().z(), simulated.truth.find(key(0))->T_map_marker.translation().z(), 0.01);
@@ -80,7 +80,7 @@ TEST(MapMaker, NamesTheWrongEntriesOfATapedMapAndNoOthers) {
     marker.covariance = tapeCovariance(0.01, 0.02);
     taped.add(marker);
   }
-  const MadeMap made = makeMarkerMap(simulated.recording, {}, taped, {});
+  const MappingResult made = makeMarkerMap(simulated.recording, {}, taped, {});
   for (const KnownMarkerCheck& check : made.known) {
     EXPECT_EQ(check.wrong, check.key.id == 3 || check.key.id == 9) << check.key.id;
     const Eigen::Vector3d wrong(check.key.id == 3 ? -0.1 : 0, 0, check.key.id == 9 ? 0.1 : 0);
@@ -90,7 +90,7 @@ TEST(MapMaker, NamesTheWrongEntriesOfATapedMapAndNoOthers) {
   for (int id = 0; id < 16; ++id) EXPECT_LT(errorOf(simulated, made, id).head<3>().norm(), 0.01) << id;
 }
 
-// Survey marks that are off by 2 cm and say 1 mm: what they say is scaled.
+// Known markers with errors of 2 cm and a standard deviation of 1 mm, which is scaled.
 TEST(MapMaker, MeasuresHowFarKnownMarkersCanBeBelieved) {
   const auto simulated = drive(roomWithMarkers(16), 200, 0.1, 1);
   std::mt19937 random(2);
@@ -101,7 +101,7 @@ TEST(MapMaker, MeasuresHowFarKnownMarkersCanBeBelieved) {
     marker.covariance = tapeCovariance(0.001, 0.01);
     taped.add(marker);
   }
-  const MadeMap made = makeMarkerMap(simulated.recording, {}, taped, {});
+  const MappingResult made = makeMarkerMap(simulated.recording, {}, taped, {});
   EXPECT_GT(made.known_position_scale, 12);
   EXPECT_LT(made.known_position_scale, 30);
   EXPECT_TRUE(
@@ -113,10 +113,10 @@ TEST(MapMaker, AMarkerThatIsThereTwiceIsLeftOutAndNamed) {
   for (RecordedInstant& instant : simulated.recording)
     for (Detection& detection : instant.views[0].detections)
       if (detection.key.id == 7) detection.key.id = 4;  // the print of 4 hangs where 7 was, too
-  const MadeMap made = makeMarkerMap(simulated.recording, {}, only(simulated.truth, {0}), {});
+  const MappingResult made = makeMarkerMap(simulated.recording, {}, only(simulated.truth, {0}), {});
   EXPECT_EQ(made.map.find(key(4)), nullptr);
-  ASSERT_EQ(made.twice.size(), 1u);
-  EXPECT_TRUE(made.twice[0] == key(4));
+  ASSERT_EQ(made.inconsistent.size(), 1u);
+  EXPECT_TRUE(made.inconsistent[0] == key(4));
   for (const auto& entry : made.map.markers())
     EXPECT_LT(errorOf(simulated, made, entry.first.id).norm(), 0.05) << entry.first.id;
 }
@@ -127,7 +127,7 @@ TEST(MapMaker, MarkersThatNothingConnectsAreNamed) {
   stranger.key = key(99);
   simulated.recording.push_back(simulated.recording[0]);
   simulated.recording.back().views[0].detections = {stranger};
-  const MadeMap made = makeMarkerMap(simulated.recording, {}, only(simulated.truth, {0}), {});
+  const MappingResult made = makeMarkerMap(simulated.recording, {}, only(simulated.truth, {0}), {});
   EXPECT_EQ(made.map.find(key(99)), nullptr);
   ASSERT_EQ(made.unconnected.size(), 1u);
   EXPECT_TRUE(made.unconnected[0] == key(99));
@@ -140,11 +140,11 @@ TEST(MapMaker, FalseDetectionsDoNoHarm) {
       for (auto& corner : detection.corners) corner.x() += 15;
       break;  // the first
     }
-  const MadeMap made = makeMarkerMap(simulated.recording, {}, only(simulated.truth, {1}), {});
+  const MappingResult made = makeMarkerMap(simulated.recording, {}, only(simulated.truth, {1}), {});
   for (const auto& entry : made.map.markers())
     EXPECT_LT(errorOf(simulated, made, entry.first.id).norm(), 0.05) << entry.first.id;
   const auto left_out = std::count_if(made.residuals.begin(), made.residuals.end(),
-                                      [](const SightingResidual& each) { return !each.used; });
+                                      [](const ObservationResidual& each) { return !each.used; });
   EXPECT_GT(left_out, 10);
 }
 

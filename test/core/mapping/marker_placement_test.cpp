@@ -21,24 +21,24 @@ MarkerMap withoutPlaced(const MarkerMap& map) {
 
 struct Scene {
   SimulatedRecording simulated;
-  std::vector<RecordedSighting> sightings;
+  std::vector<RecordedObservation> observations;
   std::vector<InstantHypotheses> path;
 };
 
 Scene scene(int seed) {
   Scene made{drive(roomWithMarkers(12), 120, 0.3, seed), {}, {}};
-  made.sightings = sightingsByMarker(made.simulated.recording).at(key(kPlaced));
+  made.observations = observationsByMarker(made.simulated.recording).at(key(kPlaced));
   made.path = locateRecording(made.simulated.recording, withoutPlaced(made.simulated.truth), {});
   return made;
 }
 
-// Bases that only their corners' noise puts off: the place's covariance is honest. 20 x 6 degrees of freedom
-// have a deviation of 13 %.
+// With corner noise only, the covariance of the pose is consistent. 20 x 6 degrees of freedom have a standard
+// deviation of 13 %.
 TEST(MarkerPlacement, IsTheTruePlaceWithAnHonestCovariance) {
   double nees = 0;
   for (int seed = 0; seed < 20; ++seed) {
     const Scene made = scene(seed);
-    const auto places = placeMarker(made.simulated.recording, made.sightings, made.path, 0.2, {});
+    const auto places = placeMarker(made.simulated.recording, made.observations, made.path, 0.2, {});
     ASSERT_FALSE(places.empty());
     EXPECT_GT(places[0].weight, 0.999);
     EXPECT_GT(places[0].agreement, 0.95);
@@ -50,7 +50,7 @@ TEST(MarkerPlacement, IsTheTruePlaceWithAnHonestCovariance) {
   EXPECT_NEAR(nees, 1.0, 0.45);
 }
 
-// Far off and seen head-on once, a square has two poses.
+// From one distant head-on image, a square has two poses.
 TEST(MarkerPlacement, OneImageLeavesTwo) {
   const CameraModel camera(testCalibrations()[0], CameraModel::Image::raw);
   MarkerMap truth;
@@ -74,8 +74,9 @@ TEST(MarkerPlacement, OneImageLeavesTwo) {
 TEST(MarkerPlacement, WithoutAPoseThereIsNoPlace) {
   const Scene made = scene(1);
   const std::vector<InstantHypotheses> nothing(made.simulated.recording.size());
-  EXPECT_TRUE(placeMarker(made.simulated.recording, made.sightings, nothing, 0.2, {}).empty());
-  EXPECT_FALSE(distanceFromPlace(made.simulated.recording, made.sightings[0], {}, 0.2, Pose::Identity(), {}));
+  EXPECT_TRUE(placeMarker(made.simulated.recording, made.observations, nothing, 0.2, {}).empty());
+  EXPECT_FALSE(
+      distanceFromPlace(made.simulated.recording, made.observations[0], {}, 0.2, Pose::Identity(), {}));
 }
 
 TEST(MarkerPlacement, DistanceTellsAPlaceFromAnother) {
@@ -84,7 +85,7 @@ TEST(MarkerPlacement, DistanceTellsAPlaceFromAnother) {
   Pose moved = truth;
   moved.translation().z() += 0.1;
   int asked = 0;
-  for (const RecordedSighting& each : made.sightings) {
+  for (const RecordedObservation& each : made.observations) {
     const InstantHypotheses& bases = made.path[each.instant];
     if (bases.empty() || bases[0].used.size() < 2) continue;
     ++asked;

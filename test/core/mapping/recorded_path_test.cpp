@@ -18,7 +18,7 @@ TEST(RecordedPath, IsTheTrueOneWhereMarkersDecide) {
   for (size_t i = 0; i < path.size(); ++i) {
     if (simulated.recording[i].views[0].detections.size() < 2) continue;
     ++several;
-    ASSERT_TRUE(isDecided(path[i], 0.999));
+    ASSERT_TRUE(isUnambiguous(path[i], 0.999));
     const Vector6d error = poseError(simulated.T_map_base[i], path[i][0].T_map_base);
     EXPECT_LT(error.dot(path[i][0].covariance.inverse() * error), 30) << i;
   }

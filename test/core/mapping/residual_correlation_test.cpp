@@ -16,9 +16,9 @@ ResidualSeries autoregressive(double rho, int images, int seed, size_t every = 1
   std::normal_distribution<double> noise(0, 1);
   ResidualSeries series;
   Eigen::Matrix<double, 8, 1> x;
-  for (double& value : x) value = noise(random);
+  for (int i = 0; i < x.size(); ++i) x(i) = noise(random);
   for (int i = 0; i < images; ++i) {
-    for (double& value : x) value = rho * value + std::sqrt(1 - rho * rho) * noise(random);
+    for (int k = 0; k < x.size(); ++k) x(k) = rho * x(k) + std::sqrt(1 - rho * rho) * noise(random);
     series[every * i] = x;
   }
   return series;

@@ -15,7 +15,7 @@
 
 namespace sextant {
 
-/// A drive through a room, and where everything truly is.
+/// A drive through a room, with the ground truth.
 struct SimulatedRecording {
   MarkerMap truth;
   MarkerRecording recording;
@@ -26,7 +26,7 @@ inline const Pose kRecordingMount = poseFromXyzRpy({0.1, 0.02, 0.9}, {-M_PI_2, 0
 
 inline MarkerKey key(int id) { return {"tag36h11", id}; }
 
-/// So many markers in turn on the four walls of a 5 x 5 m room, at different heights and not quite upright.
+/// Markers distributed over the four walls of a 5 x 5 m room, at different heights and not quite upright.
 inline MarkerMap roomWithMarkers(int count) {
   MarkerMap map;
   std::mt19937 random(5);
@@ -43,7 +43,7 @@ inline MarkerMap roomWithMarkers(int count) {
   return map;
 }
 
-/// The corners of a marker in an image, if it is wholly in it and not seen too steeply.
+/// The corners of a marker in an image, if it is completely inside and not too oblique.
 inline std::optional<Corners> visibleCorners(const CameraModel& camera, const Pose& T_camera_marker,
                                              double size) {
   const Eigen::Vector3d centre = T_camera_marker.translation();
@@ -59,7 +59,7 @@ inline std::optional<Corners> visibleCorners(const CameraModel& camera, const Po
   return corners;
 }
 
-/// What a camera on the mount sees, with noise.
+/// Detections of a camera on the mount, with noise.
 inline MarkerView recordedView(const MarkerMap& truth, const CameraModel& camera, const Pose& T_map_base,
                                double sigma, std::mt19937& random) {
   std::normal_distribution<double> noise(0, 1);
@@ -77,7 +77,7 @@ inline MarkerView recordedView(const MarkerMap& truth, const CameraModel& camera
   return view;
 }
 
-/// Twice round the room, looking everywhere.
+/// Two rounds through the room, with all viewing directions.
 inline Pose poseOnTheWay(double share) {
   const double a = 4 * M_PI * share;
   return poseFromXyzRpy({1.2 * std::cos(a), 0.9 * std::sin(a), 0}, {0, 0, 2.5 * a});

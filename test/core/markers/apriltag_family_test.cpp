@@ -11,7 +11,7 @@
 namespace sextant {
 namespace {
 
-// A family's name tells how many bits a code has, and in how many any two codes differ at least.
+// The name of a family contains the number of bits of a code and the minimum Hamming distance of two codes.
 TEST(AprilTagFamily, IsWhatItsNameTells) {
   for (const std::string& name : aprilTagFamilies()) {
     const AprilTagFamily family = makeAprilTagFamily(name);

@@ -9,7 +9,7 @@
 #include <random>
 
 #include "test_cameras.hpp"
-#include "test_sightings.hpp"
+#include "test_observations.hpp"
 
 namespace sextant {
 namespace {
@@ -19,25 +19,25 @@ const Pose kTruth = poseFromXyzRpy({0.4, -0.3, 0.1}, {0.03, -0.02, 0.1});
 const std::vector<Pose> kMarkers = {markerOnWall({3, 0.5, 1.2}), markerOnWall({3.2, -0.6, 0.9}, 0.2),
                                     markerOnWall({2.5, 1.0, 1.0}, -0.4)};
 
-std::vector<MarkerSighting> sightings(const CameraModel& camera, double sigma, int seed) {
+std::vector<MarkerObservation> observations(const CameraModel& camera, double sigma, int seed) {
   std::mt19937 random(seed);
   return seenFrom(kTruth, camera, kMount, kMarkers, 0.25, sigma, random);
 }
 
-// A marker's whitened residuals about a start, written out on its own for Ceres with numeric derivatives.
+// Independent implementation of a marker's whitened residuals, for Ceres with numeric derivatives.
 struct MarkerResiduals {
-  const MarkerSighting& sighting;
+  const MarkerObservation& observation;
   const Pose& start;
   Eigen::Matrix<double, 8, 8> whitening;
 
   bool operator()(const double* xi, double* residuals) const {
     const Pose T_map_base = perturbed(start, Eigen::Map<const Vector6d>(xi));
-    const Pose T_camera_marker = sighting.T_camera_base * T_map_base.inverse() * sighting.T_map_marker;
+    const Pose T_camera_marker = observation.T_camera_base * T_map_base.inverse() * observation.T_map_marker;
     Eigen::Matrix<double, 8, 1> all;
     for (int k = 0; k < 4; ++k) {
-      const auto pixel = sighting.camera->project(T_camera_marker * markerCorners(sighting.size)[k]);
+      const auto pixel = observation.camera->project(T_camera_marker * markerCorners(observation.size)[k]);
       if (!pixel) return false;
-      all.segment<2>(2 * k) = *pixel - sighting.corners[k];
+      all.segment<2>(2 * k) = *pixel - observation.corners[k];
     }
     Eigen::Map<Eigen::Matrix<double, 8, 1>> out(residuals);
     out = whitening * all;
@@ -51,14 +51,14 @@ struct CeresFit {
   Matrix6d covariance;
 };
 
-CeresFit minimizeWithCeres(const std::vector<MarkerSighting>& all, const Pose& start, double huber) {
+CeresFit minimizeWithCeres(const std::vector<MarkerObservation>& all, const Pose& start, double huber) {
   Vector6d xi = Vector6d::Zero();
   ceres::Problem problem;
-  for (const MarkerSighting& sighting : all) {
+  for (const MarkerObservation& observation : all) {
     Eigen::Matrix<double, 8, 8> whitening = Eigen::Matrix<double, 8, 8>::Zero();
-    for (int i = 0; i < 8; ++i) whitening(i, i) = 1 / sighting.sigmas[i / 2];
+    for (int i = 0; i < 8; ++i) whitening(i, i) = 1 / observation.sigmas[i / 2];
     problem.AddResidualBlock(new ceres::NumericDiffCostFunction<MarkerResiduals, ceres::CENTRAL, 8, 6>(
-                                 new MarkerResiduals{sighting, start, whitening}),
+                                 new MarkerResiduals{observation, start, whitening}),
                              huber > 0 ? new ceres::HuberLoss(huber) : nullptr, xi.data());
   }
   ceres::Solver::Options options;
@@ -79,7 +79,7 @@ CeresFit minimizeWithCeres(const std::vector<MarkerSighting>& all, const Pose& s
 TEST(Reprojection, FindsTheMinimumAndTheCovarianceThatCeresFinds) {
   for (const auto& calibration : testCalibrations()) {
     const CameraModel camera(calibration, CameraModel::Image::raw);
-    auto all = sightings(camera, 0.5, 11);
+    auto all = observations(camera, 0.5, 11);
     all[0].sigmas = {0.2, 0.4, 1.0, 3.0};
     const Pose start = perturbed(kTruth, (Vector6d() << 0.1, -0.08, 0.05, 0.02, -0.03, 0.05).finished());
     const auto fit = minimizeReprojection(all, start, {});
@@ -94,7 +94,7 @@ TEST(Reprojection, FindsTheMinimumAndTheCovarianceThatCeresFinds) {
 
 TEST(Reprojection, RobustMinimumIsThatOfCeres) {
   const CameraModel camera(testCalibrations()[1], CameraModel::Image::raw);
-  auto all = sightings(camera, 0.2, 13);
+  auto all = observations(camera, 0.2, 13);
   for (auto& corner : all[1].corners) corner += Eigen::Vector2d(9, -7);
   const auto fit = minimizeReprojection(all, kTruth, {3.0, std::nullopt});
   const CeresFit ceres = minimizeWithCeres(all, kTruth, 3.0);
@@ -106,7 +106,7 @@ TEST(Reprojection, RobustMinimumIsThatOfCeres) {
 TEST(Reprojection, ModelIsTheExpansionOfTheCost) {
   const CameraModel camera(testCalibrations()[5], CameraModel::Image::raw);
   const ReprojectionParams params{1e9, FloorPrior{0.05, 0.02}};
-  const auto all = sightings(camera, 0.3, 12);
+  const auto all = observations(camera, 0.3, 12);
   const auto fit = minimizeReprojection(all, kTruth, params);
   ASSERT_TRUE(fit);
   const double h = 1e-4;
@@ -122,7 +122,7 @@ TEST(Reprojection, ModelIsTheExpansionOfTheCost) {
   }
 }
 
-// Seen from 2.5 m, 1 mrad of a marker's own turn moves its corners little, 10 mm of its place a lot.
+// At 2.5 m, 1 mrad of a marker's rotation moves its corners little, 10 mm of its position a lot.
 TEST(Reprojection, MapCovarianceIsNoiseOfTheWholeMarker) {
   const CameraModel camera(testCalibrations()[0], CameraModel::Image::raw);
   std::mt19937 random(15);
@@ -132,12 +132,12 @@ TEST(Reprojection, MapCovarianceIsNoiseOfTheWholeMarker) {
   const int n = 400;
   double nees = 0;
   for (int i = 0; i < n; ++i) {
-    auto all = sightings(camera, 0.2, 100 + i);
-    for (auto& sighting : all) {
-      sighting.map_covariance = map_covariance;
+    auto all = observations(camera, 0.2, 100 + i);
+    for (auto& observation : all) {
+      observation.map_covariance = map_covariance;
       Vector6d xi;
       for (int k = 0; k < 6; ++k) xi[k] = std::sqrt(map_covariance(k, k)) * noise(random);
-      sighting.T_map_marker = perturbed(sighting.T_map_marker, xi);  // where the map has it
+      observation.T_map_marker = perturbed(observation.T_map_marker, xi);  // where the map has it
     }
     const auto fit = minimizeReprojection(all, kTruth, {});
     ASSERT_TRUE(fit);
@@ -165,15 +165,16 @@ TEST(Reprojection, SquaredMahalanobisIsChiSquareOfEightAtTheTruth) {
   const CameraModel camera(testCalibrations()[1], CameraModel::Image::raw);
   double sum = 0;
   for (int i = 0; i < 300; ++i)
-    for (const auto& sighting : sightings(camera, 0.7, 500 + i)) sum += squaredMahalanobis(sighting, kTruth);
+    for (const auto& observation : observations(camera, 0.7, 500 + i))
+      sum += squaredMahalanobis(observation, kTruth);
   EXPECT_NEAR(sum / 900, 8.0, 0.5);  // sqrt(16 / 900) = 0.13 a deviation
-  const auto behind = sightings(camera, 0.7, 1)[0];
+  const auto behind = observations(camera, 0.7, 1)[0];
   EXPECT_GT(squaredMahalanobis(behind, poseFromXyzRpy({5, 0, 0}, {0, 0, 0})), 1e12);
 }
 
 TEST(Reprojection, TellsNothingWhereThePoseIsFree) {
   const CameraModel camera(testCalibrations()[0], CameraModel::Image::raw);
-  auto point = sightings(camera, 0.0, 14);
+  auto point = observations(camera, 0.0, 14);
   point.resize(1);
   point[0].size = 1e-9;  // one point of a marker: two numbers for six unknowns
   EXPECT_FALSE(minimizeReprojection(point, kTruth, {}));
@@ -182,7 +183,7 @@ TEST(Reprojection, TellsNothingWhereThePoseIsFree) {
 
 TEST(Pivot, JacobianIsThatOfTheMove) {
   const CameraModel camera(testCalibrations()[0], CameraModel::Image::raw);
-  const Pivot pivot(sightings(camera, 0.1, 1));
+  const Pivot pivot(observations(camera, 0.1, 1));
   const double h = 1e-6;
   for (int i = 0; i < 6; ++i) {
     const Vector6d difference = poseError(pivot.moved(kTruth, h * Vector6d::Unit(i)), kTruth) / h;

@@ -44,12 +44,12 @@ TEST(TextMarkerMap, NamesTheLineAndTheReasonOfAMistake) {
   };
   expectRefused("7 1 2 3 0 0 0\n8 1 2 3 0 0\n", 2, "has 6 fields");
   expectRefused("7 1 2 3 0 0 0 1\n", 1, "has 8 fields");
-  expectRefused("map 0 0 0 0 0 0\n", 1, "map's own frame");
-  expectRefused("7 1 2 3 0 0 0\nId7 1 2 3 0 0 0\n", 2, "there twice");
-  expectRefused("shelf 1 2 3 0 0 0\nshelf 1 2 3 0 0 0\n", 2, "there twice");
+  expectRefused("map 0 0 0 0 0 0\n", 1, "frame of the map");
+  expectRefused("7 1 2 3 0 0 0\nId7 1 2 3 0 0 0\n", 2, "listed twice");
+  expectRefused("shelf 1 2 3 0 0 0\nshelf 1 2 3 0 0 0\n", 2, "used twice");
   expectRefused("7 1 2 x3 0 0 0\n", 1, "'x3' is not a number");
   expectRefused("7 1 2 nan 0 0 0\n", 1, "not finite");
-  expectRefused("9999 1 2 3 0 0 0\n", 1, "ids are 0 to 586");
+  expectRefused("9999 1 2 3 0 0 0\n", 1, "ids of this family are 0 to 586");
   expectRefused("99999999999 1 2 3 0 0 0\n", 1, "too large");
 }
 
@@ -69,16 +69,16 @@ TEST(TextMarkerMap, RefusesWhatItCannotHold) {
     const std::string text = refusal<std::runtime_error>([&] { formatTextMap(map, {}); });
     return text.substr(0, text.find("; write"));
   };
-  const std::string cannot = "the plain text format cannot hold ";
+  const std::string cannot = "the plain text format cannot represent ";
   EXPECT_EQ(refused([](auto&) {}), "accepted");
   EXPECT_EQ(refused([](auto& m) { m.name = "door"; }),
-            cannot + "marker 'door': its name does not end in its id");
+            cannot + "marker 'door': its name does not end with its id");
   EXPECT_EQ(refused([](auto& m) { m.key.family = "tag16h5"; }),
             cannot + "marker 'door_7': it is of family tag16h5");
   EXPECT_EQ(refused([](auto& m) { m.size = 0.3; }), cannot + "marker 'door_7': its size is 0.3 m");
   EXPECT_EQ(refused([](auto& m) { m.covariance.setIdentity(); }),
             cannot + "marker 'door_7': it has a covariance");
-  EXPECT_EQ(refused([](auto&) {}, "hall"), cannot + "the map's frame: it is 'hall'");
+  EXPECT_EQ(refused([](auto&) {}, "hall"), cannot + "the frame of the map: it is 'hall'");
   TextMapParams params;
   params.size = 0.3;
   MarkerMap large;

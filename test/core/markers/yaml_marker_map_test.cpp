@@ -54,10 +54,10 @@ TEST(YamlMarkerMap, NamesTheLineAndTheReasonOfAMistake) {
   expectRefused(head + marker("id: 1, size: 0.2, position: [0, 0], rpy: [0, 0, 0]"), 3, "list of 3");
   expectRefused(head + marker("id: 1, size: .nan, " + pose), 3, "finite number");
   expectRefused(head + marker("id: 1, size: 0.2, " + pose) + marker("id: 1, size: 0.2, " + pose), 4,
-                "there twice");
+                "listed twice");
   expectRefused(head + "  - {family: tag99, id: 1, size: 0.2, " + pose + "}\n", 3, "unknown marker family");
   expectRefused(head + marker("id: 1, size: 0.2, sigma_position: -1, " + pose), 3, "cannot be negative");
-  expectRefused("frame: map\nframe: map\nmarkers: []\n", 2, "there twice");
+  expectRefused("frame: map\nframe: map\nmarkers: []\n", 2, "given twice");
   expectRefused("frame: map\n", 1, "lacks 'markers'");
   expectRefused("frame: [\n", 2, "");
   expectRefused("", 1, "must be a table");

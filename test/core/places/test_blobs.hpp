@@ -11,7 +11,7 @@
 
 namespace sextant {
 
-/// Of one plane's coordinates to another's.
+/// Similarity transform between two image planes.
 struct Similarity {
   double scale = 1, angle = 0;
   cv::Point2d shift;
@@ -26,29 +26,29 @@ inline Similarity aboutPoint(const cv::Point2d& fixed, double scale, double angl
   return {scale, angle, fixed - Similarity{scale, angle, {}} * fixed};
 }
 
-/// A similarity turns a Gaussian blob into another one: a picture is known everywhere, between pixels too.
+/// A Gaussian blob stays one under a similarity, so the transformed image is known exactly.
 struct Blob {
   cv::Point2d centre;
   double sigma, grey;
 };
 
-inline cv::Mat blobPicture(const std::vector<Blob>& scene, const cv::Size& size,
-                           const Similarity& T_picture_scene = {}) {
-  cv::Mat_<float> picture(size, 128.0F);
+inline cv::Mat blobImage(const std::vector<Blob>& scene, const cv::Size& size,
+                         const Similarity& T_image_scene = {}) {
+  cv::Mat_<float> image(size, 128.0F);
   for (const Blob& blob : scene) {
-    const cv::Point2d centre = T_picture_scene * blob.centre;
-    const double sigma = blob.sigma * T_picture_scene.scale;
+    const cv::Point2d centre = T_image_scene * blob.centre;
+    const double sigma = blob.sigma * T_image_scene.scale;
     const auto reach = static_cast<int>(5 * sigma);
     const cv::Rect around(cv::Point(centre) - cv::Point(reach, reach), cv::Size(2 * reach, 2 * reach));
     const cv::Rect part = around & cv::Rect({0, 0}, size);
     for (int y = part.y; y < part.y + part.height; ++y)
       for (int x = part.x; x < part.x + part.width; ++x) {
         const cv::Point2d off = cv::Point2d(x, y) - centre;
-        picture(y, x) += static_cast<float>(blob.grey * std::exp(-off.dot(off) / (2 * sigma * sigma)));
+        image(y, x) += static_cast<float>(blob.grey * std::exp(-off.dot(off) / (2 * sigma * sigma)));
       }
   }
   cv::Mat grey;
-  picture.convertTo(grey, CV_8U);
+  image.convertTo(grey, CV_8U);
   return grey;
 }
 
@@ -74,11 +74,11 @@ inline int nearestDescriptor(const cv::Mat& descriptor, const cv::Mat& all) {
   return best;
 }
 
-/// How a picture's keypoints, but those near to the border, are found again in another one of the same scene.
+/// How keypoints of an image, except those near the border, are matched in another image of the scene.
 struct Agreement {
-  double repeated = 0;  // share of them that are there
-  double matched = 0;   // share of these whose nearest descriptor is there
-  cv::Point2d bias;     // mean of where they are less where they should be, pixels of the other picture
+  double repeated = 0;  // share of keypoints detected in both images
+  double matched = 0;   // share of these with a correct nearest descriptor
+  cv::Point2d bias;     // mean position error, pixels of the other image
 };
 
 inline Agreement agreement(const LocalFeatures& a, const LocalFeatures& b, const Similarity& T_b_a) {

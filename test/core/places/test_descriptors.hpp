@@ -14,7 +14,7 @@
 
 namespace sextant {
 
-/// Numbers as pictures' descriptors are: in fewer dimensions than they have. Or bits.
+/// Synthetic descriptors in a subspace, as those of images are; or random bits.
 inline cv::Mat randomDescriptors(int rows, int width, int type, int seed) {
   cv::RNG random(seed);
   cv::Mat all(rows, width, type);
@@ -30,8 +30,8 @@ inline cv::Mat randomDescriptors(int rows, int width, int type, int seed) {
 
 using Descriptors = std::map<int32_t, cv::Mat>;
 
-/// Of pictures of all sizes, that of one descriptor too.
-inline Descriptors pictures(int count, int width, int type) {
+/// Images with various numbers of descriptors, including one.
+inline Descriptors imageDescriptors(int count, int width, int type) {
   Descriptors all;
   for (int i = 0; i < count; ++i) all[i] = randomDescriptors(1 + 37 * i % 90, width, type, i);
   return all;
@@ -39,18 +39,18 @@ inline Descriptors pictures(int count, int width, int type) {
 
 inline cv::Mat together(const Descriptors& all) {
   cv::Mat matrix;
-  for (const auto& [owner, descriptors] : all) matrix.push_back(descriptors);
+  for (const auto& [image_id, descriptors] : all) matrix.push_back(descriptors);
   return matrix;
 }
 
 inline std::unique_ptr<DescriptorIndex> indexOf(const std::string& matcher, const Descriptors& all) {
   const cv::Mat samples = together(all);
   auto index = makeDescriptorIndex(matcher, samples, samples.rows);
-  for (const auto& [owner, descriptors] : all) index->add(owner, descriptors);
+  for (const auto& [image_id, descriptors] : all) index->add(image_id, descriptors);
   return index;
 }
 
-/// A matcher, and descriptors that it compares.
+/// A matcher and descriptors of its type.
 struct MatcherCase {
   std::string matcher;
   int type, width;
@@ -73,11 +73,11 @@ inline const std::vector<MatcherCase>& matcherCases() {
 inline void expectSame(const Neighbours& a, const Neighbours& b) {
   EXPECT_EQ(a.k, b.k);
   EXPECT_EQ(a.distances, b.distances);
-  EXPECT_EQ(a.owners, b.owners);
+  EXPECT_EQ(a.image_ids, b.image_ids);
   EXPECT_EQ(a.rows, b.rows);
 }
 
-/// Like every ninth descriptor, not quite the same.
+/// Every ninth descriptor with noise.
 inline cv::Mat similarTo(const Descriptors& all) {
   cv::Mat queries, picked = together(all);
   for (int row = 0; row < picked.rows; row += 9) queries.push_back(picked.row(row));

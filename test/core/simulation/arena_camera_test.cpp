@@ -13,8 +13,8 @@
 namespace sextant {
 namespace {
 
-std::vector<SeenObject> seenIn(const ArenaScene& scene, const Pose& T_map_camera) {
-  return ArenaCamera({}, pinhole()).take(scene, T_map_camera, 0).seen;
+std::vector<VisibleObject> visibleObjects(const ArenaScene& scene, const Pose& T_map_camera) {
+  return ArenaCamera({}, pinhole()).take(scene, T_map_camera, 0).objects;
 }
 
 // Sides of the two planes through an eye that touch a circle: f tan(angle to its middle ± asin(r / d)).
@@ -23,7 +23,7 @@ Eigen::Vector2d tangents(double aside, double ahead, double radius) {
   return {kFocal * std::tan(middle - half), kFocal * std::tan(middle + half)};
 }
 
-void expectBox(const SeenObject& seen, const Eigen::Vector2d& u, const Eigen::Vector2d& v) {
+void expectBox(const VisibleObject& seen, const Eigen::Vector2d& u, const Eigen::Vector2d& v) {
   // the first and the last pixel whose centre it covers
   EXPECT_NEAR(seen.low.x(), std::ceil(kCx + u[0]), 1);
   EXPECT_NEAR(seen.high.x(), std::floor(kCx + u[1]) + 1, 1);
@@ -34,7 +34,7 @@ void expectBox(const SeenObject& seen, const Eigen::Vector2d& u, const Eigen::Ve
 TEST(ArenaCamera, TheBoxOfABallIsThatOfItsSilhouette) {
   for (const Eigen::Vector3d& off :
        {Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(1.5, 0.8, -0.4), Eigen::Vector3d(3, -1.5, 0.9)}) {
-    const auto seen = seenIn(hall({ball(off.x(), off.y(), 2 + off.z())}), levelAt(0, 2));
+    const auto seen = visibleObjects(hall({ball(off.x(), off.y(), 2 + off.z())}), levelAt(0, 2));
     ASSERT_EQ(seen.size(), 1U);
     const Eigen::Vector2d u = tangents(-off.y(), off.x(), 0.1), v = tangents(-off.z(), off.x(), 0.1);
     expectBox(seen[0], u, v);
@@ -48,7 +48,7 @@ TEST(ArenaCamera, TheBoxOfAPillarIsThatOfItsSilhouette) {
   const double eye = 0.8, radius = 0.1;
   for (const double height : {0.5, 1.2}) {  // its top is seen, or not
     for (const double distance : {1.5, 3.0}) {
-      const auto seen = seenIn(hall({pillar(distance, 0, radius, height)}), levelAt(0, eye));
+      const auto seen = visibleObjects(hall({pillar(distance, 0, radius, height)}), levelAt(0, eye));
       ASSERT_EQ(seen.size(), 1U);
       const double top = distance + (height < eye ? radius : -radius);
       const double foot = distance - radius;
@@ -60,18 +60,18 @@ TEST(ArenaCamera, TheBoxOfAPillarIsThatOfItsSilhouette) {
 
 TEST(ArenaCamera, WhatIsHiddenIsNotSeenAndWhatSticksOutIs) {
   // a ball of the same radius half behind a pillar: its right half is seen
-  auto seen = seenIn(hall({pillar(1, 0, 0.1, 2), ball(2, -0.2, 0.5)}), levelAt(0, 0.5));
+  auto seen = visibleObjects(hall({pillar(1, 0, 0.1, 2), ball(2, -0.2, 0.5)}), levelAt(0, 0.5));
   ASSERT_EQ(seen.size(), 2U);
   EXPECT_NEAR(seen[1].low.x(), std::ceil(kCx + tangents(0, 1, 0.1)[1]), 1);
   EXPECT_NEAR(seen[1].high.x(), std::floor(kCx + tangents(0.2, 2, 0.1)[1]) + 1, 1);
-  seen = seenIn(hall({ball(2, 0, 0.5), pillar(1, 0, 0.1, 2)}), levelAt(0, 0.5));
+  seen = visibleObjects(hall({ball(2, 0, 0.5), pillar(1, 0, 0.1, 2)}), levelAt(0, 0.5));
   ASSERT_EQ(seen.size(), 1U);
   EXPECT_EQ(seen[0].object, 1);
-  EXPECT_TRUE(seenIn(hall({pillar(-1, 0)}), levelAt(0, 0.5)).empty());  // behind the camera
-  EXPECT_EQ(seenIn(hall({pillar(0.05, 0, 0.1, 0.3)}), cameraPose({0, 0, 1}, {0, 1.5, 0})).size(), 1U);
+  EXPECT_TRUE(visibleObjects(hall({pillar(-1, 0)}), levelAt(0, 0.5)).empty());  // behind the camera
+  EXPECT_EQ(visibleObjects(hall({pillar(0.05, 0, 0.1, 0.3)}), cameraPose({0, 0, 1}, {0, 1.5, 0})).size(), 1U);
 }
 
-TEST(ArenaCamera, ThePictureFollowsTheLight) {
+TEST(ArenaCamera, TheImageFollowsTheLight) {
   ArenaCameraParams params;
   params.noise_sigma = 0;
   params.gamma = 2;
@@ -130,7 +130,7 @@ TEST(ArenaCamera, APixelOnAnEdgeIsAMixture) {
   params.supersampling = 8;
   ArenaObject black = pillar(1, 0, 0.1, 3);
   black.colour.setZero();
-  ArenaScene scene = hall({black, pillar(4.9, 0, 3, 9)});  // before a white one that fills the picture
+  ArenaScene scene = hall({black, pillar(4.9, 0, 3, 9)});  // before a white one that fills the image
   ArenaLight even;
   even.direct = 0;
   scene.setLight(even);
@@ -152,9 +152,9 @@ TEST(ArenaCamera, IsBlackWhereTheLensHasNoRay) {
 TEST(ArenaCamera, RefusesWhatCannotBe) {
   for (const Eigen::Vector3d& out : {Eigen::Vector3d(5, 0, 1), {0, -5, 1}, {0, 0, 0}, {0, 0, 10}})
     EXPECT_EQ(refusal<std::invalid_argument>([&] {
-                seenIn(hall(), cameraPose(out, {0, 0, 0}));
+                visibleObjects(hall(), cameraPose(out, {0, 0, 0}));
               }),
-              "the camera is outside of the arena");
+              "the camera is outside the arena");
   const auto refused = [](auto change) {
     ArenaCameraParams params;
     change(params);

@@ -9,9 +9,9 @@ namespace {
 
 // 2 m by 1 m, whose green is u / 2.
 ArenaTexture ramp() {
-  cv::Mat_<cv::Vec3f> picture(100, 200);
-  for (int x = 0; x < 200; ++x) picture.col(x).setTo(cv::Scalar(0.5, (x + 0.5) / 200, 0.25));
-  return arenaPyramid(picture);
+  cv::Mat_<cv::Vec3f> texture(100, 200);
+  for (int x = 0; x < 200; ++x) texture.col(x).setTo(cv::Scalar(0.5, (x + 0.5) / 200, 0.25));
+  return arenaPyramid(texture);
 }
 
 TEST(ArenaTexture, ATexelIsFoundWhereItIsFromEveryDistance) {
@@ -31,20 +31,20 @@ TEST(ArenaTexture, WhatIsFinerThanAPixelIsItsMean) {
   EXPECT_NEAR(arenaTexel(texture, 0.095F, 0.3F, 0.001F)[0], 1, 1e-4);
 }
 
-TEST(ArenaTexture, ALargeFloorHasItsPictureSeveralTimes) {
+TEST(ArenaTexture, ALargeFloorRepeatsItsTexture) {
   const ArenaTexture texture = ramp();
   for (const float u : {0.3F, 1.7F})
     EXPECT_TRUE(
         arenaTexel(texture, u, 0.2F, 0.001F).isApprox(arenaTexel(texture, u + 4, 3.2F, 0.001F), 1e-4F));
 }
 
-TEST(ArenaTexture, PicturesAreAsLargeAsAskedAndReflectNoMoreThanFalls) {
+TEST(ArenaTexture, TexturesHaveTheirSizeAndReflectNoMoreLightThanTheyGet) {
   cv::RNG random(7);
   for (const auto paint : {arenaFloor, arenaWall, arenaCeiling}) {
-    const cv::Mat_<cv::Vec3f> picture = paint(3, 2, random);
-    EXPECT_EQ(picture.size(), cv::Size(300, 200));
+    const cv::Mat_<cv::Vec3f> texture = paint(3, 2, random);
+    EXPECT_EQ(texture.size(), cv::Size(300, 200));
     double low = 0, high = 0;
-    cv::minMaxLoc(picture.reshape(1), &low, &high);
+    cv::minMaxLoc(texture.reshape(1), &low, &high);
     EXPECT_GE(low, 0.02 - 1e-6);
     EXPECT_LE(high, 0.98 + 1e-6);
     EXPECT_GT(high - low, 0.01);

@@ -143,7 +143,7 @@ TEST(DepthCamera, WhereTheLensHasNoRayIsNoDepthAndTheRestIsAsEver) {
 
 TEST(DepthCamera, RefusesWhatCannotBe) {
   EXPECT_EQ(refusal<std::invalid_argument>([] { depthOf(clean(), hall(), levelAt(5.1, 1)); }),
-            "the camera is outside of the arena");
+            "the camera is outside the arena");
   const auto refused = [](auto change) {
     DepthCameraParams params;
     change(params);

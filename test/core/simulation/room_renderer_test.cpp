@@ -66,8 +66,9 @@ double bilinear(const cv::Mat& image, const Eigen::Vector2d& p) {
          b * ((1 - a) * grey(y + 1, x) + a * grey(y + 1, x + 1));
 }
 
-// Where the black border really ends, in pixels outward from where CameraModel::project() says, at one place
-// of one side: the integral of the darkness along the side's normal, from one module inside to one outside.
+// Distance of the rendered edge of the black border from its CameraModel::project(), pixels outward, at one
+// place of one side: the integral of the darkness along the side's normal, from one module inside to one
+// outside.
 double edgeOffset(const cv::Mat& image, const CameraModel& camera, const Pose& T_camera_marker, int side,
                   double along) {
   constexpr double kModule = 0.2 / 8, kReach = 0.9 * kModule;

@@ -11,11 +11,11 @@ namespace {
 
 // 100 x 50 texels on 2 x 1 m, brightness linear in u: 0 at the left, 255 at the right border.
 RoomTexture ramp() {
-  cv::Mat_<std::uint8_t> picture(50, 100);
+  cv::Mat_<std::uint8_t> texture(50, 100);
   for (int y = 0; y < 50; ++y) {
-    for (int x = 0; x < 100; ++x) picture(y, x) = static_cast<std::uint8_t>(std::lround((x + 0.5) * 2.55));
+    for (int x = 0; x < 100; ++x) texture(y, x) = static_cast<std::uint8_t>(std::lround((x + 0.5) * 2.55));
   }
-  return RoomTexture(picture, 2.0, 1.0);
+  return RoomTexture(texture, 2.0, 1.0);
 }
 
 TEST(RoomTexture, ReturnsTheReflectanceAtAPlaceFromEveryDistance) {

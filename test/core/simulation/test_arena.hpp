@@ -17,7 +17,7 @@ inline CameraModel pinhole(double focal_length = kFocal, const std::vector<doubl
   return CameraModel(c, CameraModel::Image::raw);
 }
 
-// 10 m wide, long and high: from the middle a wall fills the picture.
+// 10 m wide, long and high: from the middle a wall fills the image.
 inline ArenaScene hall(const std::vector<ArenaObject>& objects = {}) {
   ArenaSceneParams params;
   params.size = {10, 10};

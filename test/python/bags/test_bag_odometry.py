@@ -58,18 +58,21 @@ def test_odometry_that_cannot_be_chosen_or_used(tmp_path):
         write_odometry(bag, "wheels")
         write_odometry(bag, "wheels", "/ground_truth")
 
-    for options, said in (
+    for options, reason in (
         ({}, "there are several topics of nav_msgs/Odometry: /ground_truth, /odom; name one by --odometry"),
         (
             {"odometry": "/odom"},
             "no static transform connects it with 'base_link'; name 'wheels' as base_frame",
         ),
-        ({"odometry": "/cam/image_raw"}, "there is no odometry on /cam/image_raw"),
-        ({"odometry": "/odom", "mounts": {}}, "/odom is of no use: nothing tells where the camera sits"),
+        ({"odometry": "/cam/image_raw"}, "there is no nav_msgs/Odometry on /cam/image_raw"),
+        (
+            {"odometry": "/odom", "mounts": {}},
+            "/odom cannot be used: the pose of the camera on the robot is unknown",
+        ),
     ):
         with pytest.raises(BagError) as caught:
             read_with_odometry(tmp_path, write, **options)
-        assert said in str(caught.value)
+        assert reason in str(caught.value)
 
 
 def test_odometry_none_of_which_can_be_used(tmp_path):

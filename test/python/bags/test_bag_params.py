@@ -7,7 +7,7 @@ from sextant.bags.bag_params import BagParams
 
 
 @pytest.mark.parametrize(
-    "options, said",
+    "options, reason",
     [
         ({"images": "/cam/image_raw"}, "images is '/cam/image_raw', allowed is a list of names"),
         ({"images": ["/a", "/a"]}, "images names /a more than once"),
@@ -21,10 +21,10 @@ from sextant.bags.bag_params import BagParams
         ({"mounts": {"camera": np.eye(3)}}, "mounts[camera] is no pose"),
     ],
 )
-def test_options_that_cannot_be(options, said):
+def test_options_that_cannot_be(options, reason):
     with pytest.raises(ValueError) as caught:
         BagParams(**options)
-    assert said in str(caught.value)
+    assert reason in str(caught.value)
 
 
 def test_defaults_are_valid():

@@ -49,7 +49,7 @@ def test_a_turn_has_photos_too(tmp_path):
     np.testing.assert_allclose(read.photos[-1].position, (4.0, 2.25), atol=1e-6)  # the mount turned with it
 
 
-def test_the_mount_says_where_the_camera_looks(tmp_path):
+def test_the_mount_gives_the_direction_of_the_camera(tmp_path):
     read = read_drive_photos(write_drive(tmp_path / "hall.bag", mount=LEFT), OPTIONS)
     np.testing.assert_allclose(xy(read.photos)[0], (0.0, 2.5), atol=1e-6)
     assert read.photos[0].yaw == pytest.approx(0.5 * np.pi)
@@ -166,11 +166,11 @@ def test_what_is_missing_is_named(tmp_path):
     path = write_drive(tmp_path / "a.bag", poses=False)
     with pytest.raises(BagError, match="tf does not connect 'map' with 'base_link'"):
         read_drive_photos(path, PhotoParams())
-    with pytest.raises(BagError, match="there are no poses on /pose"):
+    with pytest.raises(BagError, match="there is no pose on /pose"):
         read_drive_photos(path, PhotoParams(pose="/pose"))
     with WrittenBag(tmp_path / "b.bag") as bag:
         bag.odometry("/odom", pose(0), 0.0)
-    with pytest.raises(BagError, match="there are no pictures in it; its topics are: /odom"):
+    with pytest.raises(BagError, match="there are no images in it; its topics are: /odom"):
         read_drive_photos(str(tmp_path / "b.bag"), PhotoParams())
 
 

@@ -84,7 +84,7 @@ def test_what_two_cameras_saw_from_where_they_sit(recorded, drives, seen):
         assert camera.calibration.D == each.calibration.D and not camera.rectified
 
 
-def test_what_the_wheels_said(recorded, drives):
+def test_odometry_of_the_wheels(recorded, drives):
     drive, frames = read_drive(recorded), drives[0][1]
     assert drive.odometry_stamps.tolist() == [START + i * 10**9 for i in range(3)]
     assert drive.odometry == pytest.approx(np.array([each.T_odom_base for each in frames]), abs=1e-12)
@@ -194,7 +194,7 @@ def test_one_topic_of_each_camera_is_read(tmp_path):
         "/a/image_raw/compressed was left out: the same camera as /a/image_raw",
         "/a/image_rect was left out: the same camera as /a/image_raw",
         "/alone/image was left out: no camera_info beside it",
-        "/depth/image was left out: it holds no pictures",
+        "/depth/image was left out: it holds no images",
     ]
     assert all(np.array_equal(camera.T_base_camera, TURNED) for camera in result.cameras.values())
     named = BagParams(images=["/a/image_raw"], rectified=["/a/image_raw"], mounts={"camera": TURNED})
@@ -237,14 +237,14 @@ def test_a_camera_without_a_robot_is_the_base(tmp_path):
 
 
 def test_a_part_of_a_bag_and_its_progress(tmp_path):
-    told = []
+    progress = []
     path = small_drive(tmp_path / "a.bag", 9)  # until 4 s
-    part = read_drive(path, BagParams(start=0.75, end=3.25, every=2), told.append)
+    part = read_drive(path, BagParams(start=0.75, end=3.25, every=2), progress.append)
     assert [image.stamp for image in part.images] == [nanoseconds(t) for t in (1.0, 2.0, 3.0)]
-    assert told == sorted(told) and told[-1] == 1.0 and 0.0 < told[0] < 0.2
+    assert progress == sorted(progress) and progress[-1] == 1.0 and 0.0 < progress[0] < 0.2
 
 
-def test_damage_of_single_images_is_told(tmp_path):
+def test_damage_of_single_images_is_reported(tmp_path):
     with WrittenBag(tmp_path / "a.bag") as bag:
         bag.info("/cam/camera_info", SMALL)
         for seconds in (0.0, 0.2, 0.1):

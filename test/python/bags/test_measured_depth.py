@@ -26,7 +26,7 @@ def wall(middle, around=5.0):
     return image
 
 
-def test_the_median_of_the_middle_is_told(tmp_path):
+def test_the_median_of_the_middle_is_returned(tmp_path):
     path = written(tmp_path / "wall.bag", [wall(1.48), wall(1.5), wall(1.51)])
     assert middle_depth(path, TOPIC) == pytest.approx(1.5)
     assert middle_depth(path) == pytest.approx(1.5)
@@ -51,10 +51,10 @@ def test_a_topic_that_cannot_be_is_named(tmp_path):
         BagError, match="one topic of depth images, there are: /camera/.*, /other; name the topic"
     ):
         middle_depth(path)
-    with pytest.raises(BagError, match="there are no images on /nothing; there are on /camera"):
+    with pytest.raises(BagError, match="there is no image on /nothing; topics of it: /camera"):
         middle_depth(path, "/nothing")
     grey = written(tmp_path / "grey.bag", [np.zeros((60, 80), np.uint8)], "mono8")
-    with pytest.raises(BagError, match="the encoding 'mono8' holds no depth"):
+    with pytest.raises(BagError, match="the encoding 'mono8' is not depth"):
         middle_depth(grey, TOPIC)
     with pytest.raises(ValueError, match="the share of the image is 0"):
         middle_depth(path, TOPIC, 0.0)

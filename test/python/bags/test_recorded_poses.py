@@ -62,7 +62,7 @@ def test_refusals(tmp_path):
     with WrittenBag(tmp_path / "a.bag") as bag:
         bag.write("/pose", with_covariance(1.0, np.nan), 1.0)
         bag.image("/cam/image_raw", flat(), 0.0)
-    with pytest.raises(BagError, match="there are no poses on /cam/image_raw; topics of poses in it: /pose"):
+    with pytest.raises(BagError, match="there is no pose on /cam/image_raw; topics of it: /pose"):
         read_poses(str(tmp_path / "a.bag"), "/cam/image_raw")
     with pytest.raises(BagError, match="nothing on /pose can be used"):
         read_poses(str(tmp_path / "a.bag"), "/pose")
@@ -78,12 +78,12 @@ def test_where_tf_had_a_frame(tmp_path):
     with WrittenBag(tmp_path / "b.bag") as bag:
         bag.transforms([("map", "truth", pose(5.0))])
         bag.transforms([("map", "truth", pose(6.0))])
-    found, notes = read_frame(path, "map", "truth", [nanoseconds(1.5), nanoseconds(9.0)], longest_gap=1.0)
+    found, notes = read_frame(path, "map", "truth", [nanoseconds(1.5), nanoseconds(9.0)], max_gap=1.0)
     assert notes == []
     assert list(found) == [nanoseconds(1.5)]
     np.testing.assert_allclose(found[nanoseconds(1.5)][:3, 3], [6.5, 2.0, 3.0], atol=1e-9)
     assert read_frame(path, "map", "truth", [nanoseconds(1.5)])[0] == {}  # tf2 itself would make it up
     [note] = read_frame(str(tmp_path / "b.bag"), "map", "truth", [])[1]
-    assert "/tf_static says two things of truth" in note
+    assert "/tf_static has different transforms of truth" in note
     with pytest.raises(BagError, match="tf does not connect 'map' with 'nobody'"):
         read_frame(path, "map", "nobody", [])

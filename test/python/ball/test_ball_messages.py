@@ -14,7 +14,7 @@ from sextant.nodes.simulation.ball_messages import (
 )
 from sextant.objects.depth_image import metres_of
 from sextant.simulation.ball_ground import BallGround
-from sextant.simulation.ball_world import drawn_world
+from sextant.simulation.ball_world import random_world
 
 DEPTH = np.array([[0.0, 0.3, 1.2344], [9.99, 70.0, 0.0]], np.float32)
 
@@ -41,7 +41,7 @@ def test_places_and_speeds_are_seen_from_where_the_robot_began():
 
 
 def test_everything_is_drawn_in_its_colour():
-    world = drawn_world(3, 1)
+    world = random_world(3, 1)
     ground = BallGround(world.size, world.pillars, world.ball, world.robot)
     _, *shapes = world_to_visualization(world, ground, Header()).markers
     assert len(shapes) == len(world.pillars) + 2

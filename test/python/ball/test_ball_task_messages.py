@@ -14,7 +14,7 @@ HEADER = Header(frame_id="map")
 
 
 def cell_of(message, x, y):
-    """As nav_msgs/OccupancyGrid says where a place is."""
+    """Position of a cell by the definition of nav_msgs/OccupancyGrid."""
     origin, info = message.info.origin.position, message.info
     column, row = int((x - origin.x) / info.resolution), int((y - origin.y) / info.resolution)
     return message.data[row * info.width + column]
@@ -25,10 +25,10 @@ def test_the_floor_has_its_places_where_they_are():
     floor = np.array([[1.0, 0.4, 0.0]])
     pole = np.array([[1.5, -0.7, height] for height in (0.2, 0.3, 0.4)])
     for _ in range(3):
-        grid.look(np.vstack([floor, pole]), np.zeros(3))
+        grid.update(np.vstack([floor, pole]), np.zeros(3))
     message = floor_message(grid, np.zeros(2), HEADER)
     assert len(message.data) == message.info.width * message.info.height
-    assert message.info.width != message.info.height  # else rows and columns are not told apart
+    assert message.info.width != message.info.height  # else rows and columns could be swapped
     assert (cell_of(message, 1.01, 0.41), cell_of(message, 1.51, -0.69)) == (0, 100)
     assert (cell_of(message, 0.0, 0.0), cell_of(message, 0.4, 1.0)) == (-1, -1)
     assert (np.array(message.data) == 100).sum() == (np.array(message.data) == 0).sum() == 1

@@ -15,7 +15,10 @@ from sextant.ball.task_view import SeenBall, SeenPillar, TaskView
 from sextant.objects.object_kinds import GOAL
 from sextant.simulation.ball_ground import BallGround, Pillar
 
-FEW = BallTaskParams(most_searches=1)
+FEW = BallTaskParams(max_searches=1)
+RING = [  # about the ball
+    Pillar(0.3 * np.cos(a), 0.1 + 0.3 * np.sin(a), 0.05, "red_pillar") for a in np.arange(0.0, 6.2, 0.698)
+]
 
 
 def failed(played):
@@ -38,23 +41,17 @@ def test_no_goal(posts):
 
 
 @pytest.mark.slow
-def test_a_ball_that_nobody_can_come_behind():
-    ring = [
-        Pillar(0.3 * np.cos(a), 0.1 + 0.3 * np.sin(a), 0.05, "red_pillar") for a in np.arange(0.0, 6.2, 0.698)
-    ]
-    played = play(world_of(others=ring))
-    assert failed(played) == "there is no way to where a kick is possible"
+def test_a_ball_that_the_robot_cannot_drive_behind():
+    played = play(world_of(others=RING))
+    assert failed(played) == "no path to the start of a kick"
     assert played.states.count("blocked") == 4
     assert played.pillar_touches == 0
 
 
 @pytest.mark.slow
-def test_somebody_who_goes_out_of_the_way_is_no_end():
+def test_an_obstacle_that_moves_away_does_not_end_the_task():
     """The ring is taken away while it looks around."""
-    ring = [
-        Pillar(0.3 * np.cos(a), 0.1 + 0.3 * np.sin(a), 0.05, "red_pillar") for a in np.arange(0.0, 6.2, 0.698)
-    ]
-    ground = BallGround((6.0, 6.0), [*POSTS, *ring], (0.0, 0.1), (1.2, 0.6, 2.5))
+    ground = BallGround((6.0, 6.0), [*POSTS, *RING], (0.0, 0.1), (1.2, 0.6, 2.5))
     eyes, task, states = Eyes(ground, 1.0, 0), BallTask(BallTaskParams()), []
     while "aligning" not in states:
         assert ground.stamp < 60.0
@@ -88,9 +85,9 @@ def test_a_bumper_that_is_pressed():
         places.append((action.state, ground.robot.x, ground.robot.y))
         if action.state == "approaching" and not bumps and ground.robot.speed > 0.2:
             bumps.append(len(places))
-            ground._against.add("something")
+            ground._pressed.add("something")
         elif action.state == "recovering":
-            ground._against.discard("something")
+            ground._pressed.discard("something")
 
     played = play(world_of(), meddle=meddle)
     assert_won(played)
@@ -105,7 +102,7 @@ def test_a_pillar_that_is_never_seen_is_bumped_into_and_gone_around():
     ground = BallGround(world.size, world.pillars, world.ball, world.robot)
     eyes, task, action = Eyes(ground, 1.0, 0), BallTask(BallTaskParams()), None
     ground.pillars = [*ground.pillars, Pillar(0.95, 0.1, 0.02, "glass")]
-    eyes._sightings.append([])
+    eyes._observations.append([])
     while action is None or not action.is_ended:
         seen, ground.pillars = ground.pillars, ground.pillars[:2]
         eyes.look()
@@ -119,7 +116,7 @@ def test_a_pillar_that_is_never_seen_is_bumped_into_and_gone_around():
 
 
 def test_a_robot_that_does_not_move_recovers_and_then_fails():
-    played = play(world_of(), BallTaskParams(most_bumps=2), drive=HELD)
+    played = play(world_of(), BallTaskParams(max_bumps=2), drive=HELD)
     assert failed(played) == "stuck 3 times"
     assert "recovering" in played.states
 
@@ -132,7 +129,7 @@ def test_the_time_limit():
 
 @pytest.mark.parametrize("wrong", ["pose", "ball"])
 def test_places_that_are_not_finite_are_refused_and_change_nothing(wrong):
-    """What it says to the next view is what it says without them."""
+    """The next action is the same as without them."""
     ground = BallGround((6.0, 6.0), POSTS, (0.0, 0.1), (1.2, 0.1, 3.1))
     eyes, task, other = Eyes(ground, 0.0, 0), BallTask(BallTaskParams()), BallTask(BallTaskParams())
     for _ in range(40):
@@ -177,7 +174,7 @@ def watching():
     return task
 
 
-def test_a_ball_that_nobody_sees_behind_the_line_is_not_through():
+def test_a_ball_not_observed_behind_the_line_is_not_through():
     """It is believed to roll on, and lies before the line in truth."""
     task = watching()
     task.step(seen_at(-0.9, now=0.1))
@@ -212,7 +209,7 @@ def test_a_post_that_is_lost_does_not_make_both_one():
     task.kicks = 1
     task.step(seen_at(0.0, now=0.1)._replace(pillars=[SeenPillar(GOAL, np.array([-1.0, 0.0]))]))
     assert task.goal.width == pytest.approx(0.72)
-    assert np.isfinite(task.goal.out).all()
+    assert np.isfinite(task.goal.normal).all()
 
 
 def test_a_ball_that_presses_the_bumper_is_no_collision():
@@ -222,7 +219,7 @@ def test_a_ball_that_presses_the_bumper_is_no_collision():
     def meddle(ground, action):
         states.append(action.state)
         near = np.linalg.norm(ground.ball - [ground.robot.x, ground.robot.y]) < 0.177 + 0.05 + 0.02
-        (ground._against.add if near else ground._against.discard)("ball")
+        (ground._pressed.add if near else ground._pressed.discard)("ball")
 
     played = play(world_of(), meddle=meddle)
     assert_won(played)

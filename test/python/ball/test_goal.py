@@ -1,13 +1,13 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""The goal among blue pillars, of which the rules say where it is."""
+"""The goal among blue pillars; the rules state its position."""
 
 import numpy as np
 import pytest
 
 from sextant.ball.goal import find_goal, goal_between, goes_through
 from sextant.objects.object_kinds import GOAL
-from sextant.simulation.ball_world import drawn_world
+from sextant.simulation.ball_world import random_world
 
 LEFT, RIGHT = np.array([0.0, -0.5]), np.array([0.0, 0.5])  # seen from x > 0
 BALL = np.array([1.0, 0.1])
@@ -29,11 +29,11 @@ def test_distances_before_and_aside(angle):
     for goal in (goal_between(first, second, ball), goal_between(second, first, ball)):
         np.testing.assert_allclose(goal.posts, [first, second], atol=1e-12)  # left first, whoever comes first
         assert goal.width == pytest.approx(1.0)
-        assert goal.before(ball) == pytest.approx(1.0)
-        assert goal.aside(ball) == pytest.approx(-0.1)  # seen from the ball, left is -y
+        assert goal.distance_before(ball) == pytest.approx(1.0)
+        assert goal.lateral_offset(ball) == pytest.approx(-0.1)  # seen from the ball, left is -y
         behind = rotated([[-0.7, -0.2]], angle, [2.0, -3.0])[0]
-        assert goal.before(behind) == pytest.approx(-0.7)
-        assert goal.aside(behind) == pytest.approx(0.2)
+        assert goal.distance_before(behind) == pytest.approx(-0.7)
+        assert goal.lateral_offset(behind) == pytest.approx(0.2)
 
 
 def test_blue_pillars_behind_do_not_matter():
@@ -69,7 +69,7 @@ def test_fewer_than_two_pillars_two_in_one_place_and_a_ball_nowhere_are_no_goal(
 @pytest.mark.parametrize("task", [2, 3])
 def test_of_drawn_worlds_the_first_two_pillars_are_the_goal(task):
     for seed in range(60):
-        world = drawn_world(task, seed)
+        world = random_world(task, seed)
         blue = np.array([pillar[:2] for pillar in world.pillars if pillar.class_name == GOAL])
         order = np.random.default_rng(seed).permutation(len(blue))
         goal = find_goal(blue[order], world.ball, 0.7)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sextant.ball.floor_grid import FloorGrid, FloorGridParams
-from sextant.ball.path_planner import Disc, FreeFloor
+from sextant.ball.path_planner import Costmap, Disc
 
 CLEARANCE = 0.24
 CELL = 0.05
@@ -20,7 +20,7 @@ def seen_grid(half=2.0):
 
 
 def floor_of(grid, discs=(), about=((-1.5, 0.0), (1.5, 0.0)), clearance=CLEARANCE):
-    return FreeFloor(grid, list(discs), clearance, np.array(about))
+    return Costmap(grid, list(discs), clearance, np.array(about))
 
 
 def length(path):
@@ -142,22 +142,22 @@ def test_costs_are_lengths_where_all_is_seen_and_free():
 
 def test_allows_line():
     floor = floor_of(seen_grid(), [Disc(0.0, 0.0, 0.05)])
-    assert not floor.allows(np.array([0.2, 0.0])) and floor.allows(np.array([0.4, 0.0]))
-    assert not floor.allows_line(np.array([-1.0, 0.1]), np.array([1.0, 0.1]))
-    assert floor.allows_line(np.array([-1.0, 0.4]), np.array([1.0, 0.4]))
+    assert not floor.is_free_at(np.array([0.2, 0.0])) and floor.is_free_at(np.array([0.4, 0.0]))
+    assert not floor.is_line_free(np.array([-1.0, 0.1]), np.array([1.0, 0.1]))
+    assert floor.is_line_free(np.array([-1.0, 0.4]), np.array([1.0, 0.4]))
 
 
 def test_of_what_is_beyond_the_floor_nothing_is_known():
     """The grid ends at 4 m: a pillar beyond it must not be driven through."""
     floor = floor_of(seen_grid(), [Disc(4.5, 0.0, 0.05)])
     beyond = np.array([5.0, 0.0])
-    assert not (floor.holds(beyond) or floor.allows(beyond) or floor.knows(beyond))
+    assert not (floor.contains(beyond) or floor.is_free_at(beyond) or floor.is_seen_free(beyond))
     assert floor.path(np.zeros(2), beyond) is None and floor.path(beyond, np.zeros(2)) is None
-    assert not floor.allows_line(np.zeros(2), beyond)
+    assert not floor.is_line_free(np.zeros(2), beyond)
 
 
 def test_the_floor_holds_a_margin_about_its_points():
     grid = seen_grid(0.5)
-    near = FreeFloor(grid, [], CLEARANCE, np.zeros((1, 2)))
-    far = FreeFloor(grid, [], CLEARANCE, np.zeros((1, 2)), 1.5)
-    assert not near.holds([1.4, 0.0]) and far.holds([1.4, 0.0])
+    near = Costmap(grid, [], CLEARANCE, np.zeros((1, 2)))
+    far = Costmap(grid, [], CLEARANCE, np.zeros((1, 2)), 1.5)
+    assert not near.contains([1.4, 0.0]) and far.contains([1.4, 0.0])

@@ -99,10 +99,10 @@ def test_what_is_being_written_is_not_taken_for_left(tmp_path):
     assert contents(tmp_path) == {"a.txt": "slow", "b.txt": "slow"}
 
 
-def test_a_full_disk_is_told_and_the_old_file_stays(tmp_path):
+def test_a_full_disk_is_reported_and_the_old_file_stays(tmp_path):
     path = tmp_path / "a.txt"
     path.write_text("old")
-    told = pytest.raises(OSError, match=r"cannot be written: File too large: '.*/a\.txt'")
-    with told, full_disk(1000), atomic_file(path) as file:
+    failure = pytest.raises(OSError, match=r"cannot be written: File too large: '.*/a\.txt'")
+    with failure, full_disk(1000), atomic_file(path) as file:
         file.write(2000 * "x")
     assert contents(tmp_path) == {"a.txt": "old"}

@@ -55,5 +55,5 @@ def test_there_and_back_is_exact():
     ],
 )
 def test_refused(position, q):
-    with pytest.raises(ValueError, match="must be finite|is no rotation"):
+    with pytest.raises(ValueError, match="must be finite|is not a rotation"):
         pose_from_message(Pose(Point(*position), Quaternion(*q)))

@@ -120,9 +120,9 @@ def test_who_stops_listening_ends_the_jobs():
 def test_ctrl_c_ends_all_processes_without_a_word_of_theirs():
     with two_workers() as process:
         os.killpg(process.pid, signal.SIGINT)
-        _, said = process.communicate(timeout=20.0)
+        _, errors = process.communicate(timeout=20.0)
         assert process.returncode != 0
-        assert said.count("Traceback") == 1 and said.rstrip().endswith("KeyboardInterrupt")
+        assert errors.count("Traceback") == 1 and errors.rstrip().endswith("KeyboardInterrupt")
         wait_for(lambda: not session(process.pid), 10.0)
 
 
@@ -225,7 +225,7 @@ needs_distributed = pytest.mark.skipif(
 
 @needs_distributed
 def test_a_scheduler_that_is_not_there(monkeypatch):
-    monkeypatch.setattr("sextant.base.jobs.PATIENCE", 1.0)
+    monkeypatch.setattr("sextant.base.jobs.CLUSTER_TIMEOUT", 1.0)
     start = time.monotonic()
     for address in ("tcp://127.0.0.1:9", "tcp://[::1]:9", "tcp://127.0.0.1:99999", "nonsense"):
         with pytest.raises(SchedulerError, match="no Dask scheduler answers at"):
@@ -265,6 +265,6 @@ def test_a_cluster_gives_the_same_to_the_last_bit(cluster):
 @pytest.mark.slow
 @needs_distributed
 def test_a_cluster_without_workers(monkeypatch):
-    monkeypatch.setattr("sextant.base.jobs.PATIENCE", 1.0)
+    monkeypatch.setattr("sextant.base.jobs.CLUSTER_TIMEOUT", 1.0)
     with local_cluster(0) as empty, pytest.raises(SchedulerError, match="has no worker"):
         list(run_jobs(abs, [1], scheduler=empty.scheduler_address))

@@ -10,21 +10,21 @@ from made_yolo import ConvolvedDetector, constant_network
 from sextant.base.onnx_model import ImageInput, open_network, read_model
 
 
-def test_what_a_file_says_of_its_model(tmp_path):
+def test_a_file_describes_its_model(tmp_path):
     facts = read_model(
         constant_network(tmp_path / "net.onnx", [np.zeros((1, 4)), np.ones(3)], names=["a", "b"])
     )
     assert facts.input == ImageInput(3, 64, 64)
     assert facts.outputs == ["output0", "output1"]
-    assert facts.notes == {"names": "{0: 'a', 1: 'b'}"}
+    assert facts.metadata == {"names": "{0: 'a', 1: 'b'}"}
 
 
-def test_a_network_says_what_it_was_made_to_say(tmp_path):
+def test_a_constant_network_returns_its_answers(tmp_path):
     answers = [np.arange(12.0).reshape(1, 3, 4), np.array([[7.0]])]
     run = open_network(constant_network(tmp_path / "net.onnx", answers), "opencv", 1)
-    said = run(np.random.default_rng(1).random((1, 3, 64, 64)).astype(np.float32))
-    assert sorted(each.size for each in said) == [1, 12]
-    assert max(said, key=np.size) == pytest.approx(answers[0])
+    outputs = run(np.random.default_rng(1).random((1, 3, 64, 64)).astype(np.float32))
+    assert sorted(each.size for each in outputs) == [1, 12]
+    assert max(outputs, key=np.size) == pytest.approx(answers[0])
 
 
 def shorter(weights):

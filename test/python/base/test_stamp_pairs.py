@@ -3,7 +3,7 @@
 import genpy
 from std_msgs.msg import Header
 
-from sextant.nodes.base.stamp_pairs import LONGEST, StampPairs
+from sextant.nodes.base.stamp_pairs import MAX_WAIT, StampPairs
 
 
 class Stamped:
@@ -23,7 +23,7 @@ def test_the_nearest_is_taken_whichever_comes_first():
     assert of(pairs.add_first(Stamped(1.21))) == []  # a nearer one may come
     assert of(pairs.add_first(Stamped(1.29))) == []
     assert of(pairs.add_second(Stamped(1.3))) == [(1.21, 1.2), (1.29, 1.3)]
-    assert pairs.alone == 0
+    assert pairs.unmatched == 0
 
 
 def test_what_is_too_far_off_stays_alone():
@@ -31,14 +31,14 @@ def test_what_is_too_far_off_stays_alone():
     pairs.add_second(Stamped(1.0))
     pairs.add_second(Stamped(2.0))
     assert pairs.add_first(Stamped(1.5)) == []
-    assert pairs.alone == 1
+    assert pairs.unmatched == 1
 
 
 def test_without_the_other_topic_not_all_is_kept():
     pairs = StampPairs(0.05)
     for i in range(50):
         pairs.add_first(Stamped(1.0 + 0.1 * i))
-    assert pairs.alone == 50 - (1e-9 * LONGEST / 0.1 + 1)
+    assert pairs.unmatched == 50 - (1e-9 * MAX_WAIT / 0.1 + 1)
 
 
 def test_however_fast_the_other_topic_comes_a_late_message_finds_it():

@@ -12,10 +12,11 @@ import pytest
 BENCHMARK = Path(__file__).resolve().parents[3] / "benchmark"
 sys.path.insert(0, str(BENCHMARK))
 
+from command import write_section  # noqa: E402
 from real_data import EXTERNAL  # noqa: E402
 from tables import Table, Value  # noqa: E402
 
-from landmarks.landmark_kidnap import Told, outcome  # noqa: E402
+from landmarks.landmark_kidnap import Check, outcome  # noqa: E402
 from markers.chain import Run, numbered  # noqa: E402
 from markers.chain_frames import PlayedDrive  # noqa: E402
 
@@ -47,7 +48,7 @@ def test_json_alone_is_on_standard_output():
 
 
 @pytest.mark.slow
-def test_absent_data_is_said_and_is_no_success(tmp_path):
+def test_absent_data_is_reported_and_is_no_success(tmp_path):
     done = run("--only", "photos", "--data", tmp_path)
     assert done.returncode == 2
     assert str(tmp_path) in done.stderr and "Traceback" not in done.stderr
@@ -92,14 +93,18 @@ def test_one_failing_bar_fails_the_table():
     assert table.as_json()["rows"][1]["figure"]["holds"] is False
 
 
-def run_trust(topic, folder):
-    """Its tables; the picture of the topic lies in the folder."""
-    script = str(BENCHMARK / "marker_trust.py")
-    command = [sys.executable, script, "--quick", "--only", topic, "--json", "-", "--plots", str(folder)]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=300)
+def tables_of(script, topic, folder):
+    """Of a quick run; the topic's pictures lie in the folder."""
+    command = [sys.executable, str(BENCHMARK / script), "--quick", "--only", topic, "--json", "-"]
+    done = subprocess.run([*command, "--plots", str(folder)], capture_output=True, text=True, timeout=300)
     assert done.returncode == 0, done.stderr
-    assert (folder / f"{topic}.png").read_bytes().startswith(b"\x89PNG")
     return json.loads(done.stdout)["topics"][topic]
+
+
+def run_trust(topic, folder):
+    tables = tables_of("marker_trust.py", topic, folder)
+    assert (folder / f"{topic}.png").read_bytes().startswith(b"\x89PNG")
+    return tables
 
 
 @pytest.mark.slow
@@ -161,17 +166,9 @@ def test_quick_run_of_the_maps(tmp_path):
     assert [row["differs"]["value"] for row in topics["bags"][0]["rows"]] == [0, 0, 0]
 
 
-def run_places(topic, folder):
-    """Its tables."""
-    command = [sys.executable, str(BENCHMARK / "places.py"), "--quick", "--only", topic, "--json", "-"]
-    done = subprocess.run([*command, "--plots", str(folder)], capture_output=True, text=True, timeout=300)
-    assert done.returncode == 0, done.stderr
-    return json.loads(done.stdout)["topics"][topic]
-
-
 @pytest.mark.slow
 def test_quick_run_of_the_seasons(tmp_path):
-    (table,) = run_places("seasons", tmp_path)
+    (table,) = tables_of("places.py", "seasons", tmp_path)
     rows = {row["name"]: row for row in table["rows"]}
     assert rows["summer -> autumn, filter"]["recall@1"]["value"] > 0.8
 
@@ -179,10 +176,10 @@ def test_quick_run_of_the_seasons(tmp_path):
 @pytest.mark.slow
 @pytest.mark.skipif(not (EXTERNAL / "places").is_dir(), reason="external test data")
 def test_quick_run_of_recall(tmp_path):
-    corridor, nowhere, lund = run_places("recall", tmp_path)
+    corridor, unknown, lund = tables_of("places.py", "recall", tmp_path)
     modes = {row["name"]: row["recall@1"]["value"] for row in corridor["rows"]}
     assert modes["single"] > modes["votes"] > 0
-    assert nowhere["rows"][0]["nowhere in the map"]["value"] == lund["rows"][0]["placed"]["value"] == 8
+    assert unknown["rows"][0]["not in the map"]["value"] == lund["rows"][0]["placed"]["value"] == 8
     for name in ("recall", "reliability_single"):
         assert (tmp_path / f"{name}.png").read_bytes().startswith(b"\x89PNG")
 
@@ -190,7 +187,7 @@ def test_quick_run_of_recall(tmp_path):
 @pytest.mark.slow
 @pytest.mark.skipif(not (EXTERNAL / "places").is_dir(), reason="external test data")
 def test_quick_run_of_the_calibration(tmp_path):
-    probabilities, weights = run_places("calibration", tmp_path)
+    probabilities, weights = tables_of("places.py", "calibration", tmp_path)
     assert {row["queries"]["value"] for row in probabilities["rows"]} == {96}
     fitted, shipped = weights["rows"]
     assert fitted["score"]["value"] > 0 < shipped["score"]["value"]
@@ -198,27 +195,19 @@ def test_quick_run_of_the_calibration(tmp_path):
 
 @pytest.mark.slow
 def test_quick_run_of_speed_and_size(tmp_path):
-    (speed,) = run_places("speed", tmp_path)
+    (speed,) = tables_of("places.py", "speed", tmp_path)
     votes, ours = speed["rows"]
     assert ours["right, %"]["value"] >= 25 < votes["right, %"]["value"]  # the photos are 30 m apart
     assert ours["index, MB"]["value"] < votes["index, MB"]["value"]
-    (size,) = run_places("size", tmp_path)
+    (size,) = tables_of("places.py", "size", tmp_path)
     few, many = size["rows"]
     assert few["right, %"]["value"] == many["right, %"]["value"] == 100
     assert few["index, MB"]["value"] < many["index, MB"]["value"]
 
 
-def run_landmarks(topic, folder):
-    """Its tables; the pictures of the topic lie in the folder."""
-    command = [sys.executable, str(BENCHMARK / "landmarks.py"), "--quick", "--only", topic, "--json", "-"]
-    done = subprocess.run([*command, "--plots", str(folder)], capture_output=True, text=True, timeout=300)
-    assert done.returncode == 0, done.stderr
-    return json.loads(done.stdout)["topics"][topic]
-
-
 @pytest.mark.slow
 def test_quick_run_of_the_accuracy_of_landmarks(tmp_path):
-    (table,) = run_landmarks("accuracy", tmp_path)
+    (table,) = tables_of("landmarks.py", "accuracy", tmp_path)
     for row in table["rows"]:
         assert 0.3 < row["pose NEES"]["value"] < 3 and 0.3 < row["map NEES"]["value"] < 3
     assert (tmp_path / "accuracy.png").read_bytes().startswith(b"\x89PNG")
@@ -226,21 +215,21 @@ def test_quick_run_of_the_accuracy_of_landmarks(tmp_path):
 
 @pytest.mark.slow
 def test_quick_run_of_the_association_of_landmarks(tmp_path):
-    (table,) = run_landmarks("association", tmp_path)
+    (table,) = tables_of("landmarks.py", "association", tmp_path)
     assert all(row["wrong associations"]["value"] == 0 for row in table["rows"])
 
 
 @pytest.mark.slow
 def test_quick_run_of_the_cost_of_landmarks(tmp_path):
-    cost, same = run_landmarks("cost", tmp_path)
+    cost, same = tables_of("landmarks.py", "cost", tmp_path)
     assert cost["rows"][-1]["of the textbook's"]["value"] < 1
     for row in same["rows"]:
         assert max(row[column]["value"] for column in row if column != "name") < 1e3  # 1e-9
 
 
 @pytest.mark.slow
-def test_quick_run_of_late_sightings(tmp_path):
-    late, clock = run_landmarks("delay", tmp_path)
+def test_quick_run_of_late_observations(tmp_path):
+    late, clock = tables_of("landmarks.py", "delay", tmp_path)
     at_stamp, at_arrival = (row["of no delay"]["value"] for row in late["rows"][1:])
     assert at_stamp < 1.1 < at_arrival
     assert all(30 < row["offset, ms"]["value"] < 70 for row in clock["rows"][1:])
@@ -249,7 +238,7 @@ def test_quick_run_of_late_sightings(tmp_path):
 @pytest.mark.slow
 @pytest.mark.skipif(not (EXTERNAL / "landmarks").is_dir(), reason="external test data")
 def test_quick_run_of_victoria_park(tmp_path):
-    optimum, known, unknown = run_landmarks("victoria_park", tmp_path)
+    optimum, known, unknown = tables_of("landmarks.py", "victoria_park", tmp_path)
     assert all(row["cost"]["value"] > 0 for row in optimum["rows"])
     assert known["rows"][0]["trajectory, m"]["value"] < known["rows"][1]["trajectory, m"]["value"] + 1
     assert unknown["rows"][0]["landmarks"]["value"] > 10
@@ -258,16 +247,16 @@ def test_quick_run_of_victoria_park(tmp_path):
 
 @pytest.mark.slow
 def test_quick_run_of_odometry_and_markers(tmp_path):
-    (table,) = run_landmarks("fusion", tmp_path)
+    (table,) = tables_of("landmarks.py", "fusion", tmp_path)
     for row in table["rows"]:
-        assert row["off after the first marker, m"]["value"] < row["off before, m"]["value"]
+        assert row["error after the first marker, m"]["value"] < row["error before, m"]["value"]
 
 
 @pytest.mark.slow
 def test_quick_run_of_carried_robots(tmp_path):
-    (table,) = run_landmarks("kidnap", tmp_path)
+    (table,) = tables_of("landmarks.py", "kidnap", tmp_path)
     for row in table["rows"]:
-        assert row["found, %"]["value"] == 100 and row["after, s (median)"]["value"] < 60
+        assert row["relocalized, %"]["value"] == 100 and row["after, s (median)"]["value"] < 60
 
 
 LOST, RIGHT, FAR = (
@@ -293,4 +282,16 @@ WRONG, TOO_SURE = (False, False, False), (False, True, False)
 )
 def test_when_a_carried_robot_is_found(looks, expected):
     """A look every 10 s, the first at once."""
-    assert outcome(Told(10 * number, *look) for number, look in enumerate(looks)) == expected
+    assert outcome(Check(10 * number, *look) for number, look in enumerate(looks)) == expected
+
+
+def test_a_page_gets_one_section_of_each_script(tmp_path):
+    page = tmp_path / "figures.md"
+    page.write_text("# Figures\n\nText.\n")
+    for figure in (1.0, 2.0):
+        table = Table("Errors", ["mean, cm"], [("joint", [Value(figure, at_most=3)])])
+        write_section(page, "markers", "Measures markers.\n\nMore.", {"simulated": [table]})
+    assert page.read_text() == (
+        "# Figures\n\nText.\n\n<!-- begin markers -->\n## markers\n\nMeasures markers.\n\n"
+        "### Errors\n\n|  | mean, cm |\n| --- | --- |\n| joint | 2.00 (<= 3) |\n<!-- end markers -->\n"
+    )

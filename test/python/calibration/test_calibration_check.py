@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Seeded photo sessions with a lens that is known, and the calibrations that somebody might have of it."""
 
+import copy
 from collections import Counter
 from dataclasses import replace
 
@@ -16,7 +17,7 @@ from sextant.calibration.calibration_check import (
     CheckParams,
     check_calibration,
 )
-from sextant.calibration.calibration_sightings import Sighting, board_sighting, sightings_of
+from sextant.calibration.calibration_observations import Observation, board_observation, marker_observations
 from sextant.simulation.camera import camera_calibration
 
 SIZE, SIGMA = 0.16, CheckParams.corner_sigma
@@ -33,10 +34,7 @@ BOARD = [
 
 def changed(calibration, focal=1.0, shift=(0.0, 0.0), D=None):
     """Another calibration: focal lengths times focal, principal point moved, other coefficients."""
-    other = sextant.CameraCalibration()
-    for name in ("width", "height", "distortion_model", "R"):
-        setattr(other, name, getattr(calibration, name))
-    K = np.array(calibration.K)
+    other, K = copy.copy(calibration), np.array(calibration.K)
     K[:2, :2] *= focal
     K[:2, 2] += shift
     other.K, other.P = K, np.hstack([K, np.zeros((3, 1))])
@@ -83,19 +81,19 @@ def photo_of(truth, place, distance, random, markers, size):
 
 def session(seed, truth, distances=(0.5, 1.0, 2.0), places=PLACES, noise=0.1, markers=SINGLE, size=SIZE):
     """Photos of one afternoon: the tape is 5 mm off at each distance, and held 1 cm off the lens's centre."""
-    random, sightings = np.random.default_rng(seed), []
+    random, observations = np.random.default_rng(seed), []
     zero, printed = 0.01 * random.standard_normal(), size + 0.0003 * random.standard_normal()
-    for told in distances:
-        true = told - zero + 0.005 * random.standard_normal()
+    for measured in distances:
+        true = measured - zero + 0.005 * random.standard_normal()
         for number, place in enumerate(places):
             here = true + 0.0025 * random.standard_normal()
             corners = photo_of(truth, place, here, random, markers, printed)
             corners = corners + noise * random.standard_normal(corners.shape)
             sigmas, sizes = np.full(corners.shape[:2], SIGMA), np.full(len(markers), size)
-            sightings.append(
-                Sighting(f"{told}/{number}.png", np.array(markers), sizes, corners, sigmas, told)
+            observations.append(
+                Observation(f"{measured}/{number}.png", np.array(markers), sizes, corners, sigmas, measured)
             )
-    return sightings
+    return observations
 
 
 def judge(truth, calibration, count=10, **settings):
@@ -139,14 +137,14 @@ def test_a_wrong_calibration_is_found(truth, change, words, count):
 
 
 @pytest.mark.slow
-def test_tells_by_how_much():
+def test_estimates_the_error():
     _, checks = judge(USUAL, changed(USUAL, focal=1.05, shift=(20.0, -12.0)), count=6)
     errors = np.mean([[one.error for one in each.deviations] for each in checks], axis=0)
     np.testing.assert_allclose(errors, [5.0, 20.0, -12.0, 0.0], atol=0.6)
 
 
 @pytest.mark.slow
-def test_a_board_tells_the_distortion_by_itself():
+def test_a_board_alone_determines_the_distortion():
     """Its markers must fit one pose: no distance was measured."""
     photos = [replace(each, distance=None) for each in board_photos(WIDE)]
     check = check_calibration(changed(WIDE, D=[-0.1, 0.0, 0.0, 0.0, 0.0]), photos, CheckParams())
@@ -169,7 +167,7 @@ def board_photos(truth):
         (dict(places=PLACES[:4]), "corner: lower right"),
     ],
 )
-def test_says_which_photos_are_missing(settings, words):
+def test_reports_which_photos_are_missing(settings, words):
     check = check_calibration(USUAL, session(1, USUAL, **settings), CheckParams())
     assert check.state == UNKNOWN and words in " ".join(check.reasons)
 
@@ -200,24 +198,26 @@ def detection(number, x=100.0):
 
 def test_only_one_marker_of_a_photo_is_measured():
     both = [detection(3), detection(5, 200.0)]
-    told = [each.distance for each in sightings_of("a.png", both, SIZE, 1.5, 5, SIGMA)]
-    assert told == [None, 1.5]
-    assert [each.distance for each in sightings_of("a.png", both[:1], SIZE, 1.5, None, SIGMA)] == [1.5]
-    assert len(sightings_of("a.png", both, SIZE, None, None, SIGMA)) == 2
-    assert sightings_of("a.png", [], SIZE, 1.5, None, SIGMA) == []
+    measured = [each.distance for each in marker_observations("a.png", both, SIZE, 1.5, 5, SIGMA)]
+    assert measured == [None, 1.5]
+    assert [each.distance for each in marker_observations("a.png", both[:1], SIZE, 1.5, None, SIGMA)] == [1.5]
+    assert len(marker_observations("a.png", both, SIZE, None, None, SIGMA)) == 2
+    assert marker_observations("a.png", [], SIZE, 1.5, None, SIGMA) == []
     with pytest.raises(ValueError, match=r"a.png: shows the markers \[3, 5\]"):
-        sightings_of("a.png", both, SIZE, 1.5, None, SIGMA)
+        marker_observations("a.png", both, SIZE, 1.5, None, SIGMA)
     with pytest.raises(ValueError, match="marker 3 more than once"):
-        sightings_of("a.png", [detection(3), detection(3, 200.0)], SIZE, 1.5, 3, SIGMA)
+        marker_observations("a.png", [detection(3), detection(3, 200.0)], SIZE, 1.5, 3, SIGMA)
 
 
-def test_markers_of_a_board_are_one_sighting():
+def test_markers_of_a_board_are_one_observation():
     board = sextant.MarkerMap()
     for number, T in enumerate(BOARD):
         board.add(sextant.MappedMarker("tag36h11", number, 0.08, T))
-    [sighting] = board_sighting("a.png", [detection(1), detection(4, 200.0), detection(9)], board, 2.0, SIGMA)
-    np.testing.assert_allclose(sighting.T_object_marker, [BOARD[1], BOARD[4]])
-    assert sighting.distance == 2.0 and sighting.points.shape == (8, 3)
-    assert board_sighting("a.png", [detection(9)], board, 2.0, SIGMA) == []
+    [observation] = board_observation(
+        "a.png", [detection(1), detection(4, 200.0), detection(9)], board, 2.0, SIGMA
+    )
+    np.testing.assert_allclose(observation.T_object_marker, [BOARD[1], BOARD[4]])
+    assert observation.distance == 2.0 and observation.points.shape == (8, 3)
+    assert board_observation("a.png", [detection(9)], board, 2.0, SIGMA) == []
     with pytest.raises(ValueError, match="more than once"):
-        board_sighting("a.png", [detection(1), detection(1)], board, 2.0, SIGMA)
+        board_observation("a.png", [detection(1), detection(1)], board, 2.0, SIGMA)

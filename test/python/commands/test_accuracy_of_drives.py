@@ -26,9 +26,9 @@ def write_drive(path, bias, seed, count=200):
             bag.transforms([("map", "truth", T)], second, topic="/tf")
             lines.append(f"{1600000000 + second:.3f} {place[0]} {place[1]} 0 0 0 0 1")
             message = PoseWithCovarianceStamped(header=header(second, "map"))
-            told = sextant.pose_from_xyz_rpy(0.02 * random.normal(size=3), 0.01 * random.normal(size=3))
-            told[:3, 3] += T[:3, 3] + [0.0, bias, 0.0]
-            message.pose.pose = pose_to_message(told)
+            estimate = sextant.pose_from_xyz_rpy(0.02 * random.normal(size=3), 0.01 * random.normal(size=3))
+            estimate[:3, 3] += T[:3, 3] + [0.0, bias, 0.0]
+            message.pose.pose = pose_to_message(estimate)
             message.pose.covariance = np.diag([0.02**2] * 3 + [0.01**2] * 3).ravel()
             bag.write("/pose", message, second)
     return lines
@@ -67,7 +67,7 @@ def test_several_drives_of_one_name_and_time(tmp_path, monkeypatch, capsys):
     assert sorted(path.name for path in tmp_path.glob("acc*")) == [
         *("accuracy.csv", "accuracy_1.png", "accuracy_2.png")
     ]
-    assert "run.bag: is named twice" in refused(capsys, *arguments, "./a/run.bag", "-o", "other")
+    assert "run.bag: is given twice" in refused(capsys, *arguments, "./a/run.bag", "-o", "other")
 
 
 @pytest.mark.slow
@@ -88,15 +88,15 @@ def test_a_drive_that_cannot_be_compared_is_refused_or_skipped(tmp_path, monkeyp
 @pytest.mark.parametrize(
     "arguments, reason",
     [
-        ([], "where are the markers?"),
+        ([], "set a marker map"),
         (["--pose", "pose", "--rpe", "far", "metres"], "--rpe far metres: allowed is"),
         (["--pose", "pose", "--rpe", "1", "furlongs"], "--rpe 1 furlongs: allowed is"),
         (["--pose", "pose", "--rpe", "1.5", "frames"], "--rpe 1.5 frames: allowed is"),
         (["--pose", "pose", "--map", "absent.yaml"], "absent.yaml"),
         (["--pose", "pose", "--map", "absent.yaml", "--align"], "absent.yaml"),
-        (["--pose", "pose", "--every", "2"], "--every means nothing with --pose"),
-        (["--pose", "pose", "--axis", "x"], "--axis means nothing of drives"),
-        (["--pose", "pose", "-o", "."], "is no name that files can begin with"),
+        (["--pose", "pose", "--every", "2"], "--every has no effect with --pose"),
+        (["--pose", "pose", "--axis", "x"], "--axis has no effect for drives"),
+        (["--pose", "pose", "-o", "."], "is not a prefix of file names"),
     ],
 )
 def test_options_of_drives_that_cannot_be(tmp_path, monkeypatch, capsys, arguments, reason):

@@ -28,7 +28,7 @@ COUNT = 300
 ENDINGS = (".xlsx", ".yaml", "_constant.yaml", "_errors.png", "_spread.png")
 FILES = ["accuracy" + ending for ending in ENDINGS]
 ROOT = Path(__file__).resolve().parents[3]
-PAGE = (ROOT / "doc/accuracy.md").read_text()
+PAGE = (ROOT / "doc/how_to/accuracy.md").read_text()
 
 
 @pytest.fixture(scope="module")
@@ -68,7 +68,7 @@ def test_what_is_published_is_what_is_measured(series, capsys):
 
 
 @pytest.mark.slow
-def test_two_processes_say_the_same(series, capsys):
+def test_two_processes_print_the_same(series, capsys):
     one = called(capsys, series, "-o", "run_1")[1].replace("run_1", "")
     two = called(capsys, series, "-o", "run_2", "--jobs", "2")[1].replace("run_2", "")
     assert one == two
@@ -89,7 +89,7 @@ def test_the_executable_with_two_processes(series):
 @pytest.mark.slow
 def test_files_that_are_there_stay(series, capsys):
     Path("accuracy_spread.png").write_text("mine")
-    assert "accuracy_spread.png: is there already; --force overwrites it" in refused(capsys, series)
+    assert "accuracy_spread.png: already exists; --force overwrites it" in refused(capsys, series)
     assert called(capsys, series, "--force")[0] == 0
     assert Path("accuracy_spread.png").read_bytes().startswith(b"\x89PNG")
 
@@ -103,7 +103,7 @@ def test_what_cannot_be_read_is_named_and_refused_or_skipped(series, capsys, wha
         named, reason = "2/c.bag", "neither images nor recorded markers"
     elif what == "no number":
         os.rename(f"{series}/2.5", f"{series}/far")
-        named, reason = "'far'", "its name is no distance"
+        named, reason = "'far'", "its name is not a distance"
     elif what == "cut off":
         whole = Path(f"{series}/0.757/a.bag").read_bytes()
         Path(f"{series}/0.757/a.bag").write_bytes(whole[: len(whole) // 2])
@@ -111,8 +111,8 @@ def test_what_cannot_be_read_is_named_and_refused_or_skipped(series, capsys, wha
     else:
         os.mkdir(f"{series}/6.5")
         named, reason = "'6.5'", "there is no bag in it"
-    said = refused(capsys, series)
-    assert named in said and reason in said
+    errors = refused(capsys, series)
+    assert named in errors and reason in errors
     code, out, _ = called(capsys, series, "--skip")
     [line] = [line for line in out.splitlines() if line.startswith("skipped: ")]
     assert code == 0 and named in line and reason in line
@@ -141,22 +141,22 @@ def test_other_truths(series, capsys):
 @pytest.mark.parametrize(
     "arguments, reason",
     [
-        (["--true", "w=1"], "'w' is no axis"),
+        (["--true", "w=1"], "'w' is not an axis"),
         (["--true", "z=1"], "the true z is the distance"),
         (["--true", "x=left"], "'left' is neither a number nor unknown"),
         (["--axis", "w"], "invalid choice: 'w'"),
-        (["--marker", "600"], "marker 600 was not seen: is the --family right"),
+        (["--marker", "600"], "marker 600 was not seen: check --family"),
         (["--size", "0"], "size must be in (0, 100] m"),
         (["--map", "absent.yaml"], "absent.yaml"),
         (["--corner-sigma", "0"], "corner_sigma"),
-        (["--pose", "/pose"], "there are no poses on /pose"),
+        (["--pose", "/pose"], "there is no pose on /pose"),
         (["-o", "absent/accuracy"], "there is no folder absent"),
         (["another"], "a series is one folder"),
-        (["--base-frame", "robot"], "--base-frame means nothing of a series"),
-        (["--align"], "--align means nothing of a series"),
-        (["--pose", "/pose", "--corner-sigma", "1"], "--corner-sigma means nothing with --pose"),
+        (["--base-frame", "robot"], "--base-frame has no effect for a series"),
+        (["--align"], "--align has no effect for a series"),
+        (["--pose", "/pose", "--corner-sigma", "1"], "--corner-sigma has no effect with --pose"),
         (["--family", "tag99"], "tag99"),
-        (["--pose", "/pose", "--size", "0.3"], "--size means nothing without a map"),
+        (["--pose", "/pose", "--size", "0.3"], "--size has no effect without a map"),
     ],
 )
 def test_options_that_cannot_be(series, capsys, arguments, reason):
@@ -170,18 +170,18 @@ def test_several_markers_need_a_name(series, capsys):
         for k, corners in enumerate(noisy_corners(facing(2.0), COUNT, SIGMA, 9)):
             pair = [sextant.Detection("tag36h11", id, corners + 30.0 * (id - ID)) for id in (ID, ID + 1)]
             bag.markers("/markers", pair, CALIBRATION, 0.05 * k)
-    assert "several markers were seen: 7 of tag36h11, 8 of tag36h11; name the one" in refused(capsys, series)
+    assert "7 of tag36h11, 8 of tag36h11; set the measured" in refused(capsys, series)
     assert called(capsys, series, "--marker", ID)[0] == 0
 
 
 @pytest.mark.slow
-def test_the_family_tells_which_of_two_of_one_id(series, capsys):
+def test_the_family_selects_one_of_two_of_one_id(series, capsys):
     Path(f"{series}/2/b.bag").unlink()
     with WrittenBag(f"{series}/2/b.bag") as bag:
         for k, corners in enumerate(noisy_corners(facing(2.0), COUNT, SIGMA, 9)):
             pair = [sextant.Detection(family, ID, corners) for family in ("tag36h11", "tag25h9")]
             bag.markers("/markers", pair, CALIBRATION, 0.05 * k)
-    assert "7 of tag25h9, 7 of tag36h11; name the one" in refused(capsys, series, "--family", "tag16h5")
+    assert "7 of tag25h9, 7 of tag36h11; set the measured" in refused(capsys, series, "--family", "tag16h5")
     code, out, _ = called(capsys, series, "--marker", ID, "--family", "tag25h9")
     counts = re.findall(r"^ +([\d.]+) m +(\d+) ", out, re.M)
     assert code == 0 and counts == [("0.757", "0"), ("2", str(COUNT)), ("2.5", "0")]
@@ -191,7 +191,7 @@ def test_the_family_tells_which_of_two_of_one_id(series, capsys):
 def test_too_few_images_for_the_noise(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     write_series(tmp_path / "series/1/a.bag", noisy_corners(facing(1.0), 10, SIGMA, 1))
-    assert "there are 9; --corner-sigma tells it" in refused(capsys, "series")
+    assert "there are 9; set --corner-sigma" in refused(capsys, "series")
     assert called(capsys, "series", "--corner-sigma", "0.2")[0] == 0
 
 
@@ -204,8 +204,8 @@ def test_poses_in_two_frames_are_not_mixed(tmp_path, monkeypatch, capsys):
             message = PoseWithCovarianceStamped(header=header(1.0, name))
             message.pose.pose.orientation.w = 1.0
             bag.write("/pose", message, 1.0)
-    said = refused(capsys, "series", "--pose", "/pose")
-    assert "not all in one frame: 'map' in 1/map.bag, 'odom' in 1/odom.bag" in said
+    errors = refused(capsys, "series", "--pose", "/pose")
+    assert "not all in one frame: 'map' in 1/map.bag, 'odom' in 1/odom.bag" in errors
 
 
 @pytest.mark.slow
@@ -233,7 +233,7 @@ def test_poses_that_the_robot_published(tmp_path, monkeypatch, capsys):
     assert not os.path.exists("accuracy.yaml") and os.path.exists("accuracy_constant.yaml")
     Path("accuracy.yaml").write_text("corner_sigma: 0.2")
     again = called(capsys, "series", "--pose", "/pose", "--axis", "x", "--force")[1]
-    assert "accuracy.yaml: is of an earlier run" in again
+    assert "accuracy.yaml: left from an earlier run" in again
     assert Path("accuracy.yaml").read_text() == "corner_sigma: 0.2"
 
 
@@ -264,7 +264,7 @@ def test_a_bag_of_pictures_without_markers(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "series/1.0").mkdir(parents=True)
     small_drive(tmp_path / "series/1.0/a.bag", images=30)
-    assert "no marker was seen: is the --family right" in refused(capsys, "series")
+    assert "no marker was seen: check --family" in refused(capsys, "series")
 
 
 def test_options_are_those_of_the_page(capsys):

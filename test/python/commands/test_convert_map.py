@@ -4,7 +4,6 @@
 
 import os
 import re
-import subprocess
 from pathlib import Path
 
 import numpy as np
@@ -72,7 +71,7 @@ def test_to_another_format_and_back(tmp_path, capsys, target, out):
     assert len(ours.markers) == 3
 
 
-def test_losses_of_writing_are_told(tmp_path, capsys):
+def test_losses_of_writing_are_reported(tmp_path, capsys):
     status, out, _ = run(capsys, DATA / "tagslam.yaml", tmp_path / "map.txt", "--to", "text")
     assert status == 0
     assert "lost: the covariance of 2 markers" in out
@@ -82,10 +81,10 @@ def test_losses_of_writing_are_told(tmp_path, capsys):
     )
 
 
-def test_a_file_is_overwritten_only_when_told_to(tmp_path, capsys):
+def test_a_file_is_overwritten_only_with_force(tmp_path, capsys):
     path = tmp_path / "map.yaml"
     path.write_text("mine\n")
-    assert "is there already; --force overwrites it" in refusal(capsys, DATA / "tags.yaml", path)
+    assert "already exists; --force overwrites it" in refusal(capsys, DATA / "tags.yaml", path)
     assert path.read_text() == "mine\n"
     assert run(capsys, DATA / "tags.yaml", path, "--force")[0] == 0
     assert "tag36h11" in path.read_text()
@@ -94,26 +93,20 @@ def test_a_file_is_overwritten_only_when_told_to(tmp_path, capsys):
 
 def test_a_link_to_nowhere_is_a_file_too(tmp_path, capsys):
     (tmp_path / "map.yaml").symlink_to(tmp_path / "nowhere")
-    assert "is there already" in refusal(capsys, DATA / "tags.yaml", tmp_path / "map.yaml")
+    assert "already exists" in refusal(capsys, DATA / "tags.yaml", tmp_path / "map.yaml")
 
 
 @pytest.mark.parametrize(
     "arguments, reason",
     [
-        (["fiducial_slam.txt", "m.yaml"], "give --family and --size"),
+        (["fiducial_slam.txt", "m.yaml"], "set --family and --size"),
         (["none.txt", "m.yaml"], "none.txt: cannot be read: No such file or directory"),
-        (["README.md", "m.yaml"], "looks like no format that is known; say which it is: --from yaml|text|"),
-        (["tags.yaml", "m.txt"], "the ending does not tell the format; say --to yaml|text|"),
-        (["tags.yaml", "tagslam.yaml"], "say --to tagslam, whose name this is, or --to yaml"),
-        (["tags.yaml", "m.yaml", "--bundle", "hall"], "has no bundle 'hall', only room"),
-        (["tags.yaml", "m.yaml", "--size", "0.1"], "apriltag_ros has no use for --size"),
-        (["tags.yaml", "m.yaml", "--from", "tagslam"], "tags.yaml:1: 'standalone_tags' is no name that"),
+        (["README.md", "m.yaml"], "looks like no known format; name the format: --from yaml|text|"),
+        (["tags.yaml", "m.txt"], "the ending does not define the format; set --to yaml|text|"),
+        (["tags.yaml", "tagslam.yaml"], "is a file name of tagslam; set --to tagslam or --to yaml"),
+        (["tags.yaml", "m.yaml", "--from", "tagslam"], "tags.yaml:1: 'standalone_tags' is not a name in"),
         (["tags.yaml", "no/m.yaml"], "m.yaml: there is no folder"),
         (["tags.yaml", "no/m.txt", "--to", "tagslam"], "m.txt: there is no folder"),
-        (
-            ["fiducial_slam.txt", "m.txt", "--to", "tagslam", *PRINT],
-            "tagslam does not know DICT_5X5_50, only",
-        ),
     ],
 )
 def test_mistakes_are_one_line(tmp_path, capsys, arguments, reason):
@@ -126,19 +119,11 @@ def test_mistakes_are_one_line(tmp_path, capsys, arguments, reason):
     "arguments", [[], ["a.yaml", "b.yaml", "--size", "wide"], ["a", "b", "--from", "csv"]]
 )
 def test_wrong_arguments_are_one_line(capsys, arguments):
-    assert "--help tells more" in refusal(capsys, *arguments)
-
-
-def test_the_executable(tmp_path):
-    command = [str(ROOT / "scripts/convert_map"), str(DATA / "tags.yaml"), str(tmp_path / "map.yaml")]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=60)
-    assert (done.returncode, done.stderr) == (0, "")
-    again = subprocess.run(command, capture_output=True, text=True, timeout=60)
-    assert again.returncode == 2 and again.stderr.count("\n") == 1
+    assert "see --help" in refusal(capsys, *arguments)
 
 
 def test_commands_of_the_page_are_understood():
-    page = (ROOT / "doc/migrating.md").read_text()
+    page = (ROOT / "doc/how_to/migrating.md").read_text()
     commands = re.findall(r"`rosrun sextant convert_map ([^`]+)`", page)
     assert len(commands) == 5
     for command in commands:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""What doc/calibration.md says is so: the sheet, the launch file's defaults, the commands, their options."""
+"""doc/how_to/calibration.md is correct: sheet, defaults of the launch file, commands and their options."""
 
 import io
 import re
@@ -18,7 +18,7 @@ from sextant.printing.chessboard_sheet import largest_square
 from sextant.printing.print_layout import Paper
 
 ROOT = Path(__file__).resolve().parents[3]
-PAGE = (ROOT / "doc/calibration.md").read_text()
+PAGE = (ROOT / "doc/how_to/calibration.md").read_text()
 COMMANDS = re.findall(r"^rosrun sextant (\w+)(.*)", PAGE, re.M)
 
 
@@ -42,12 +42,12 @@ def test_launch_file_has_the_size_of_the_default_sheet(tmp_path, monkeypatch, ca
     assert (corners, 0.001 * float(millimetres)) == (defaults["size"], float(defaults["square"]))
 
 
-def test_launch_files_arguments_are_told():
+def test_launch_files_arguments_are_documented():
     table = PAGE.partition("| argument |")[2].partition("\n\n")[0]
-    told = set(re.findall(r"`(\w+)`", "\n".join(row.split("|")[1] for row in table.splitlines()[2:])))
+    documented = set(re.findall(r"`(\w+)`", "\n".join(row.split("|")[1] for row in table.splitlines()[2:])))
     webcam = ElementTree.parse(str(ROOT / "launch/webcam.launch")).getroot()
     shared = {each.get("name") for each in webcam.findall("arg")} - {"calibration", "camera"}
-    assert told == set(launch_arguments()) - shared
+    assert documented == set(launch_arguments()) - shared
 
 
 def test_file_is_where_the_page_takes_it_from(tmp_path):
@@ -69,7 +69,7 @@ def checks():
 @pytest.mark.slow
 @pytest.mark.parametrize("arguments, code", zip(checks(), [1, 1, 2]))
 def test_checks_work(photos, monkeypatch, capsys, arguments, code):  # noqa: F811
-    """Of a focal length that is 2 % too long; the last one has two photos that tell too little."""
+    """Of a focal length that is 2 % too long; the last one has two photos, which are too few."""
     monkeypatch.chdir(photos)
     Path("camera.yaml").write_text(Path("long.yaml").read_text())
     Path("tape.txt").write_text("0.7/0.png 0.7\n")
@@ -81,7 +81,7 @@ def test_checks_work(photos, monkeypatch, capsys, arguments, code):  # noqa: F81
     words = ["0" if word == "7" else word for word in words]  # the marker of these photos
     assert check_calibration.main(words) == code
     out = capsys.readouterr().out
-    heading = "the calibration is        off by        +-   allowed"
+    heading = "calibration                error        +-   allowed"
     assert heading in out and heading in PAGE
     if code == 1:
         found = re.search(r"the focal length is .* % too long \(or the markers have another size\)", out)

@@ -16,7 +16,7 @@ ROOT = Path(__file__).resolve().parents[3]
 @pytest.mark.slow
 def test_a_file_gives_a_scale_and_a_table(tmp_path):
     path = tmp_path / "depths.csv"
-    path.write_text("told,true\n0.4808,0.5\n0.9615,1.0\n1.9231,2.0\n")
+    path.write_text("measured,true\n0.4808,0.5\n0.9615,1.0\n1.9231,2.0\n")
     command = [sys.executable, str(ROOT / "scripts/estimate_depth_scale"), str(path)]
     done = subprocess.run(command, capture_output=True, text=True, timeout=60)
     assert done.returncode == 0, done.stderr
@@ -44,9 +44,9 @@ def test_what_is_no_scale_is_a_warning(tmp_path, capsys):
 @pytest.mark.parametrize(
     "arguments, reason",
     [
-        ([], "which distances?"),
+        ([], "no distances"),
         (["--bag", "a.bag"], "there are 1 --bag and 0 --distance"),
-        (["--bag", "a.bag", "--distance", "-1"], "--distance is -1.0, allowed is (0, 100] metres"),
+        (["--bag", "a.bag", "--distance", "-1"], "--distance is -1.0, must be within (0, 100] metres"),
         (["--bag", "a.bag", "--distance", "1"], "a.bag: there is no such file"),
         (["nowhere.csv"], "nowhere.csv: No such file"),
         (["--tape-sigma", "2", "x.csv"], "tape_sigma: must be within [0, 1], is 2.0"),

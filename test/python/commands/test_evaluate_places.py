@@ -16,7 +16,7 @@ from made_photos import picture, shifted, written_photos
 from sextant.commands.evaluate_places import main
 
 ROOT = Path(__file__).resolve().parents[3]
-PAGE = (ROOT / "doc/place_accuracy.md").read_text()
+PAGE = (ROOT / "doc/how_to/place_accuracy.md").read_text()
 
 
 @pytest.fixture(scope="module")
@@ -47,21 +47,21 @@ def in_park(park, monkeypatch):
     return park
 
 
-def told(capsys, *arguments):
+def printed(capsys, *arguments):
     assert main([str(each) for each in arguments]) == 0, capsys.readouterr().err
     return capsys.readouterr().out.splitlines()
 
 
 @pytest.mark.slow
 def test_photos_of_another_map(in_park, tmp_path, capsys):
-    lines = told(
+    lines = printed(
         capsys, "park.txt", "--queries", "autumn.txt", "--mode", "single", "--tolerance", "1",
         "--json", tmp_path / "figures.json", "--plots", tmp_path / "plots",
     )  # fmt: skip
-    assert lines[0] == "park.txt, mode single: 7 queries, 1 of them nowhere in the map"
+    assert lines[0] == "park.txt, mode single: 7 queries, 1 of them not in the map"
     assert lines[1].startswith("recall @1 1.000, @5 1.000, @10 1.000; area under precision-recall 1.000")
-    assert lines[3].endswith("is said of 0.0% of the queries in the map, and of 100.0% of those that are not")
-    assert lines[4].startswith("position: off by ") and " px (median)" in lines[4]
+    assert lines[3].endswith("reported for 0.0% of the queries in the map, and for 100.0% of the others")
+    assert lines[4].startswith("position error: median ") and " px, 90 % below" in lines[4]
     assert lines[-3:] == [
         str(tmp_path / name)
         for name in ("figures.json", "plots/precision_recall.png", "plots/reliability.png")
@@ -70,30 +70,30 @@ def test_photos_of_another_map(in_park, tmp_path, capsys):
         assert cv2.imread(picture_file).shape[1] > 600
     written = json.loads((tmp_path / "figures.json").read_text())
     assert (written["figures"]["recall@1"], written["figures"]["mode"]) == (1.0, "single")
-    assert [each["first_right"] for each in written["queries"]] == [1, 1, 1, 1, 1, 1, None]
-    assert written["queries"][6]["status"] == "NOWHERE" and not written["queries"][6]["is_in_map"]
-    assert written["queries"][2]["answers"][0][0] == "2.png"
+    assert [each["rank"] for each in written["queries"]] == [1, 1, 1, 1, 1, 1, None]
+    assert written["queries"][6]["status"] == "UNKNOWN_PLACE" and not written["queries"][6]["is_in_map"]
+    assert written["queries"][2]["hypotheses"][0][0] == "2.png"
 
 
 def test_a_table_of_right_photos(in_park, capsys):
-    lines = told(capsys, "park.txt", "--truth", "truth.csv", "--folder", "autumn", "--mode", "single")
-    assert lines[0] == "park.txt, mode single: 3 queries, 1 of them nowhere in the map"
+    lines = printed(capsys, "park.txt", "--truth", "truth.csv", "--folder", "autumn", "--mode", "single")
+    assert lines[0] == "park.txt, mode single: 3 queries, 1 of them not in the map"
     assert lines[1].startswith("recall @1 0.500")  # 3.png is not the 2.png or the 4.png that the table wants
-    assert not any(line.startswith("position") for line in lines)
+    assert not any(line.startswith("position error") for line in lines)
 
 
 @pytest.mark.slow
 def test_photos_that_are_left_out(in_park, capsys):
-    lines = told(capsys, "park.txt", "--leave-one-out", "--tolerance", "5")
-    assert lines[0] == "park.txt, mode single: 6 queries, 6 of them nowhere in the map"
+    lines = printed(capsys, "park.txt", "--leave-one-out", "--tolerance", "5")
+    assert lines[0] == "park.txt, mode single: 6 queries, 6 of them not in the map"
     assert lines[1].startswith("recall @1 -, @5 -, @10 -; area under precision-recall -")
 
 
 @pytest.mark.slow
 def test_votes_of_plain_features(in_park, capsys):
     arguments = ["--mode", "votes", "--profile", "plain", "--matcher", "FlannBased"]
-    lines = told(capsys, "park.txt", "--queries", "autumn.txt", *arguments)
-    assert lines[0].startswith("park.txt, mode votes: 7 queries") and "made in" in lines[-1]
+    lines = printed(capsys, "park.txt", "--queries", "autumn.txt", *arguments)
+    assert lines[0].startswith("park.txt, mode votes: 7 queries") and "built in" in lines[-1]
 
 
 GREY = ["--network", "net.onnx", "--network-channels", "grey", "--network-mean", "0.5", "--network-std", "1"]
@@ -101,7 +101,7 @@ GREY = ["--network", "net.onnx", "--network-channels", "grey", "--network-mean",
 
 @pytest.mark.slow
 def test_a_network_takes_part_as_much_as_it_is_weighted(in_park, tmp_path, capsys):
-    """Out of focus, where keypoints say little."""
+    """Out of focus, where keypoints are of little use."""
     lines = ["query,right_refs"]
     for i in range(6):
         cv2.imwrite(str(tmp_path / f"{i}.png"), cv2.GaussianBlur(picture(i), (0, 0), 25))
@@ -109,7 +109,7 @@ def test_a_network_takes_part_as_much_as_it_is_weighted(in_park, tmp_path, capsy
     (tmp_path / "blurred.csv").write_text("\n".join(lines) + "\n")
     recalls = []
     for weight in ("0", "5"):
-        told(
+        printed(
             capsys, "park.txt", "--truth", tmp_path / "blurred.csv", "--mode", "single", *GREY,
             "--network-weight", weight, "--json", tmp_path / f"{weight}.json",
         )  # fmt: skip
@@ -120,7 +120,7 @@ def test_a_network_takes_part_as_much_as_it_is_weighted(in_park, tmp_path, capsy
 @pytest.mark.slow
 def test_orb_of_four_points_has_a_matcher_of_its_own(in_park, capsys):
     orb = ["--detector", "ORB", "--extractor", "ORB", "--orb-wta-k", "4", "--matcher"]
-    assert told(capsys, "park.txt", "--queries", "autumn.txt", *orb, "BruteForce-Hamming(2)")
+    assert printed(capsys, "park.txt", "--queries", "autumn.txt", *orb, "BruteForce-Hamming(2)")
     assert main(["park.txt", "--queries", "autumn.txt", *orb, "BruteForce-Hamming"]) == 2
 
 
@@ -133,12 +133,12 @@ REFUSED = {
         ["park.txt", "--truth", "lost.csv", "--folder", "autumn"],
         "autumn/lost.png: there is no such query",
     ),
-    "a query that is no picture": (
+    "a query that is not an image": (
         ["park.txt", "--truth", "broken.csv", "--folder", "autumn"],
-        "autumn/broken.png: the picture is damaged",
+        "autumn/broken.png: the image is damaged",
     ),
-    "a folder of nothing": (["park.txt", "--leave-one-out", "--folder", "autumn"], "--folder is of"),
-    "a tolerance of a table": (["park.txt", "--truth", "truth.csv", "--tolerance", "1"], "means nothing"),
+    "a folder of nothing": (["park.txt", "--leave-one-out", "--folder", "autumn"], "--folder needs"),
+    "a tolerance of a table": (["park.txt", "--truth", "truth.csv", "--tolerance", "1"], "cannot be used"),
     "a tolerance": (["park.txt", "--leave-one-out", "--tolerance", "-1"], "--tolerance is -1"),
     "a mode that carries on": (["park.txt", "--leave-one-out", "--mode", "filter"], "mode is 'filter'"),
     "an unknown mode": (["park.txt", "--leave-one-out", "--mode", "best"], "--mode"),
@@ -163,7 +163,7 @@ def test_what_cannot_be_is_refused_in_one_line(case, in_park, capsys):
     captured = capsys.readouterr()
     *progress, line = captured.err.splitlines()
     assert captured.out == "" and line.startswith("evaluate_places: ") and reason in line
-    assert all("describing" in each or "other settings" in each for each in progress)
+    assert all("describing" in each or "other parameters" in each for each in progress)
     assert (in_park / "there.json").read_text() == "{}"
 
 

@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
 import shlex
-import subprocess
-import sys
 from pathlib import Path
 
 import cv2
@@ -10,8 +8,6 @@ import pytest
 from printed_pages import pictures, texts
 
 from sextant.commands.make_chessboard import main
-
-ROOT = Path(__file__).resolve().parents[3]
 
 
 @pytest.fixture(autouse=True)
@@ -30,7 +26,7 @@ def folder(tmp_path, monkeypatch):
         ("--page Letter --margin 0.02", (8, 6), "0.022"),
     ],
 )
-def test_what_it_says_to_type_is_what_it_prints(capsys, line, size, square):
+def test_the_command_that_it_prints_fits_the_sheet(capsys, line, size, square):
     assert main([*line.split(), "-o", "board.pdf"]) == 0
     command = shlex.split(capsys.readouterr().out.splitlines()[-1])
     shape = f"{size[0]}x{size[1]}"
@@ -46,29 +42,19 @@ def test_what_it_says_to_type_is_what_it_prints(capsys, line, size, square):
 @pytest.mark.parametrize(
     "line, reason",
     [
-        ("8", "'8' is not written as COLUMNSxROWS"),
+        ("8", "'8' is not of the form COLUMNSxROWS"),
         ("8x6 --square 0.1", "the board does not fit on A4; its squares: at most 0.02"),
         ("8x6 --square x", "invalid float value"),
-        ("1x6", "columns: must be"),
         ("8x6000", "rows: must be"),
-        ("8x6 --margin 1", "margin: must be"),
         ("8x6 --page A5", "'A5'"),
         ("-o absent/board.pdf", "there is no folder absent"),
-        ("-o mine.pdf", "mine.pdf: is there already; --force overwrites it"),
+        ("-o mine.pdf", "mine.pdf: already exists; --force overwrites it"),
     ],
 )
 def test_what_is_refused(capsys, line, reason):
     Path("mine.pdf").write_text("mine")
     assert main(line.split()) == 2
-    said = capsys.readouterr()
-    assert said.out == "" and said.err.count("\n") == 1
-    assert said.err.startswith("make_chessboard: ") and reason in said.err
+    captured = capsys.readouterr()
+    assert captured.out == "" and captured.err.count("\n") == 1
+    assert captured.err.startswith("make_chessboard: ") and reason in captured.err
     assert [path.read_text() for path in Path().iterdir()] == ["mine"]
-
-
-@pytest.mark.slow
-def test_executable_ends_with_the_exit_code():
-    command = [sys.executable, str(ROOT / "scripts/make_chessboard")]
-    codes = [subprocess.run(command, stderr=subprocess.PIPE, timeout=60).returncode for _ in range(2)]
-    assert codes == [0, 2]
-    assert subprocess.run([*command, "--force"], timeout=60).returncode == 0

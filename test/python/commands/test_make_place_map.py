@@ -13,45 +13,45 @@ from known_drives import SIZE, write_drive
 from made_photos import picture
 from place_map_command import CORNERS, floor_yaml, photo, refused
 
-from sextant.commands.make_place_map import WAYS, main
+from sextant.commands.make_place_map import COMMANDS, main
 
 ROOT = Path(__file__).resolve().parents[3]
-PAGE = (ROOT / "doc/places_map.md").read_text()
+PAGE = (ROOT / "doc/how_to/place_map.md").read_text()
 
 REFUSED = {
-    "no way": ([], "required: WAY"),
-    "an unknown way": (["walk"], "choose from 'exif', 'drive', 'picture'"),
+    "no way": ([], "required: COMMAND"),
+    "an unknown way": (["walk"], "choose from 'exif', 'drive', 'image'"),
     "an option before the way": (["--force", "exif", "photos"], "--force"),
-    "no folder of photos": (["exif", "nowhere"], "nowhere: is no folder"),
-    "photos that say nothing": (["exif", "blank"], "no photo says where it was taken"),
-    "photos elsewhere": (["exif", "blank", "-o", "photos/map.txt", *CORNERS], "photos have to lie in"),
+    "no folder of photos": (["exif", "nowhere"], "nowhere: is not a folder"),
+    "photos without positions": (["exif", "blank"], "no photo has a GPS position"),
+    "photos elsewhere": (["exif", "blank", "-o", "photos/map.txt", *CORNERS], "photos must be in"),
     "no photo on the overview": (["exif", "blank", *CORNERS], "blank: no photo can be placed"),
-    "an overview anywhere": (["exif", "photos", "--overview", "plan.png"], "where does it lie?"),
+    "an overview anywhere": (["exif", "photos", "--overview", "plan.png"], "has no corners; set"),
     "half of the corners": (["exif", "photos", *CORNERS[:2]], "--north-west and --south-east"),
     "a margin": (["exif", "photos", "--margin", "0"], "--margin"),
     "a map that is not there": (["exif", "photos", "--add"], "photos/map.txt"),
-    "other corners": (["exif", "photos", "-o", "old.txt", "--add", *CORNERS], "has its corners already"),
-    "a map that is there": (["picture", "plan.png", "-o", "old.txt"], "--force overwrites it"),
-    "no such folder": (["picture", "plan.png", "-o", "nowhere/map.txt"], "there is no folder nowhere"),
-    "no picture": (["picture", "old.txt", "-o", "map.txt"], "old.txt: is no picture"),
-    "two places": (["picture", "plan.png", "-o", "map.txt", "--resolution", "1", *CORNERS], "not in both"),
-    "an origin alone": (["picture", "plan.png", "-o", "map.txt", "--origin", "1,2,3"], "--resolution"),
-    "a frame alone": (["picture", "plan.png", "-o", "map.txt", "--frame", "f"], "--resolution"),
+    "other corners": (["exif", "photos", "-o", "old.txt", "--add", *CORNERS], "already has corners"),
+    "a map that is there": (["image", "plan.png", "-o", "old.txt"], "--force overwrites it"),
+    "no such folder": (["image", "plan.png", "-o", "nowhere/map.txt"], "there is no folder nowhere"),
+    "no picture": (["image", "old.txt", "-o", "map.txt"], "old.txt: is not an image"),
+    "two places": (["image", "plan.png", "-o", "map.txt", "--resolution", "1", *CORNERS], "not both"),
+    "an origin alone": (["image", "plan.png", "-o", "map.txt", "--origin", "1,2,3"], "--resolution"),
+    "a frame alone": (["image", "plan.png", "-o", "map.txt", "--frame", "f"], "--resolution"),
     "a margin of no drawing": (["exif", "photos", "--add", "--margin", "2"], "not allowed with"),
-    "an origin": (["picture", "plan.png", "-o", "map.txt", "--resolution", "1", "--origin", "1"], "X,Y,YAW"),
-    "a resolution": (["picture", "plan.png", "-o", "map.txt", "--resolution", "0"], "resolution is 0"),
-    "a YAML that says it": (
-        ["picture", "f/floor.yaml", "-o", "map.txt", "--resolution", "1"],
-        "says itself where",
+    "an origin": (["image", "plan.png", "-o", "map.txt", "--resolution", "1", "--origin", "1"], "X,Y,YAW"),
+    "a resolution": (["image", "plan.png", "-o", "map.txt", "--resolution", "0"], "resolution is 0"),
+    "a YAML with a resolution": (
+        ["image", "f/floor.yaml", "-o", "map.txt", "--resolution", "1"],
+        "contains its position",
     ),
     "no such bag": (["drive", "nowhere.bag", "-o", "map.txt"], "nowhere.bag: there is no such file"),
-    "a bag twice": (["drive", "a.bag", "./a.bag", "-o", "map.txt"], "a.bag: is named twice"),
+    "a bag twice": (["drive", "a.bag", "./a.bag", "-o", "map.txt"], "a.bag: duplicate bag"),
     "bags of one name": (["drive", "a.bag", "f/a.bag", "-o", "map.txt"], "rename one of them"),
     "a frame of a topic": (["drive", "a.bag", "-o", "map.txt", "--pose", "p", "--frame", "f"], "--frame"),
     "a distance": (["drive", "a.bag", "-o", "map.txt", "--distance", "0"], "distance: must be"),
     "a turn": (["drive", "a.bag", "-o", "map.txt", "--turn", "361"], "--turn is 361"),
     "merging": (["drive", "a.bag", "-o", "map.txt", "--merge", "-1"], "--merge"),
-    "photos that are there": (["drive", "b.bag", "-o", "map.txt"], ".jpg: is there already; --force"),
+    "photos that are there": (["drive", "b.bag", "-o", "map.txt"], ".jpg: already exists; --force"),
     "a drive off the map": (["drive", "a.bag", "-o", "map.txt", "--map-yaml", "f/far.yaml"], "outside"),
 }
 
@@ -83,14 +83,14 @@ def test_what_cannot_be_is_refused_in_one_line_and_nothing_is_written(case, fold
 def test_the_executable_and_its_help(tmp_path):
     command = [sys.executable, str(ROOT / "scripts/make_place_map")]
     done = subprocess.run([*command, "--help"], capture_output=True, text=True, timeout=60)
-    assert done.returncode == 0 and all(f"make_place_map {way} " in done.stdout for way in WAYS)
+    assert done.returncode == 0 and all(f"make_place_map {way} " in done.stdout for way in COMMANDS)
     bag = write_drive(tmp_path / "a.bag", 1.0)
     command += ["drive", bag, "-o", str(tmp_path / "map.txt")]
     done = subprocess.run(command, capture_output=True, text=True, timeout=60)
     assert (done.returncode, done.stderr) == (0, "") and (tmp_path / "map.txt").exists()
 
 
-@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("way", COMMANDS)
 def test_options_are_those_of_the_page(way, capsys):
     with pytest.raises(SystemExit):
         main([way, "--help"])

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""From a bag of odometry and sightings to a map, as its user calls it."""
+"""From a bag of odometry and observations to a map, as its user calls it."""
 
 import math
 import re
@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 import pytest
 import rosbag
-from landmark_bags import refused, sightings_message, write_world
+from landmark_bags import observations_message, refused, write_world
 from written_bags import nanoseconds
 
 import sextant
@@ -28,7 +28,7 @@ def drive(tmp_path_factory):
     """A bag, the map that was made of it, and its true poses."""
     folder = tmp_path_factory.mktemp("drive")
     truth = write_world(folder / "a.bag", WORLD, delay=0.1)
-    (folder / "noise.yaml").write_text("turn_by_turn: 0.03\n")  # as it is drawn
+    (folder / "noise.yaml").write_text("rotation_from_rotation: 0.03\n")  # as it is drawn
     given = ["--params", str(folder / "noise.yaml"), "--plot", str(folder / "map.png")]
     out = [*given, "-o", str(folder / "map.yaml"), "--trajectory", str(folder / "poses.csv")]
     assert main([str(folder / "a.bag"), *out]) == 0
@@ -93,7 +93,7 @@ def test_the_figures_are_those_of_the_timeline_bit_for_bit(tmp_path):
             timeline.odometry(seconds, [position.x, position.y, heading])
             poses[stamp.to_nsec()] = timeline.now.pose
         else:
-            timeline.see(seconds, [labelled(each) for each in message.sightings])
+            timeline.observe(seconds, [labelled(each) for each in message.observations])
     mapped(tmp_path, bag, "--trajectory", str(tmp_path / "poses.tum"))
     assert {stamp: T[:2, 3].tolist() for stamp, T in read_trajectory(tmp_path / "poses.tum").items()} == {
         stamp: pose[:2].tolist() for stamp, pose in poses.items()
@@ -106,8 +106,10 @@ def messages(bag):
 
 
 def labelled(message):
-    sighting = sextant.PlaneSighting([message.x, message.y], np.reshape(message.covariance, (3, 3))[:2, :2])
-    return sextant.LabelledSighting(sextant.LandmarkLabel(message.class_name), sighting)
+    observation = sextant.Observation2D(
+        [message.x, message.y], np.reshape(message.covariance, (3, 3))[:2, :2]
+    )
+    return sextant.LabelledObservation(sextant.LandmarkLabel(message.class_name), observation)
 
 
 @pytest.mark.slow
@@ -121,7 +123,7 @@ def test_what_comes_late_twice_or_out_of_order_changes_nothing(tmp_path, capsys)
 
     plain = mapped(tmp_path, written(tmp_path, delay=0.4))
     assert mapped(tmp_path, written(tmp_path, delay=0.4, arrivals=disorder)) == plain
-    assert "60 of 360 sets of sightings came twice" in capsys.readouterr().out
+    assert "60 of 360 scans are duplicates" in capsys.readouterr().out
     assert mapped(tmp_path, written(tmp_path, delay=0.0)) == plain
 
 
@@ -129,16 +131,19 @@ def test_two_sensors_may_look_at_one_moment(tmp_path, capsys):
     def halves(sets):
         """What the first of two sensors sees, and what the other one sees at the same moment."""
         for arrival, message in sets:
-            for frame, seen in [("base_link", message.sightings[::2]), ("other", message.sightings[1::2])]:
-                yield arrival, sightings_message(message.header.stamp.to_sec(), seen, frame)
+            for frame, seen in [
+                ("base_link", message.observations[::2]),
+                ("other", message.observations[1::2]),
+            ]:
+                yield arrival, observations_message(message.header.stamp.to_sec(), seen, frame)
 
     mapped(tmp_path, written(tmp_path, arrivals=halves), "--mounts", "other=0,0,0,0,0,0")
-    assert "came twice" not in capsys.readouterr().out
+    assert "are duplicates" not in capsys.readouterr().out
 
 
-def test_what_comes_too_late_is_told(tmp_path, capsys):
+def test_late_observations_are_reported(tmp_path, capsys):
     bag = written(tmp_path, delay=2.5)
-    late = r"warning: (\d+) of 300 sets of sightings came too late: raise lag \(1 s\)"
+    late = r"warning: (\d+) of 300 scans are too late: raise lag \(1 s\)"
     mapped(tmp_path, bag)
     assert int(re.search(late, capsys.readouterr().out)[1]) > 285  # after the last odometry nothing is
     (tmp_path / "lag.yaml").write_text("lag: 4\n")
@@ -148,7 +153,7 @@ def test_what_comes_too_late_is_told(tmp_path, capsys):
 
 @pytest.mark.slow
 def test_a_sensor_beside_the_base(tmp_path, capsys):
-    """As its tf says, or --mounts."""
+    """Its pose is in tf, or by --mounts."""
     mount = np.array([0.2, -0.1, 0.5])
     T_base_sensor = sextant.pose_from_xyz_rpy([*mount[:2], 0.3], [0.0, 0.0, mount[2]])
     T_sensor_base = np.linalg.inv(T_base_sensor)
@@ -156,7 +161,7 @@ def test_a_sensor_beside_the_base(tmp_path, capsys):
     plain, moved = tmp_path / "plain.yaml", tmp_path / "moved.yaml"
     assert main([str(written(tmp_path)), "-o", str(plain)]) == 0
     bag = written(tmp_path, frame="sensor", mount=(*T_sensor_base[:2, 3], -mount[2]))
-    assert "does not connect its frame 'sensor' with 'base_link': name its mount by --mounts" in refused(
+    assert "does not connect its frame 'sensor' with 'base_link': specify its pose by --mounts" in refused(
         capsys, bag, "-o", moved
     )
     assert main([str(bag), "-o", str(moved), "--mounts", "sensor=0.2,-0.1,0.3,0,0,0.5"]) == 0
@@ -180,20 +185,23 @@ def test_a_second_drive_goes_on_with_the_map(drive, tmp_path, capsys):
     first = str(drive[0] / "a.bag")
     assert main([str(tmp_path / "later.bag"), first, "-o", str(tmp_path / "m.yaml")]) == 0
     out = capsys.readouterr().out
-    assert "later.bag: begins 439 s later: taken for another drive" in out and "2 drives" in out
+    assert "later.bag: begins 439 s later: read as another drive" in out and "2 drives" in out
     made = sextant.read_landmark_map(str(tmp_path / "m.yaml"))
     assert len(made.landmarks) <= 12
-    assert "was recorded while" in refused(capsys, first, first, "-o", tmp_path / "n.yaml")
+    assert "overlaps" in refused(capsys, first, first, "-o", tmp_path / "n.yaml")
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("factor, told", [(0.15, "too small. Raise"), (6.0, "too large. Lower")])
-def test_wrong_noise_is_told(tmp_path, capsys, factor, told):
+@pytest.mark.parametrize("factor, size", [(0.15, "too small. Raise"), (6.0, "too large. Lower")])
+def test_wrong_noise_is_reported(tmp_path, capsys, factor, size):
     def with_noise(sets):
         for _, message in sets:
-            for each in message.sightings:
+            for each in message.observations:
                 each.covariance = (factor * np.array(each.covariance)).tolist()
         return sets
 
     mapped(tmp_path, written(tmp_path, arrivals=with_noise))
-    assert f"the noise that is told is {told} way_by_way, turn_by_way" in capsys.readouterr().out
+    assert (
+        f"the noise that is set is {size} translation_from_translation, rotation_from_translation"
+        in capsys.readouterr().out
+    )

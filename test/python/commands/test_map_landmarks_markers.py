@@ -34,7 +34,7 @@ def seen_tag(marker, T_map_camera):
     return message
 
 
-def test_markers_tell_where_the_robot_is(tmp_path, capsys):
+def test_markers_locate_the_robot(tmp_path, capsys):
     """It drives from (1, -1) on, and knows nothing but the map of the markers."""
     tags, truth = tag_map(tmp_path / "tags.yaml"), {}
     T_base_camera = sextant.pose_from_xyz_rpy([0.1, 0.0, 0.3], [-np.pi / 2, 0.0, -np.pi / 2])

@@ -14,12 +14,14 @@ from written_bags import WrittenBag
 import sextant
 from sextant.commands.map_markers import main
 from sextant.simulation.drive import DriveParams, SimulatedDrive
+from sextant.simulation.motion import FigureEight
 from sextant.simulation.room import default_map
 
-PARAMS = DriveParams(seed=2, rate=2.5, eight_period=40.0, horizontal_fov=1.8, obstacles=False)
+EIGHT = FigureEight(period=40.0)
+PARAMS = DriveParams(seed=2, rate=2.5, eight=EIGHT, horizontal_fov=1.8, obstacles=False)
 IMAGES = 100
 ROOT = Path(__file__).resolve().parents[3]
-PAGE = (ROOT / "doc/mapping.md").read_text()
+PAGE = (ROOT / "doc/how_to/mapping.md").read_text()
 
 
 def write_drive(path, frames, camera="camera"):
@@ -116,7 +118,7 @@ REFUSED = {
     "a text map": (["-o", "map.txt"], "map.txt"),
     "a size": (["--size", "-1"], "size"),
     "a mount": (["--mounts", "camera=1,2,3"], "six numbers"),
-    "a tape": (["--refine", "ROOM", "--tape", "0", "1"], "--tape"),
+    "a tape": (["--refine", "ROOM", "--tape-sigma", "0", "1"], "--tape-sigma"),
 }
 
 
@@ -125,18 +127,18 @@ def test_what_cannot_be_is_refused_in_one_line_and_nothing_is_written(
     case, bags, room, tmp_path, monkeypatch, capsys
 ):
     monkeypatch.chdir(tmp_path)
-    arguments, told = REFUSED[case]
+    arguments, reason = REFUSED[case]
     bag = "nowhere.bag"
     arguments = [room(range(8)) if each == "ROOM" else each for each in arguments]
     before = set(tmp_path.iterdir())
     assert main(["-o", "map.yaml", *arguments, "--", bag if case == "no such bag" else bags[0]]) == 2
     captured = capsys.readouterr()
-    assert told in captured.err and captured.err.count("\n") == 1 and captured.out == ""
+    assert reason in captured.err and captured.err.count("\n") == 1 and captured.out == ""
     assert set(tmp_path.iterdir()) == before
 
 
 @pytest.mark.slow
-def test_a_bag_that_cannot_be_read_is_skipped_when_told_so(bags, room, tmp_path, capsys):
+def test_a_bag_that_cannot_be_read_is_skipped_on_request(bags, room, tmp_path, capsys):
     broken = tmp_path / "broken.bag"
     broken.write_bytes(b"#ROSBAG V2.0\n" + b"x" * 50)
     arguments = [*bags, str(broken), "-o", str(tmp_path / "map.yaml"), "--known", room([0])]
@@ -146,7 +148,7 @@ def test_a_bag_that_cannot_be_read_is_skipped_when_told_so(bags, room, tmp_path,
     assert f"skipped: {broken}" in capsys.readouterr().out
 
 
-def test_a_bag_without_markers_says_so(tmp_path, capsys):
+def test_a_bag_without_markers_is_reported(tmp_path, capsys):
     calibration = SimulatedDrive(PARAMS).calibration
     with WrittenBag(tmp_path / "empty.bag") as bag:
         for i in range(3):

@@ -7,7 +7,7 @@ import pytest
 from known_drives import SIZE, write_drive
 from made_photos import picture
 from PIL import Image
-from place_map_command import floor_yaml, refused, told
+from place_map_command import floor_yaml, printed, refused
 
 from sextant.place_maps.photo_file import read_grey
 from sextant.place_maps.place_map import MetricFrame, Overview
@@ -24,7 +24,7 @@ def metric(place_map):
 
 def test_a_drive_is_a_map_of_its_photos(tmp_path, capsys):
     bag = write_drive(tmp_path / "hall.bag")
-    (summary,) = told(capsys, "drive", bag, "-o", tmp_path / "map.txt", *PICK)
+    (summary,) = printed(capsys, "drive", bag, "-o", tmp_path / "map.txt", *PICK)
     assert summary == f"{tmp_path}/map.txt: 5 photos of 5 places"
     made = read_place_map(tmp_path / "map.txt")
     np.testing.assert_allclose(metric(made), [(x + 0.25, 2, 0) for x in range(5)], atol=1e-4)
@@ -37,17 +37,17 @@ def test_a_drive_is_a_map_of_its_photos(tmp_path, capsys):
 def test_two_drives_in_two_processes_share_their_places(tmp_path, capsys):
     bags = [write_drive(tmp_path / f"{name}.bag") for name in ("day", "night")]
     arguments = ["drive", *bags, "-o", tmp_path / "map.txt", *PICK]
-    assert told(capsys, *arguments, "--jobs", "2")[-1].endswith("10 photos of 5 places")
+    assert printed(capsys, *arguments, "--jobs", "2")[-1].endswith("10 photos of 5 places")
     made = read_place_map(tmp_path / "map.txt")
     assert [[p.image.partition("_")[0] for p in place] for place in made.places()] == 5 * [["day", "night"]]
-    assert told(capsys, *arguments, "--force", "--distance", "0.499", "--merge", "0.9")[-1].endswith(
+    assert printed(capsys, *arguments, "--force", "--distance", "0.499", "--merge", "0.9")[-1].endswith(
         "18 photos of 5 places"
     )
 
 
 def test_a_drive_on_the_map_of_map_server(tmp_path, capsys):
     bag, yaml = write_drive(tmp_path / "hall.bag", 7.0), floor_yaml(tmp_path / "floor")
-    told(capsys, "drive", bag, "-o", tmp_path / "map.txt", "--map-yaml", yaml, "--turn", "29.9", *PICK)
+    printed(capsys, "drive", bag, "-o", tmp_path / "map.txt", "--map-yaml", yaml, "--turn", "29.9", *PICK)
     made = read_place_map(tmp_path / "map.txt")
     assert made.overview == Overview("floor.png", 240, 200)
     assert made.georeference == MetricFrame("map", 0.05, (-1.0, -3.0, 0.3))
@@ -59,21 +59,21 @@ def test_a_drive_on_the_map_of_map_server(tmp_path, capsys):
 def test_another_drive_is_added(tmp_path, capsys):
     day, night = (write_drive(tmp_path / f"{name}.bag") for name in ("day", "night"))
     output = ["-o", tmp_path / "map.txt", *PICK]
-    told(capsys, "drive", day, *output)
+    printed(capsys, "drive", day, *output)
     before = read_place_map(tmp_path / "map.txt")
-    assert told(capsys, "drive", night, "--add", *output)[-1].endswith("10 photos of 5 places")
+    assert printed(capsys, "drive", night, "--add", *output)[-1].endswith("10 photos of 5 places")
     after = read_place_map(tmp_path / "map.txt")
     assert after.photos[:5] == before.photos and [p.id for p in after.photos] == list(range(10))
-    note, summary = told(capsys, "drive", night, "--add", *output)
-    assert note == "5 photos of these drives are in the map already"
+    note, summary = printed(capsys, "drive", night, "--add", *output)
+    assert note == "5 photos of these drives are already in the map"
     assert summary.endswith(": 10 photos of 5 places")
     assert read_place_map(tmp_path / "map.txt") == after
 
 
 def test_a_drive_beyond_the_overview_is_left_out_there(tmp_path, capsys):
     output = ["-o", tmp_path / "map.txt", *PICK]
-    told(capsys, "drive", write_drive(tmp_path / "short.bag", 1.0), *output, "--margin", "1.5")
-    *reasons, summary = told(capsys, "drive", write_drive(tmp_path / "long.bag"), "--add", *output)
+    printed(capsys, "drive", write_drive(tmp_path / "short.bag", 1.0), *output, "--margin", "1.5")
+    *reasons, summary = printed(capsys, "drive", write_drive(tmp_path / "long.bag"), "--add", *output)
     assert summary.endswith("5 photos of 3 places; 2 left out")
     assert len(reasons) == 2 and all("outside the overview" in each for each in reasons)
 
@@ -83,14 +83,14 @@ def test_a_bag_that_cannot_be_read_leaves_no_map(tmp_path, capsys):
     bad.write_bytes(b"#ROSBAG V2.0\n" + b"x" * 50)
     arguments = ["drive", good, bad, "-o", tmp_path / "map.txt"]
     assert "bad.bag" in refused(capsys, tmp_path, *arguments)
-    assert told(capsys, *arguments, "--skip")[0].startswith(f"skipped: {bad}")
+    assert printed(capsys, *arguments, "--skip")[0].startswith(f"skipped: {bad}")
 
 
 def test_drives_and_maps_of_other_frames_are_refused(tmp_path, capsys):
     bag = write_drive(tmp_path / "hall.bag")
-    told(capsys, "picture", floor_yaml(tmp_path / "f"), "-o", tmp_path / "floor.txt", "--frame", "cellar")
+    printed(capsys, "image", floor_yaml(tmp_path / "f"), "-o", tmp_path / "floor.txt", "--frame", "cellar")
     lines = refused(capsys, tmp_path, "drive", bag, "--add", "-o", tmp_path / "floor.txt")
     assert "floor.txt: is in 'cellar', the poses of the drive are in 'map'" in lines
-    told(capsys, "picture", tmp_path / "floor.png", "-o", tmp_path / "plan.txt")
+    printed(capsys, "image", tmp_path / "floor.png", "-o", tmp_path / "plan.txt")
     lines = refused(capsys, tmp_path, "drive", bag, "--add", "-o", tmp_path / "plan.txt")
-    assert "plan.txt: says nothing of a tf frame" in lines
+    assert "plan.txt: has no tf frame" in lines

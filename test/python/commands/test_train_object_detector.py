@@ -21,8 +21,8 @@ needs_torch = pytest.mark.skipif(not HAS_TORCH, reason="PyTorch is optional: apt
 def test_a_quick_training_makes_a_network_and_goes_on_where_it_was(tmp_path, capsys):
     folder = tmp_path / "detector"
     assert main([str(folder), "--quick", "--size", "64"]) == 0
-    said = capsys.readouterr().out
-    assert "epoch 2 of 2" in said and "mean" in said and all(name in said for name in KINDS)
+    output = capsys.readouterr().out
+    assert "epoch 2 of 2" in output and "mean" in output and all(name in output for name in KINDS)
     detector = YoloDetector(YoloParams(model=str(folder / "objects.onnx")))
     assert (detector.classes, detector.size) == (list(KINDS), (64, 64))
     detector.detect(np.zeros((48, 64, 3), np.uint8))
@@ -33,15 +33,17 @@ def test_a_quick_training_makes_a_network_and_goes_on_where_it_was(tmp_path, cap
     assert "epoch" not in capsys.readouterr().out  # both were there
     assert (folder / "objects.onnx").read_bytes() == before
     assert main([str(folder), "--quick", "--size", "64", "--seed", "1"]) == 2
-    assert "checkpoint.pt: is of a training with another seed: take another folder" in capsys.readouterr().err
+    assert (
+        "checkpoint.pt: is of a training with another seed: choose another folder" in capsys.readouterr().err
+    )
 
 
 @needs_torch
 @pytest.mark.parametrize(
     "arguments, reason",
     [
-        (["--size", "100"], "--size is 100, allowed are multiples of 32"),
-        (["--epochs", "0"], "--epochs is 0, allowed is a whole number from 1 on"),
+        (["--size", "100"], "--size is 100, must be a multiple of 32"),
+        (["--epochs", "0"], "--epochs is 0, must be a whole number from 1 on"),
         (["--seed", "1000"], "--seed must be within"),
     ],
 )
@@ -51,7 +53,7 @@ def test_what_cannot_be_is_refused_before_anything_is_drawn(tmp_path, arguments,
     assert not (tmp_path / "detector").exists()
 
 
-def test_without_pytorch_it_says_what_to_install(tmp_path, monkeypatch, capsys):
+def test_without_pytorch_it_prints_what_to_install(tmp_path, monkeypatch, capsys):
     monkeypatch.setitem(sys.modules, "torch", None)
     assert main([str(tmp_path / "detector")]) == 2
     assert "PyTorch is missing: apt install python3-torch" in capsys.readouterr().err

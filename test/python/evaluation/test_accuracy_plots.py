@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 
 from sextant.evaluation.accuracy_plots import BLUE, GREEN, RED, plot_errors, plot_spread
-from sextant.evaluation.pose_series import Truths, pose_series, series_statistics
+from sextant.evaluation.pose_series import GroundTruth, pose_series, series_statistics
 
-FACING = Truths(others={"roll": np.pi})
-NOT_MEASURED = Truths(others=dict.fromkeys(("x", "y", "roll", "pitch", "yaw")))
+FACING = GroundTruth(others={"roll": np.pi})
+NOT_MEASURED = GroundTruth(others=dict.fromkeys(("x", "y", "roll", "pitch", "yaw")))
 
 
 def series(distance, count, sigma=0.01, bias=0.02, published=True):
@@ -76,7 +76,7 @@ def test_little_to_draw(tmp_path, plot, one):
 def test_what_cannot_be_drawn(tmp_path, plot):
     with pytest.raises(ValueError, match="no statistics"):
         plot(tmp_path / "a.png", [])
-    with pytest.raises(ValueError, match="'xlsx' is no picture format"):
+    with pytest.raises(ValueError, match="'xlsx' is not an image format"):
         plot(tmp_path / "a.xlsx", statistics())
     with pytest.raises(OSError):
         plot(tmp_path / "absent" / "a.png", statistics()[:1])

@@ -10,9 +10,9 @@ import openpyxl
 import pytest
 
 from sextant.evaluation.accuracy_workbook import write_workbook
-from sextant.evaluation.pose_series import AXES, Truths, by_distance, pose_series, series_statistics
+from sextant.evaluation.pose_series import AXES, GroundTruth, by_distance, pose_series, series_statistics
 
-TRUTHS = Truths(others={"roll": np.pi, "x": None})
+TRUTHS = GroundTruth(others={"roll": np.pi, "x": None})
 START = 1700000000 * 10**9
 SIGMA = np.array([0.01, 0.02, 0.03, 0.04, 0.05, 0.06])
 
@@ -70,7 +70,7 @@ def test_raw_poses(book):
     sheet = book["0.757 m"]
     headings = [cell.value for cell in sheet[1]]
     assert headings[:6] == ["time in the bag, s", "stamp, s", "bag", "x, m", "y, m", "z, m"]
-    assert headings[6:9] == ["roll, rad, moved by whole turns", "pitch, rad", "yaw, rad"]
+    assert headings[6:9] == ["roll, rad, unwrapped", "pitch, rad", "yaw, rad"]
     assert headings[9:] == [f"sigma {axis}, {unit}" for axis, unit in zip(AXES, 3 * ["m"] + 3 * ["rad"])]
     table = rows(sheet)
     assert len(table) == len(series.poses) == 30
@@ -130,7 +130,7 @@ def test_formulas_compute_the_statistics(formulas):
             assert not any(str(value).startswith(("#", "Err")) for value in row)
 
 
-def test_what_is_not_defined_is_said(formulas):
+def test_what_is_not_defined_is_marked(formulas):
     table = rows(formulas[0]["summary"])
     assert table[0][4] == table[0][7] == table[0][8] == "unknown"
     assert table[12 + 2][6] == "undefined" and table[12 + 2][8] == pytest.approx(table[12 + 2][7])
@@ -147,7 +147,7 @@ def test_formulas_compute_the_covariances(formulas):
 
 @pytest.mark.parametrize("name", ["accuracy.ods", "accuracy", "accuracy.xls"])
 def test_a_name_of_another_kind_of_file(tmp_path, name):
-    with pytest.raises(ValueError, match="has to end in .xlsx"):
+    with pytest.raises(ValueError, match="must end in .xlsx"):
         write(tmp_path / name)
     assert list(tmp_path.iterdir()) == []
 

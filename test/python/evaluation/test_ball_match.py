@@ -11,10 +11,10 @@ from sextant.evaluation.ball_film import BallFilm
 from sextant.evaluation.ball_match import play
 from sextant.objects.colour_detector import ColourDetector, ColourParams
 from sextant.objects.object_locator import ObjectLocatorParams
-from sextant.simulation.ball_world import drawn_world
+from sextant.simulation.ball_world import random_world
 
 TASK, SEED = 2, 3
-PARAMS = BallPlayerParams(locator=ObjectLocatorParams(scale=1.04))
+PARAMS = BallPlayerParams(locator=ObjectLocatorParams(depth_scale=1.04))
 
 
 @pytest.fixture(scope="module")
@@ -34,7 +34,7 @@ def played(tmp_path_factory):
 
 def in_goal_frame(point):
     """Metres before the goal's line and beside its middle, by arithmetic of this test's own."""
-    world = drawn_world(TASK, SEED)
+    world = random_world(TASK, SEED)
     left, right = (np.array(post[:2]) for post in world.pillars[:2])
     middle, along = 0.5 * (left + right), (right - left) / np.linalg.norm(right - left)
     out = np.array([-along[1], along[0]])
@@ -55,7 +55,7 @@ def test_the_ball_is_through_and_the_robot_stands_before_the_line(played):
 
 
 def test_the_goal_is_mapped_as_wide_as_it_is(played):
-    world = drawn_world(TASK, SEED)
+    world = random_world(TASK, SEED)
     x, y, heading = world.robot
     c, s = np.cos(heading), np.sin(heading)
     found = []

@@ -20,12 +20,12 @@ def test_bags_by_distance(tmp_path):
     assert found.problems == []
 
 
-def test_what_is_no_distance_is_told(tmp_path):
+def test_what_is_no_distance_is_reported(tmp_path):
     made(tmp_path, "1.0/a.bag", "near/a.bag", "2.0/notes.txt", "lost.bag", "1000/a.bag")
     problems = distance_bags(tmp_path).problems
     assert len(problems) == 4
-    for said in ("'near': its name is no distance", "'2.0': there is no bag", "lost.bag: is in no"):
-        assert sum(said in problem for problem in problems) == 1
+    for reason in ("'near': its name is not a distance", "'2.0': there is no bag", "lost.bag: is not in"):
+        assert sum(reason in problem for problem in problems) == 1
     assert sum("folder '1000': more than 100 m" in problem for problem in problems) == 1
 
 
@@ -35,11 +35,11 @@ def test_angles_are_limited_by_half_a_turn(tmp_path):
 
 
 def test_nothing_to_read(tmp_path):
-    with pytest.raises(ValueError, match="there is no such folder"):
+    with pytest.raises(ValueError, match="no such folder"):
         distance_bags(tmp_path / "absent")
     with pytest.raises(ValueError, match="it has no folders"):
         distance_bags(tmp_path)
-    with pytest.raises(ValueError, match="folder 'near': its name is no distance"):
+    with pytest.raises(ValueError, match="folder 'near': its name is not a distance"):
         distance_bags(made(tmp_path, "near/a.bag"))
 
 
@@ -49,5 +49,5 @@ def test_what_else_lies_beside_bags(tmp_path):
     found = distance_bags(tmp_path)
     assert [each.path.rpartition("/")[2] for each in found.bags] == ["B.BAG", "a.bag", "lost.orig.bag"]
     assert len(found.problems) == 2
-    assert any("c.bag.active: its recording was not ended" in each for each in found.problems)
-    assert any("more: a folder in the folder of a distance" in each for each in found.problems)
+    assert any("c.bag.active: the recording was not finished" in each for each in found.problems)
+    assert any("more: folders in the folder of a distance" in each for each in found.problems)

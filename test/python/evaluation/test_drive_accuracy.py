@@ -27,10 +27,10 @@ def noisy(truth, seed):
     """Poses (N, 4, 4), of errors with the deviations SIGMA."""
     random, poses = np.random.default_rng(seed), []
     for T in truth.values():
-        error, told = SIGMA * random.normal(size=6), T.copy()
-        told[:3, 3] -= error[:3]
-        told[:3, :3] = sextant.exp_so3(-error[3:]) @ T[:3, :3]
-        poses.append(told)
+        error, estimate = SIGMA * random.normal(size=6), T.copy()
+        estimate[:3, 3] -= error[:3]
+        estimate[:3, :3] = sextant.exp_so3(-error[3:]) @ T[:3, :3]
+        poses.append(estimate)
     return np.array(poses)
 
 
@@ -51,7 +51,7 @@ def test_a_shift_is_the_error():
     assert "NEES" in lines and "there are no covariances" in lines
 
 
-def test_honest_covariances_are_told_as_honest():
+def test_honest_covariances_are_reported_as_honest():
     truth = path(1000)
     for factor, word in ((1.0, "within"), (0.25, "above"), (4.0, "below")):
         P = factor * covariances(len(truth))
@@ -71,14 +71,14 @@ def test_alignment_takes_another_frame_away_and_turns_covariances():
     assert np.median(compare(truth, list(truth), poses, P).absolute.position) > 1.0
 
 
-def test_truth_at_other_times_is_interpolated_and_poses_outside_are_told():
+def test_truth_at_other_times_is_interpolated_and_poses_outside_are_reported():
     truth = path()
     stamps = np.array(list(truth)) + SECOND // 20
     middle = [sextant.pose_from_xyz_rpy([0, 0, 0], [0, 0, 0])] * len(stamps)
     of = compare(truth, stamps, np.array(middle), np.zeros((len(stamps), 6, 6)))
     assert of.without_truth == 1
     np.testing.assert_allclose(of.absolute.position, 3.0, atol=2e-3)
-    with pytest.raises(ValueError, match="none of 200 poses has a truth of its time: are the clocks"):
+    with pytest.raises(ValueError, match="none of 200 poses has ground truth at its time: check the clocks"):
         compare(truth, stamps + 3600 * SECOND, np.array(middle), np.zeros((len(stamps), 6, 6)))
 
 
@@ -92,18 +92,18 @@ def test_file_of_errors(tmp_path):
         rows = list(csv.DictReader(file))
     assert [row["stamp"] for row in rows[:2]] == ["0.000000000", "0.100000000"]
     assert rows[3]["nees"] == "" and len(rows) == 20
-    for row, T, told in zip(rows, truth.values(), noisy(truth, 1)):
-        error = T[:3, 3] - told[:3, 3]
+    for row, T, estimate in zip(rows, truth.values(), noisy(truth, 1)):
+        error = T[:3, 3] - estimate[:3, 3]
         assert [float(row[name]) for name in ("x", "y", "z")] == pytest.approx(error, abs=1e-8)
         assert float(row["position"]) == pytest.approx(np.linalg.norm(error), abs=1e-8)
         squares = np.square([float(row[name]) for name in ("x", "y", "z", "rx", "ry", "rz")] / SIGMA)
         assert row["nees"] == "" or float(row["nees"]) == pytest.approx(squares.sum(), rel=1e-4)
 
 
-def test_covariances_of_a_plane_are_told_and_the_rest_is_computed():
+def test_covariances_of_a_plane_are_reported_and_the_rest_is_computed():
     truth = path(50)
     P = covariances(50)
-    P[:30, 2] = P[:30, :, 2] = 0.0  # exact in z, says a filter in two dimensions
+    P[:30, 2] = P[:30, :, 2] = 0.0  # exact in z, as of a filter in two dimensions
     of = compare(truth, list(truth), noisy(truth, 1), P)
     assert of.singular == 30 and len(of.nees.values) == 20
     assert "30 covariances are not positive" in drive_table({"a": of}, (1.0, "metres"))[-1]

@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 import sextant
 from sextant.evaluation.pose_series import (
     BagCount,
-    Truths,
+    GroundTruth,
     by_distance,
     distance_of_folder,
     pose_series,
@@ -32,7 +32,7 @@ def rows(column, values):
 
 def test_statistics_of_known_numbers():
     """Of 1, 2, 3, 6: the mean is 3, the sum of squares 14, about the truth 2.5 it is 15."""
-    found = series_statistics(series(rows(2, [1, 2, 3, 6]), distance=2.5), Truths())
+    found = series_statistics(series(rows(2, [1, 2, 3, 6]), distance=2.5), GroundTruth())
     assert (found.count, found.axis, found.label) == (4, "z", "2.5 m")
     assert found.truth.tolist() == [0, 0, 2.5, 0, 0, 0]
     assert found.mean.tolist() == [0, 0, 3, 0, 0, 0]
@@ -48,7 +48,7 @@ def test_statistics_are_those_of_scipy(seed):
     root = random.normal(0.0, 0.1, (6, 6))
     poses = random.normal(size=(50, 6)) @ root + [0.1, -0.2, 1.5, 2.9, 0.2, -3.0]
     others = {"x": 0.2, "y": -0.1, "roll": 3.0, "pitch": 0.1, "yaw": -3.1}
-    found = series_statistics(series(poses, distance=1.6), Truths(others=others))
+    found = series_statistics(series(poses, distance=1.6), GroundTruth(others=others))
     truth = [0.2, -0.1, 1.6, 3.0, 0.1, -3.1]
     described = scipy.stats.describe(poses)
     assert found.mean == pytest.approx(described.mean)
@@ -66,7 +66,7 @@ def test_angles_around_half_a_turn(column, axis, truth):
     away = np.array([-0.03, 0.05, 0.01, -0.02, 0.04])
     wrapped = (away + 2 * np.pi) % (2 * np.pi) - np.pi
     assert wrapped.min() < -3 and wrapped.max() > 3
-    found = series_statistics(series(rows(column, wrapped)), Truths(others={axis: truth}))
+    found = series_statistics(series(rows(column, wrapped)), GroundTruth(others={axis: truth}))
     assert found.std[column] == pytest.approx(away.std(ddof=1))
     assert np.cos(found.mean[column] - np.pi - away.mean()) == pytest.approx(1.0)
     assert np.ptp(found.poses[:, column]) == pytest.approx(0.08)
@@ -81,7 +81,7 @@ def test_angles_around_half_a_turn(column, axis, truth):
 
 def test_mean_of_angles_is_the_circular_mean_where_they_are_close():
     angles = np.random.default_rng(4).vonmises(2.5, 2000.0, 100)
-    found = series_statistics(series(rows(4, angles)), Truths(others=NOT_MEASURED))
+    found = series_statistics(series(rows(4, angles)), GroundTruth(others=NOT_MEASURED))
     assert found.mean[4] == pytest.approx(scipy.stats.circmean(angles, np.pi, -np.pi), abs=1e-4)
     assert found.std[4] == pytest.approx(scipy.stats.circstd(angles), rel=0.02)
 
@@ -95,7 +95,7 @@ def test_poses_as_matrices():
 
 
 def test_one_pose_has_no_deviation():
-    found = series_statistics(series([[0, 0, 1.1, 0, 0, 0]]), Truths())
+    found = series_statistics(series([[0, 0, 1.1, 0, 0, 0]]), GroundTruth())
     assert found.count == 1
     assert np.isnan(found.std).all() and np.isnan(found.covariance).all()
     assert found.bias[2] == pytest.approx(0.1) and found.rmse[2] == pytest.approx(0.1)
@@ -103,7 +103,7 @@ def test_one_pose_has_no_deviation():
 
 @pytest.mark.parametrize("shape", [(0,), (0, 6), (0, 4, 4)])
 def test_no_pose(shape):
-    found = series_statistics(series(np.empty(shape), covariances=np.empty((0, 6, 6))), Truths())
+    found = series_statistics(series(np.empty(shape), covariances=np.empty((0, 6, 6))), GroundTruth())
     assert found.count == 0 and found.poses.shape == (0, 6)
     for name in ("mean", "std", "bias", "rmse", "published"):
         assert np.isnan(getattr(found, name)).all(), name
@@ -117,7 +117,7 @@ def test_a_stale_pose_is_left_out_and_counted():
     found = pose_series(0.747, "a.bag", stamps, poses, start=5_000_000_000)
     assert found.counts == (BagCount("a.bag", 3, stale=1, invalid=0),)
     assert found.stamps.tolist() == stamps[1:]
-    assert series_statistics(found, Truths()).rmse[2] < 0.002
+    assert series_statistics(found, GroundTruth()).rmse[2] < 0.002
 
 
 def test_what_is_no_pose_is_left_out_and_counted():
@@ -165,13 +165,13 @@ def test_folders_are_named_by_distances(name, value):
 @pytest.mark.parametrize(
     "name, axis, reason",
     [
-        ("raw", "z", "folder 'raw': its name is no distance"),
-        ("1e3", "z", "its name is no distance"),
-        ("0,757", "z", "its name is no distance, expected a number like 0.757"),
-        ("nan", "z", "its name is no distance"),
-        ("1_0", "z", "its name is no distance"),
-        ("٣", "z", "its name is no distance"),
-        ("", "z", "its name is no distance"),
+        ("raw", "z", "folder 'raw': its name is not a distance"),
+        ("1e3", "z", "its name is not a distance"),
+        ("0,757", "z", "its name is not a distance, expected a number like 0.757"),
+        ("nan", "z", "its name is not a distance"),
+        ("1_0", "z", "its name is not a distance"),
+        ("٣", "z", "its name is not a distance"),
+        ("", "z", "its name is not a distance"),
         ("757", "z", "more than 100 m; is it in m?"),
         ("45", "yaw", "more than 3.142 rad; is it in rad?"),
     ],
@@ -183,16 +183,16 @@ def test_folders_that_are_named_by_no_distance(name, axis, reason):
 
 def test_labels():
     def label(distance, axis="z"):
-        return series_statistics(series([], distance), Truths(axis)).label
+        return series_statistics(series([], distance), GroundTruth(axis)).label
 
     assert [label(1.0), label(0.757), label(-0.0), label(100.0)] == ["1 m", "0.757 m", "0 m", "100 m"]
     assert [label(1.25, "yaw"), label(-0.61, "x")] == ["1.25 rad", "-0.61 m"]
 
 
 def test_truths_of_any_axis():
-    truth = Truths("x", {"z": 1.5, "roll": np.pi, "yaw": None}).at(-0.61)
+    truth = GroundTruth("x", {"z": 1.5, "roll": np.pi, "yaw": None}).at(-0.61)
     assert truth[:5].tolist() == [-0.61, 0.0, 1.5, np.pi, 0.0] and np.isnan(truth[5])
-    found = series_statistics(series(rows(5, [0.1, 0.2])), Truths(others={"yaw": None}))
+    found = series_statistics(series(rows(5, [0.1, 0.2])), GroundTruth(others={"yaw": None}))
     assert np.isnan(found.bias[5]) and np.isnan(found.rmse[5])
     assert found.std[5] == pytest.approx(0.1 / np.sqrt(2)) and found.mean[5] == pytest.approx(0.15)
 
@@ -200,17 +200,17 @@ def test_truths_of_any_axis():
 @pytest.mark.parametrize(
     "truths, reason",
     [
-        (Truths("Rz"), "'Rz' is no axis, allowed are x, y, z, roll, pitch, yaw"),
-        (Truths(others={"w": 1.0}), "'w' is no axis"),
-        (Truths("x", {"x": 1.0}), "the true x is the distance"),
-        (Truths(others={"y": np.nan}), "the true y is nan, not finite"),
+        (GroundTruth("Rz"), "'Rz' is not an axis, allowed are x, y, z, roll, pitch, yaw"),
+        (GroundTruth(others={"w": 1.0}), "'w' is not an axis"),
+        (GroundTruth("x", {"x": 1.0}), "the true x is the distance"),
+        (GroundTruth(others={"y": np.nan}), "the true y is nan, not finite"),
     ],
 )
 def test_truths_that_cannot_be(truths, reason):
     with pytest.raises(ValueError, match=reason):
         truths.at(1.0)
     with pytest.raises(ValueError, match="the true z is inf"):
-        Truths().at(np.inf)
+        GroundTruth().at(np.inf)
 
 
 def test_published_sigmas():
@@ -223,7 +223,7 @@ def test_published_sigmas():
     assert sigmas[0] == pytest.approx([0.1, 0.2, 0.3, 0.4, 0.5, 0.6])
     assert np.isnan(sigmas[1:3]).all()
     assert np.isnan(sigmas[3, 0]) and sigmas[3, 1] == pytest.approx(0.2)
-    assert series_statistics(found, Truths()).published == pytest.approx([0.1, 0.2, 0.3, 0.4, 0.5, 0.6])
+    assert series_statistics(found, GroundTruth()).published == pytest.approx([0.1, 0.2, 0.3, 0.4, 0.5, 0.6])
     assert np.isnan(published_sigmas(series(np.zeros((2, 6))))).all()
 
 

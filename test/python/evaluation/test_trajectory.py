@@ -33,7 +33,7 @@ def test_errors_do_not_depend_on_where_the_robot_is():
 
 
 def test_a_pose_without_truth_is_refused():
-    with pytest.raises(ValueError, match="1 poses without a truth of their stamp, the first at 7 ns"):
+    with pytest.raises(ValueError, match="1 poses without ground truth, the first at 7 ns"):
         trajectory_errors({1: pose()}, {1: pose(), 7: pose()})
 
 

@@ -73,36 +73,36 @@ def test_rotations_are_made_exact(tmp_path):
 @pytest.mark.parametrize(
     "name, text, reason",
     [
-        ("a.tum", "# nothing\n", "a.tum: no pose in it"),
+        ("a.tum", "# nothing\n", "a.tum: contains no pose"),
         ("a.tum", "\n0 1 2 3 0 0 1\n", "a.tum:2: 7 values, expected 8"),
         ("a.tum", "0 1 2 x 0 0 0 1", "a.tum:1: z is 'x', not a number"),
         ("a.tum", "0 nan 2 3 0 0 0 1", "a.tum:1: x is 'nan', not finite"),
         ("a.tum", "0 1 2 3 0 0 0 -inf", "a.tum:1: qw is '-inf', not finite"),
-        ("a.tum", "0 1 2 3 0 0 0 0", "a.tum:1: the quaternion is no rotation: its length is 0, not 1"),
-        ("a.tum", "0 1 2 3 0 0 0 1.0011", "a.tum:1: the quaternion is no rotation: its length is 1.0011"),
+        ("a.tum", "0 1 2 3 0 0 0 0", "a.tum:1: the quaternion is not a rotation: its norm is 0, not 1"),
+        ("a.tum", "0 1 2 3 0 0 0 1.0011", "a.tum:1: the quaternion is not a rotation: its norm is 1.0011"),
         ("a.tum", "then 1 2 3 0 0 0 1", "a.tum:1: stamp is 'then', not a number"),
-        ("a.tum", "nan 1 2 3 0 0 0 1", "a.tum:1: stamp is 'nan', no time in seconds"),
-        ("a.tum", "1e999999 1 2 3 0 0 0 1", "a.tum:1: stamp is '1e999999', no time in seconds"),
-        ("a.tum", "-1 1 2 3 0 0 0 1", "a.tum:1: stamp is '-1', no time in seconds"),
-        ("a.tum", "170000000012345 1 2 3 0 0 0 1", "a.tum:1: stamp is '170000000012345', no time in seconds"),
-        ("a.tum", "1 1 2 3 0 0 0 1\n\n1.0 1 2 3 0 0 0 1", "a.tum:3: the stamp of line 1 again"),
-        ("a.csv", "", "a.csv:1: no column 'stamp'; the header names stamp, x, y, z, qx, qy, qz, qw, commas"),
-        ("a.csv", CSV, "a.csv: no pose in it"),
-        ("a.csv", CSV.replace(",qy", ""), "a.csv:1: no column 'qy'; the header names"),
-        ("a.csv", CSV.replace(",", ";"), "a.csv:1: no column 'stamp'; the header names"),
+        ("a.tum", "nan 1 2 3 0 0 0 1", "a.tum:1: stamp is 'nan', not a time in seconds"),
+        ("a.tum", "1e999999 1 2 3 0 0 0 1", "a.tum:1: stamp is '1e999999', not a time in seconds"),
+        ("a.tum", "-1 1 2 3 0 0 0 1", "a.tum:1: stamp is '-1', not a time in seconds"),
+        ("a.tum", "170000000012345 1 2 3 0 0 0 1", "a.tum:1: stamp is '170000000012345', not a time in sec"),
+        ("a.tum", "1 1 2 3 0 0 0 1\n\n1.0 1 2 3 0 0 0 1", "a.tum:3: duplicate stamp, as in line 1"),
+        ("a.csv", "", "a.csv:1: no column 'stamp'; the header must be stamp,x,y,z,qx,qy,qz,qw"),
+        ("a.csv", CSV, "a.csv: contains no pose"),
+        ("a.csv", CSV.replace(",qy", ""), "a.csv:1: no column 'qy'; the header must be"),
+        ("a.csv", CSV.replace(",", ";"), "a.csv:1: no column 'stamp'; the header must be"),
         ("a.csv", CSV.replace("qx", "time"), "a.csv:1: more than one column for 'stamp': stamp, time"),
         ("a.csv", CSV + ROW + "4.5,1,2\n", "a.csv:3: 3 values, expected 8"),
         ("a.csv", CSV + "3.5,1,2,3,,0,0,1\n", "a.csv:2: qx is '', not a number"),
-        ("a.bag", ROW, "a.bag: a trajectory's file ends in .csv, .tum, .txt"),
+        ("a.bag", ROW, "a.bag: the file name of a trajectory must end in .csv, .tum, .txt"),
     ],
 )  # fmt: skip
-def test_what_is_wrong_is_said_with_its_line(tmp_path, name, text, reason):
+def test_what_is_wrong_is_reported_with_its_line(tmp_path, name, text, reason):
     assert refused(tmp_path, name, text).startswith(reason)
 
 
 def test_what_is_no_text(tmp_path):
     (tmp_path / "a.tum").write_bytes(b"\xff\xfe\x00#ROSBAG")
-    with pytest.raises(ValueError, match="a.tum: is no text in UTF-8"):
+    with pytest.raises(ValueError, match="a.tum: is not UTF-8 text"):
         read_trajectory(tmp_path / "a.tum")
 
 
@@ -121,5 +121,5 @@ def test_what_is_written_is_read_again(tmp_path, name):
     assert list(again) == [5, 1_700_000_000_123_456_789]
     assert again[5].tolist() == moved.tolist()
     assert again[1_700_000_000_123_456_789] == pytest.approx(QUARTER_TURN, abs=1e-15)
-    with pytest.raises(ValueError, match="a.bag: a trajectory's file ends in .csv, .tum, .txt"):
+    with pytest.raises(ValueError, match="a.bag: the file name of a trajectory must end in .csv, .tum, .txt"):
         write_trajectory(tmp_path / "a.bag", trajectory)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Against closed forms, other implementations, and what evo says of the same files (test/data/evo)."""
+"""Against closed forms, other implementations, and the results of evo for the same files (test/data/evo)."""
 
 import json
 from pathlib import Path
@@ -59,28 +59,28 @@ def golden():
     return of_poses, estimate, json.loads((EVO / "evo.json").read_text())
 
 
-def check(values, said):
+def check(values, expected):
     mine = summarize(values)
-    assert len(values) == said["count"]
+    assert len(values) == expected["count"]
     assert [mine.rmse, mine.mean, mine.median, mine.worst] == pytest.approx(
-        [said[name] for name in ("rmse", "mean", "median", "max")], rel=1e-9
+        [expected[name] for name in ("rmse", "mean", "median", "max")], rel=1e-9
     )
 
 
 def test_absolute_errors_are_those_of_evo(golden):
-    truth, estimate, said = golden
+    truth, estimate, expected = golden
     T = alignment(truth, estimate)
-    assert pytest.approx(np.array(said["T_truth_estimate"]), abs=1e-9) == T
+    assert pytest.approx(np.array(expected["T_truth_estimate"]), abs=1e-9) == T
     for name, trajectory in (("raw", estimate), ("aligned", aligned(T, estimate))):
         errors = trajectory_errors(truth, trajectory)
-        check(errors.position, said["ape"][name]["position"])
-        check(errors.angle, said["ape"][name]["angle"])
+        check(errors.position, expected["ape"][name]["position"])
+        check(errors.angle, expected["ape"][name]["angle"])
 
 
 @pytest.mark.parametrize("unit, delta", [("frames", 5), ("metres", 0.5)])
 def test_relative_errors_are_those_of_evo(golden, unit, delta):
-    truth, estimate, said = golden
-    of_evo = said["rpe"][f"{unit.replace('metres', 'meters')} {delta} all"]
+    truth, estimate, expected = golden
+    of_evo = expected["rpe"][f"{unit.replace('metres', 'meters')} {delta} all"]
     errors = relative_errors(truth, estimate, delta, unit)
     check(errors.position, of_evo["position"])
     check(errors.angle, of_evo["angle"])
@@ -129,9 +129,9 @@ def centred(trajectory):
 @pytest.mark.parametrize(
     "truth, reason",
     [
-        ({0: pose(), 1: pose(1.0)}, "2 poses with a truth"),
-        ({i: pose(i, 2.0 * i) for i in range(9)}, "the poses lie on a line"),
-        ({i: pose(1.0) for i in range(9)}, "the poses lie on a line, or do not move"),
+        ({0: pose(), 1: pose(1.0)}, "2 poses with ground truth"),
+        ({i: pose(i, 2.0 * i) for i in range(9)}, "positions are collinear"),
+        ({i: pose(1.0) for i in range(9)}, "positions are collinear or equal"),
         ({i: pose(np.nan if i == 4 else i, i**2) for i in range(9)}, "the pose at 4 ns is not finite"),
     ],
 )
@@ -202,7 +202,7 @@ def test_relative_errors_of_nothing_that_is_known(arguments, reason):
 
 
 def perturbed_drive(seed, count, scale):
-    """Poses whose errors have the covariance that is told, times scale."""
+    """Poses whose errors have the returned covariance, times scale."""
     random = np.random.default_rng(seed)
     truth = random_drive(random, count)
     estimate, covariances = {}, {}

@@ -26,13 +26,13 @@ def test_real_part_is_never_negative():
 
 
 def test_length_of_the_quaternion():
-    with pytest.raises(ValueError, match="its length is 1.02, not 1"):
+    with pytest.raises(ValueError, match="its norm is 1.02, not 1"):
         sextant.pose_from_quaternion([0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.02])
     assert sextant.pose_from_quaternion(
         [0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.02], tolerance=0.03
     ) == pytest.approx(np.eye(4))
     assert sextant.pose_from_quaternion([1.0, 2.0, 3.0], [2.0] * 4, tolerance=np.inf) == pytest.approx(CYCLE)
-    with pytest.raises(ValueError, match="its length is 0, not 1"):
+    with pytest.raises(ValueError, match="its norm is 0, not 1"):
         sextant.pose_from_quaternion([0.0, 0.0, 0.0], [0.0] * 4, tolerance=np.inf)
 
 

@@ -8,8 +8,8 @@ from scipy.spatial.transform import Rotation, Slerp
 
 import sextant
 from sextant.geometry.poses import interpolated_poses
-from sextant.localization.drive_sightings import DriveCamera, DriveSightings, SeenImage
-from sextant.localization.recorded_instants import camera_name, place_name, recorded_instants
+from sextant.localization.drive_observations import DriveCamera, DriveObservations, ImageDetections
+from sextant.localization.recorded_instants import camera_name, mounted_camera_name, recorded_instants
 from sextant.simulation.camera import camera_calibration
 
 LENS = camera_calibration(640, 480)
@@ -30,10 +30,10 @@ def ms(milliseconds):
 
 def drive(images, odometry=(), cameras=("a", "b"), name="d.bag"):
     """images: (ms, camera, whether there is a marker); odometry: (ms, pose)"""
-    seen = [SeenImage(ms(t), of, [marker()] if there else []) for t, of, there in images]
+    seen = [ImageDetections(ms(t), of, [marker()] if there else []) for t, of, there in images]
     stamps = np.array([ms(t) for t, _ in odometry], dtype=np.int64)
     poses = np.array([T for _, T in odometry]).reshape(-1, 4, 4)
-    return DriveSightings(name, {each: camera() for each in cameras}, seen, stamps, poses)
+    return DriveObservations(name, {each: camera() for each in cameras}, seen, stamps, poses)
 
 
 def pose(x, yaw=0.0):
@@ -75,7 +75,7 @@ def test_cameras_are_numbered_over_all_drives():
 
 
 def test_the_places_of_a_camera_are_one_camera():
-    names = [place_name("/cam", 0), place_name("/cam", 1)]
+    names = [mounted_camera_name("/cam", 0), mounted_camera_name("/cam", 1)]
     assert names == ["/cam", "/cam#2"] and {camera_name(name) for name in names} == {"/cam"}
     images = [(0, "/cam", True), (100, "/cam#2", True)]
     recording = recorded_instants([drive(images, cameras=names)])
@@ -113,8 +113,8 @@ def test_a_camera_that_saw_earlier_is_put_where_it_then_was():
         T_odom_base = interpolated_poses(*stamped(odometry), np.array([ms(t)]), 0.5)[0]
         points = corners @ np.linalg.inv(T_map_odom @ T_odom_base @ mount).T
         pixels = np.array([sextant.CameraModel(LENS).project(point[:3]) for point in points])
-        images.append(SeenImage(ms(t), name, [sextant.Detection("tag36h11", 3, pixels)]))
-    seen = DriveSightings("d", {name: camera(mount) for name in "ab"}, images, *stamped(odometry))
+        images.append(ImageDetections(ms(t), name, [sextant.Detection("tag36h11", 3, pixels)]))
+    seen = DriveObservations("d", {name: camera(mount) for name in "ab"}, images, *stamped(odometry))
     instant = recorded_instants([seen]).instants[0]
     marker_map = sextant.MarkerMap()
     marker_map.add(sextant.MappedMarker("tag36h11", 3, size, T_map_marker))
@@ -155,7 +155,8 @@ def test_what_cannot_be_is_refused():
 
 def test_a_drive_can_be_pickled_bit_for_bit():
     lens = camera_calibration(640, 480, distortion=[-0.2, 0.05, 1e-3, -1e-3, 0.1])
-    seen = DriveSightings("d.bag", {"a": DriveCamera(lens, True, MOUNT)}, [SeenImage(7, "a", [marker()])])
+    images = [ImageDetections(7, "a", [marker()])]
+    seen = DriveObservations("d.bag", {"a": DriveCamera(lens, True, MOUNT)}, images)
     copy = pickle.loads(pickle.dumps(seen))
     for name in ("width", "height", "distortion_model", "D", "K", "R", "P"):
         assert np.array_equal(getattr(copy.cameras["a"].calibration, name), getattr(lens, name)), name

@@ -16,40 +16,40 @@ def only(**changes):
 
 def test_a_faultless_map():
     assert findings(map_of([marker_quality(1)])) == []
-    assert verdict(map_of([marker_quality(1)])) == "1 marker mapped; nothing stands out"
+    assert verdict(map_of([marker_quality(1)])) == "1 marker mapped; no problem found"
 
 
 def test_verdict_counts_markers_not_findings():
     named = {each for finding in list_findings(faulty_quality()) for each in finding.keys}
     assert (
         verdict(faulty_quality())
-        == f"13 markers mapped, 4 seen but not mapped; {len(named)} named below need a look"
+        == f"13 markers mapped, 4 seen but not mapped; check {len(named)} markers named below"
     )
-    assert verdict(map_of([marker_quality(1)], twice=[key(2)])).endswith("1 named below needs a look")
+    assert verdict(map_of([marker_quality(1)], inconsistent=[key(2)])).endswith("check 1 marker named below")
 
 
 @pytest.mark.parametrize(
     "start",
     [
-        "3 and 4 are swapped, each hangs where the other was known: ",
-        "2 had a wrong entry, it hangs 10.2 cm (+10.0, +0.0, -2.0 along x, y, z) and 1.1 degrees from where",
-        "8 may have a wrong entry, all else shows it 5.0 cm (+0.0, +3.0, +4.0 along x, y, z) and 0.0 degrees",
-        "20 is not in the map (moved during the recording, or there twice): ",
-        "6 and 7 cannot both hang where the map has them (9 images with both say otherwise): ",
-        "5 is seen elsewhere (12 images with 0 and 1 show it 3.00 m from its place, at 4.00, 0.00, 1.00 m",
-        "10 does not fit its place (30 of its 80 sightings were left out): ",
+        "3 and 4 are swapped, each is at the known position of the other: ",
+        "2 had a wrong entry, off by 10.2 cm (+10.0, +0.0, -2.0 along x, y, z) and 1.1 degrees",
+        "8 may have a wrong entry, off by 5.0 cm (+0.0, +3.0, +4.0 along x, y, z) and 0.0 degrees",
+        "20 is not in the map (moved during the recording, or printed twice): ",
+        "6 and 7 cannot both be where the map has them (9 images with both contradict it): ",
+        "5 is seen elsewhere (12 images with 0 and 1 show it 3.00 m from its position, at 4.00, 0.00, 1.00 m",
+        "10 does not fit its pose (30 of its 80 observations were left out): ",
         "22 and 23 are not in the map (never seen together with its markers): ",
-        "21 is not in the map (two places explain what was seen of it): ",
+        "21 is not in the map (two poses explain its observations): ",
         "9 is connected to the rest only by 3 images with 1: drive slowly past 1 and 9 again",
         "11 is uncertain (8.0 cm and 0.1 degrees, standard deviation): ",
-        "12 was never seen, its entry is as before: ",
+        "12 was never seen, its entry is unchanged: ",
     ],
 )
 def test_every_kind_has_its_sentence(start):
     assert len([line for line in findings(faulty_quality()) if line.startswith(start)]) == 1
 
 
-def test_nothing_is_said_twice():
+def test_no_finding_is_repeated():
     lines = findings(faulty_quality())
     assert len(lines) == 12 == len(set(lines))
 
@@ -71,14 +71,14 @@ def test_a_group_that_no_image_connects():
 def test_images_with_the_map_that_could_not_be_used():
     group = Unconnected(frozenset([key(8)]), 2)
     assert only(unconnected=[group]).startswith(
-        "8 is not in the map (only 2 images with markers of the map, and not"
+        "8 is not in the map (only 2 images with markers of the map, and none"
     )
 
 
-def test_a_marker_of_which_nothing_could_be_used():
-    marker = marker_quality(5, used_rms=np.zeros(0), sightings=1)
+def test_a_marker_without_usable_observations():
+    marker = marker_quality(5, used_rms=np.zeros(0), observations=1)
     (line,) = findings(map_of([marker]))
-    assert "not one of its 1 sighting could" in line
+    assert "none of its 1 observation could" in line
 
 
 def test_many_names():

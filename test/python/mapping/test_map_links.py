@@ -51,7 +51,7 @@ def test_few_images_are_weak_and_of_one_pair_more_are():
     assert [Cut(frozenset([A]), n, several).is_weak for n in (0, 9, 10)] == [True, True, False]
 
 
-def test_weak_cuts_are_told_once_and_of_their_smaller_side():
+def test_weak_cuts_are_reported_once_and_by_their_smaller_side():
     shown = images(AB=5, BC=60, CD=60, DE=3)
     found = weak_cuts(shown, list(cuts(shown, [A]).values()))
     assert found == [Cut(frozenset([E]), 3, ((E, D),)), Cut(frozenset([A]), 5, ((A, B),))]

@@ -7,9 +7,9 @@ from made_maps import faulty_quality, key, made_of, map_of, marker_quality
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from sextant.mapping.map_labels import place_labels
+from sextant.mapping.label_placement import place_labels
+from sextant.mapping.map_drawing import ANCHOR, CONFLICTING, WEAK, MapPlan
 from sextant.mapping.map_links import Cut
-from sextant.mapping.map_plan import ELSEWHERE, HELD, WEAK, MapPlan
 from sextant.mapping.map_plots import BLUE, RED, plan_view, residual_boxes
 
 
@@ -38,15 +38,15 @@ def legend_of(axes):
 
 
 def row(count):
-    return map_of([marker_quality(0, holds=True), *(marker_quality(id) for id in range(1, count))])
+    return map_of([marker_quality(0, is_anchor=True), *(marker_quality(id) for id in range(1, count))])
 
 
 def test_what_the_plan_shows():
     faulty = decoded(plan_view(made_of(faulty_quality()), faulty_quality()))
-    assert pixels_of(faulty, HELD) > 50
-    assert pixels_of(faulty, ELSEWHERE) > 50
+    assert pixels_of(faulty, ANCHOR) > 50
+    assert pixels_of(faulty, CONFLICTING) > 50
     plain = decoded(plan_view(made_of(row(3)), row(3)))
-    assert pixels_of(plain, ELSEWHERE) == 0
+    assert pixels_of(plain, CONFLICTING) == 0
 
 
 def test_every_marker_has_its_name_and_the_named_ones_are_bold():
@@ -72,7 +72,7 @@ def test_weak_links_are_dashed():
 
 
 @pytest.mark.parametrize("sigma, label", [(0.002, "3 sigma, drawn 20 times as large"), (0.5, "3 sigma")])
-def test_the_factor_on_the_ellipses_is_told(sigma, label):
+def test_the_factor_on_the_ellipses_is_in_the_legend(sigma, label):
     quality = map_of([marker_quality(id, position_sigma=sigma) for id in range(5)])
     axes, _ = drawn(quality, made_of(quality))  # 4 m and 0.5 m on either side: at most 0.15 m
     assert label in legend_of(axes)

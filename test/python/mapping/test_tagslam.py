@@ -39,8 +39,8 @@ def test_every_mode_reaches_its_bar(recording):
 def test_every_image_with_a_reference_has_a_pose(recording):
     _, recorded = recording
     joint = locator("joint")
-    for sighting in recorded.referenced():
-        result = joint.locate(recorded.map, [recorded.view(sighting)])
+    for observation in recorded.referenced():
+        result = joint.locate(recorded.map, [recorded.view(observation)])
         assert result.pose, result.reason
 
 
@@ -51,11 +51,11 @@ def test_reference_poses_project_the_map_onto_the_corners(recording):
     assert np.median(errors) < 0.5  # pixels
 
 
-def corner_errors(recorded, sighting):
-    T_map_camera = recorded.trajectory[sighting.stamp] @ recorded.mounts[sighting.camera]
-    for detection in sighting.detections:
+def corner_errors(recorded, observation):
+    T_map_camera = recorded.trajectory[observation.stamp] @ recorded.mounts[observation.camera]
+    for detection in observation.detections:
         marker = recorded.map.find("tag36h11", detection.id)
         T_camera_marker = np.linalg.inv(T_map_camera) @ marker.T_map_marker
         for corner, pixel in zip(sextant.marker_corners(marker.size), detection.corners):
-            projected = recorded.cameras[sighting.camera].project((T_camera_marker @ [*corner, 1.0])[:3])
+            projected = recorded.cameras[observation.camera].project((T_camera_marker @ [*corner, 1.0])[:3])
             yield np.inf if projected is None else np.linalg.norm(projected - pixel)

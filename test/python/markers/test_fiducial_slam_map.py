@@ -1,8 +1,9 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
 import re
+import sys
+from pathlib import Path
 
-import cv2
 import numpy as np
 import pytest
 from foreign_maps import CORNERS, DATA, PRINTS, corners_in_map, read_file, refused, variances
@@ -10,6 +11,9 @@ from foreign_maps import CORNERS, DATA, PRINTS, corners_in_map, read_file, refus
 import sextant
 from sextant.markers.formats.map_file import MapFileError, MapFormatParams
 from sextant.markers.map_formats import read_map
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "benchmark"))
+from opencv_aruco import opencv_marker  # noqa: E402
 
 
 def test_variance_of_fiducial_slam_is_of_all_six_axes():
@@ -28,8 +32,7 @@ def test_fiducial_slam_has_apriltags_upside_down(tmp_path, family):
         np.testing.assert_allclose(corners_in_map(marker), np.roll(CORNERS[marker.id], 2, axis=0), atol=1e-8)
     modules, begin, end = sextant.marker_image(family, 7)
     name = "DICT_APRILTAG_" + sextant.canonical_family(family)[len("tag") :]
-    dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, name))
-    theirs = cv2.aruco.drawMarker(dictionary, 7, end - begin)
+    theirs = opencv_marker(name, 7, end - begin)
     np.testing.assert_array_equal(modules[begin:end, begin:end], np.rot90(theirs, 2))
 
 
@@ -40,7 +43,7 @@ LINE = "7 1 2 3 90 0 0 0.01 12 8 9\n"
     "text, reason",
     [
         ("7 1 2 3 90 0 0\n", ":1: has 7 fields, needs 'id x y z roll pitch yaw variance observations links"),
-        (LINE + LINE, r":2: marker 7 \(DICT_5X5_50\): it is there twice"),
+        (LINE + LINE, r":2: marker 7 \(DICT_5X5_50\): it is listed twice"),
         (LINE + "\n8 1 2 nan 90 0 0 0.01 12\n", ":3: 'nan' is not a finite number"),
         ("7 1 2 3 90 0 inf 0.01 12\n", ":1: 'inf' is not a finite number"),
         ("7 1 2 3 90 0 0,1 0.01 12\n", ":1: '0,1' is not a number"),
@@ -49,7 +52,7 @@ LINE = "7 1 2 3 90 0 0 0.01 12 8 9\n"
         ("7.0 1 2 3 90 0 0 0.01 12\n", ":1: '7.0' must be a whole number"),
         ("-7 1 2 3 90 0 0 0.01 12\n", ":1: '-7' must be a whole number"),
         ("7 1 2 3 90 0 0 0.01 12 x\n", ":1: 'x' must be a whole number: an id, the observations, or a link"),
-        ("50 1 2 3 90 0 0 0.01 12\n", r":1: marker 50 \(DICT_5X5_50\): the family's ids are 0 to 49"),
+        ("50 1 2 3 90 0 0 0.01 12\n", r":1: marker 50 \(DICT_5X5_50\): the ids of this family are 0 to 49"),
         ("# nothing\n\n", ": has no markers"),
     ],
 )

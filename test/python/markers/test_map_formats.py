@@ -30,13 +30,13 @@ def test_corners_are_where_they_hang(name):
 @pytest.mark.parametrize(
     "name, parts",
     [
-        ("fiducial_slam.txt", ["how often each marker was seen", "one variance for all six"]),
+        ("fiducial_slam.txt", ["the number of observations of each marker", "one variance for all six"]),
         ("tags.yaml", ["standalone tags 30"]),
         ("tagslam.yaml", ["plane_measurements", "the prints of 9 show another id"]),
-        ("poses.yaml", ["the tags 9 are known", "ROS 1 writes the deviations of tagslam.yaml"]),
+        ("poses.yaml", ["the uncertainty of the tags 9", "ROS 1 writes the noise of tagslam.yaml"]),
     ],
 )
-def test_what_a_map_does_not_hold_is_told(name, parts):
+def test_content_that_a_map_cannot_represent_is_reported(name, parts):
     warnings = read_file(name).warnings
     assert len(warnings) == len(parts)
     for warning, part in zip(warnings, parts):
@@ -115,14 +115,14 @@ def with_extras(tmp_path):
             "text",
             ["family: tag36h11, size: 0.2, frame: hall, parents: {'camera': 'base_link'}", "covariance"],
         ),
-        ("fiducial_slam", ["dictionary: 20, fiducial_len: 0.2, fiducial_slam map_frame: hall", "of 1 covar"]),
+        ("fiducial_slam", ["dictionary: 20, fiducial_len: 0.2, fiducial_slam map_frame: hall", "1 covar"]),
         ("apriltag_ros", ["tag_family: tag36h11", "the covariance of marker 'door_7'"]),
         ("tagslam", ["tag36h11; the frame: set fixed_frame_id: hall", "of 1 covariances"]),
     ],
 )
-def test_what_is_lost_in_writing_is_told(tmp_path, name, parts):
+def test_content_that_is_lost_in_writing_is_reported(tmp_path, name, parts):
     if name != "text":
-        parts = [*parts, "the name of marker 'door_7'", "no markers: 'camera'"]
+        parts = [*parts, "the name of marker 'door_7'", "not markers: 'camera'"]
     warnings = write_map(with_extras(tmp_path), str(tmp_path / ("out" + Path(TRIPS[name][0]).suffix)), name)
     assert len(warnings) == len(parts), warnings
     for warning, part in zip(warnings, parts):
@@ -135,7 +135,7 @@ def test_text_keeps_frames_and_names(tmp_path):
     read = read_map(path, "text", MapFormatParams(family="tag36h11", size=0.2, frame="hall"))
     assert [marker.name for marker in read.marker_map.markers] == ["door_7"]
     assert [frame.name for frame in read.marker_map.frames] == ["camera"]
-    assert read.warnings == ["the parents of the frames 'camera': taken as 'hall'"]
+    assert read.warnings == ["the parents of the frames 'camera': set to 'hall'"]
 
 
 # ---- what is refused ------------------------------------------------------------------------------------
@@ -144,8 +144,8 @@ def test_text_keeps_frames_and_names(tmp_path):
 @pytest.mark.parametrize(
     "name, options, reason",
     [
-        ("fiducial_slam", {}, "does not say the markers' family and size: give --family and --size"),
-        ("text", dict(size=0.2), "text does not say the markers' family: give --family"),
+        ("fiducial_slam", {}, "does not contain the markers' family and size: set --family and --size"),
+        ("text", dict(size=0.2), "text does not contain the markers' family: set --family"),
         (
             "fiducial_slam",
             dict(family="tagCircle21h7", size=0.2),
@@ -158,13 +158,13 @@ def test_text_keeps_frames_and_names(tmp_path):
             dict(family="tag36h11", size=float("nan")),
             r"--size must be in \(0, 100\] m, not nan",
         ),
-        ("apriltag_ros", dict(size=0.2), "apriltag_ros has no use for --size"),
+        ("apriltag_ros", dict(size=0.2), "apriltag_ros does not use --size"),
         ("apriltag_ros", dict(family="DICT_4X4_50"), "apriltag_ros does not know DICT_4X4_50, only"),
         ("apriltag_ros", dict(frame="/map"), "--frame: '/map' cannot name a tf frame"),
         ("apriltag_ros", dict(frame="a b"), "--frame: 'a b' cannot name a tf frame"),
         ("apriltag_ros", dict(frame=""), "--frame: '' cannot name a tf frame"),
-        ("tagslam", dict(family="DICT_4X4_50"), "tagslam has AprilTags only, DICT_4X4_50 is none"),
-        ("yaml", dict(frame="map", family="tag36h11"), "yaml has no use for --family and --frame"),
+        ("tagslam", dict(family="DICT_4X4_50"), "tagslam has AprilTags only, not DICT_4X4_50"),
+        ("yaml", dict(frame="map", family="tag36h11"), "yaml does not use --family and --frame"),
     ],
 )
 def test_options_that_are_refused(name, options, reason):
@@ -181,12 +181,12 @@ def several_families():
 @pytest.mark.parametrize(
     "name, marker_map, reason",
     [
-        ("fiducial_slam", several_families(), "has one family a map, this map has DICT_4X4_50, tag36h11"),
-        ("apriltag_ros", several_families(), "has one family a map"),
-        ("tagslam", several_families(), "has one family a map"),
-        ("text", several_families(), "cannot hold marker 'tag36h11/3': it is of family tag36h11"),
-        ("fiducial_slam", example_map(sizes=(0.2, 0.1)), "has one size a map, this map has 0.1 m, 0.2 m"),
-        ("text", example_map(sizes=(0.2, 0.1)), "cannot hold marker 'tag36h11/4': its size is 0.1 m"),
+        ("fiducial_slam", several_families(), "has one family per map, this map has DICT_4X4_50, tag36h11"),
+        ("apriltag_ros", several_families(), "has one family per map"),
+        ("tagslam", several_families(), "has one family per map"),
+        ("text", several_families(), "cannot represent marker 'tag36h11/3': it is of family tag36h11"),
+        ("fiducial_slam", example_map(sizes=(0.2, 0.1)), "has one size per map, this map has 0.1 m, 0.2 m"),
+        ("text", example_map(sizes=(0.2, 0.1)), "cannot represent marker 'tag36h11/4': its size is 0.1 m"),
         ("fiducial_slam", example_map(family="tagCircle21h7"), "fiducial_slam does not know tagCircle21h7"),
         ("apriltag_ros", example_map(family="DICT_4X4_50"), "apriltag_ros does not know DICT_4X4_50"),
         ("tagslam", example_map(family="DICT_4X4_50"), "tagslam does not know DICT_4X4_50"),
@@ -257,20 +257,20 @@ def test_format_is_seen(tmp_path, file, text, name):
 )
 def test_format_is_asked_for(tmp_path, file, text):
     (tmp_path / file).write_text(text)
-    with pytest.raises(MapFileError, match="say which it is: --from"):
+    with pytest.raises(MapFileError, match="name the format: --from"):
         guess_read_format(str(tmp_path / file))
 
 
 def test_format_to_write():
     assert guess_write_format("a/map.yaml") == guess_write_format("map.yml") == "yaml"
-    with pytest.raises(MapFileError, match="the ending does not tell the format; say --to yaml"):
+    with pytest.raises(MapFileError, match="the ending does not define the format; set --to yaml"):
         guess_write_format("map.txt")
-    with pytest.raises(MapFileError, match="say --to apriltag_ros, whose name this is, or --to yaml"):
+    with pytest.raises(MapFileError, match="is a file name of apriltag_ros; set --to apriltag_ros"):
         guess_write_format("config/tags.yaml")
 
 
 @pytest.mark.parametrize("name, file", [("yaml", "map.txt"), ("text", "map.yaml")])
-def test_sextant_tells_its_own_by_the_ending(tmp_path, name, file):
+def test_sextant_recognizes_its_own_formats_by_the_ending(tmp_path, name, file):
     with pytest.raises(MapFileError, match="rename it"):
         write_map(example_map(), str(tmp_path / file), name)
     with pytest.raises(MapFileError, match="rename it"):

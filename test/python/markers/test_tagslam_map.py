@@ -64,7 +64,7 @@ def test_placeholder_is_one_only_in_what_tagslam_wrote(tmp_path):
     ones = "position_noise: {x: 1, y: 1, z: 1}, rotation_noise: {x: 1, y: 1, z: 1}"
     written = read_map(tagslam_file(tmp_path, tag=ones), "tagslam", TAGS)
     assert variances(written, 1) == pytest.approx([0] * 6)
-    assert any("how well the tags 1 are known" in warning for warning in written.warnings)
+    assert any("the uncertainty of the tags 1" in warning for warning in written.warnings)
     asked = read_map(tagslam_file(tmp_path, tag=ones, top="body_defaults: {}"), "tagslam", TAGS)
     assert variances(asked, 1) == pytest.approx([1] * 6)
 
@@ -85,10 +85,10 @@ def test_an_exact_place_in_tagslam_has_the_deviations_of_its_examples(tmp_path):
         (dict(type="board"), ":2: body 'room' is a board, which does not list its tags"),
         (dict(pose=""), ":2: body 'room' has no pose: .* convert the poses.yaml"),
         (dict(pose=f"pose: {{{NOWHERE}}}"), ":5: a pose needs either .* or R, this has none"),
-        (dict(body="tag_size: 0.1"), ":4: 'tag_size' is no name that body 'room' has"),
+        (dict(body="tag_size: 0.1"), ":4: 'tag_size' is not a name in body 'room'"),
         (dict(tags="{id: 1, size: 0.2}"), ":8: tag 1 has no pose: .* convert the poses.yaml"),
         (dict(tags=f"{{id: 1, pose: {{{NOWHERE}, {NOISE}}}}}"), ":8: the tag lacks 'size', and its body"),
-        (dict(tags="{id: 1, size: 0.2, center: {}}"), ":8: 'center' is no name that a tag has"),
+        (dict(tags="{id: 1, size: 0.2, center: {}}"), ":8: 'center' is not a name in a tag"),
         (
             dict(tags="{id: 1, size: 0.2, bits: 5}"),
             r":8: 'bits' 5 is tag25h9, the map is of tag36h11 \(--family",
@@ -96,7 +96,7 @@ def test_an_exact_place_in_tagslam_has_the_deviations_of_its_examples(tmp_path):
         (dict(tags="{id: 1, size: 0.2, bits: 9}"), ":8: 'bits' 9 is no family of tagslam"),
         (dict(tags=""), ": has no markers"),
         (dict(tag="R: [1, 2]"), ":8: 'R' must be a list of 36 numbers"),
-        (dict(tag=f"R: [{', '.join(['0'] * 36)}]"), ":8: 'R' has no inverse"),
+        (dict(tag=f"R: [{', '.join(['0'] * 36)}]"), ":8: 'R' is singular"),
         (
             dict(tag="R: " + str((1e-9 * np.eye(6)).ravel().tolist())),
             ":8: 'R' has standard deviations of more",
@@ -111,9 +111,9 @@ def test_an_exact_place_in_tagslam_has_the_deviations_of_its_examples(tmp_path):
         (dict(tag=NOISE.replace("x: 0.001", "x: .nan")), ":8: 'x' must be a finite number, not nan"),
         (dict(tag=NOISE.replace("x: 0.001, ", "")), ":8: 'rotation_noise' lacks 'x'"),
         (dict(place="position: {x: 0, y: 0, z: 0}"), ":8: a pose lacks 'rotation'"),
-        (dict(place=NOWHERE + ", yaw: 1"), ":8: 'yaw' is no name that a pose has"),
-        (dict(top="bodys: []"), ":10: 'bodys' is no name that a tagslam.yaml has"),
-        (dict(top="- room: {type: simple, is_static: true}"), ":10: 'room' is there twice"),
+        (dict(place=NOWHERE + ", yaw: 1"), ":8: 'yaw' is not a name in a pose"),
+        (dict(top="bodys: []"), ":10: 'bodys' is not a name in a tagslam.yaml"),
+        (dict(top="- room: {type: simple, is_static: true}"), ":10: 'room' is defined twice"),
     ],
 )
 def test_tagslam_refuses(tmp_path, parts, reason):
@@ -136,4 +136,4 @@ def test_bodies_of_tagslam_share_their_error(tmp_path):
     other = f"- hall: {{type: simple, is_static: true, pose: {{{NOWHERE}, {NOISE}}}, tags: [{tag}]}}"
     read = read_map(tagslam_file(tmp_path, top=other), "tagslam", TAGS)
     assert [marker.id for marker in read.marker_map.markers] == [1, 4]
-    assert any("how well the bodies room, hall are known" in warning for warning in read.warnings)
+    assert any("the uncertainty of the bodies room, hall" in warning for warning in read.warnings)

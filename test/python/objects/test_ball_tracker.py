@@ -6,8 +6,8 @@ import pytest
 from sextant.objects.ball_tracker import BallTracker, BallTrackerParams
 from sextant.simulation.ball_ground import BallGround, Pillar
 
-RATE = 15.0  # pictures a second
-SIGMAS = np.array([0.016, 0.004])  # of a sighting at 2 m
+RATE = 15.0  # images per second
+SIGMAS = np.array([0.016, 0.004])  # of an observation at 2 m
 COVARIANCE = np.diag(SIGMAS**2)
 
 
@@ -20,7 +20,7 @@ def always(_position):
 
 
 class Roll:
-    """A ball on a floor, seen now and then; errors of what is told of it."""
+    """A ball on a floor, observed at times; errors of its estimates."""
 
     def __init__(self, velocity=(0.0, 0.0), seed=0, pillars=(), **settings):
         self.random = np.random.default_rng([seed, 9])
@@ -29,18 +29,20 @@ class Roll:
         self.tracker = BallTracker(BallTrackerParams(**settings))
         self.errors, self.nees = [], []
 
-    def sighting(self):
+    def observation(self):
         return seen(self.ground.ball + SIGMAS * self.random.standard_normal(2))
 
     def go(self, seconds, sees=True):
         for _ in range(round(seconds * RATE)):
             self.ground.advance(1.0 / RATE)
-            self.tracker.look(self.ground.stamp, [self.sighting()] if sees else [], lambda position: sees)
-            told = self.tracker.at(self.ground.stamp)
-            if told is not None:
-                off = told.position - self.ground.ball
-                self.errors.append([*off, *(told.velocity - self.ground.ball_velocity)])
-                self.nees.append(off @ np.linalg.solve(told.covariance[:2, :2], off))
+            self.tracker.update(
+                self.ground.stamp, [self.observation()] if sees else [], lambda position: sees
+            )
+            estimate = self.tracker.at(self.ground.stamp)
+            if estimate is not None:
+                error = estimate.position - self.ground.ball
+                self.errors.append([*error, *(estimate.velocity - self.ground.ball_velocity)])
+                self.nees.append(error @ np.linalg.solve(estimate.covariance[:2, :2], error))
         return self
 
     @property
@@ -48,7 +50,7 @@ class Roll:
         return np.linalg.norm(np.array(self.errors)[:, 2:], axis=1)
 
 
-def test_a_ball_that_lies_does_not_drift():
+def test_a_resting_ball_does_not_drift():
     rolls = [Roll(seed=seed).go(6.0) for seed in range(6)]
     late = np.array([roll.errors[45:] for roll in rolls])
     assert np.linalg.norm(late[..., :2], axis=-1).max() < 0.02
@@ -56,7 +58,7 @@ def test_a_ball_that_lies_does_not_drift():
     assert 0.3 < np.mean([roll.nees[15:] for roll in rolls]) / 2 < 1.3
 
 
-def test_a_ball_that_rolls_is_followed_until_it_lies():
+def test_a_rolling_ball_is_tracked_until_it_rests():
     rolls = [Roll((speed, 0.1), seed).go(4.0) for seed, speed in enumerate(np.linspace(0.4, 1.0, 6))]
     speeds = np.array([roll.speed_errors[8:] for roll in rolls])
     assert np.sqrt(np.mean(speeds**2)) < 0.06
@@ -64,104 +66,106 @@ def test_a_ball_that_rolls_is_followed_until_it_lies():
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_a_kick_is_followed_within_a_third_of_a_second(seed):
+def test_a_kick_is_tracked_within_a_third_of_a_second(seed):
     roll = Roll(seed=seed).go(3.0)
     roll.ground.ball_velocity = np.array([0.9, -0.2])
     roll.errors.clear()
     roll.go(1.5)
-    assert np.median(roll.speed_errors[5:10]) < 0.12  # one sighting may look like another hit
+    assert np.median(roll.speed_errors[5:10]) < 0.12  # one observation may update like another hit
     assert roll.speed_errors[10:].max() < 0.15
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_a_bounce_is_followed(seed):
+def test_a_bounce_is_tracked(seed):
     roll = Roll((0.9, 0.0), seed, [Pillar(0.6, 0.01, 0.05, "red_pillar")]).go(1.5)
     assert roll.ground.ball_velocity[0] < 0
     assert roll.speed_errors[-5:].max() < 0.2
 
 
 @pytest.mark.slow
-def test_a_ball_out_of_view_is_kept_less_and_less_surely_up_to_a_minute():
+def test_a_ball_out_of_view_is_kept_with_growing_covariance_up_to_a_minute():
     roll = Roll().go(2.0)
     sure = roll.tracker.at(roll.ground.stamp).covariance
     roll.go(59.0, sees=False)
-    told = roll.tracker.at(roll.ground.stamp)
-    np.testing.assert_allclose(told.position, roll.ground.ball, atol=0.02)
-    assert told.covariance[0, 0] > 3.0 * sure[0, 0]
+    estimate = roll.tracker.at(roll.ground.stamp)
+    np.testing.assert_allclose(estimate.position, roll.ground.ball, atol=0.02)
+    assert estimate.covariance[0, 0] > 3.0 * sure[0, 0]
     assert roll.go(4.0, sees=False).tracker.at(roll.ground.stamp) is None
 
 
-def test_a_ball_that_should_be_seen_and_is_not_is_gone():
-    tracker = BallTracker(BallTrackerParams(missed=5))
+def test_a_ball_in_view_but_not_detected_is_deleted():
+    tracker = BallTracker(BallTrackerParams(max_misses=5))
     for i in range(5):
-        tracker.look(0.1 * i, [seen([1.0, 0.0])], always)
+        tracker.update(0.1 * i, [seen([1.0, 0.0])], always)
     for i in range(5, 9):
-        tracker.look(0.1 * i, [], always)
+        tracker.update(0.1 * i, [], always)
         assert tracker.at(0.1 * i) is not None
-    tracker.look(0.9, [], always)
+    tracker.update(0.9, [], always)
     assert tracker.at(0.9) is None
 
 
-def test_where_it_is_looked_for_is_where_it_would_be():
+def test_the_expected_position_is_the_predicted_one():
     tracker, asked = BallTracker(BallTrackerParams()), []
     for i in range(10):
-        tracker.look(0.1 * i, [seen([0.06 * i, 0.5])], always)
-    tracker.look(1.4, [], asked.append)
+        tracker.update(0.1 * i, [seen([0.06 * i, 0.5])], always)
+    tracker.update(1.4, [], asked.append)
     np.testing.assert_allclose(asked, [[0.54 + 0.5 * 0.5, 0.5]], atol=0.15)
 
 
-def test_of_several_the_one_that_fits_is_followed():
+def test_of_several_balls_the_nearest_is_associated():
     tracker = BallTracker(BallTrackerParams())
     for i in range(20):
         balls = [seen([3.0, 3.0]), seen([1.0, 0.0])] if i > 3 else [seen([1.0, 0.0])]
-        tracker.look(0.1 * i, balls, always)
+        tracker.update(0.1 * i, balls, always)
     np.testing.assert_allclose(tracker.at(1.9).position, [1.0, 0.0], atol=0.01)
 
 
-def test_a_ball_elsewhere_is_believed_after_some_sightings():
-    tracker = BallTracker(BallTrackerParams(move=4, missed=100))
+def test_a_ball_elsewhere_is_confirmed_after_some_observations():
+    tracker = BallTracker(BallTrackerParams(relocate_hits=4, max_misses=100))
     for i in range(10):
-        tracker.look(0.1 * i, [seen([1.0, 0.0])], always)
+        tracker.update(0.1 * i, [seen([1.0, 0.0])], always)
     for i in range(10, 14):
         np.testing.assert_allclose(tracker.at(0.1 * i).position, [1.0, 0.0], atol=0.01)
-        tracker.look(0.1 * i, [seen([3.0, 1.0])], always)
+        tracker.update(0.1 * i, [seen([3.0, 1.0])], always)
     np.testing.assert_allclose(tracker.at(1.3).position, [3.0, 1.0], atol=0.02)
 
 
-def test_one_sighting_of_something_is_no_ball():
-    tracker = BallTracker(BallTrackerParams(begin=2))
-    tracker.look(0.0, [seen([1.0, 0.0])], always)
+def test_one_observation_confirms_no_ball():
+    tracker = BallTracker(BallTrackerParams(confirm_hits=2))
+    tracker.update(0.0, [seen([1.0, 0.0])], always)
     assert tracker.at(0.0) is None
-    tracker.look(0.1, [seen([2.0, 1.0])], always)
+    tracker.update(0.1, [seen([2.0, 1.0])], always)
     assert tracker.at(0.1) is None
-    tracker.look(0.2, [seen([2.0, 1.0])], always)
+    tracker.update(0.2, [seen([2.0, 1.0])], always)
     assert tracker.at(0.2) is not None
 
 
-def test_looks_that_come_late_count_as_if_they_had_not():
-    looks = [(0.1 * i, [seen([0.05 * i, 0.02 * (i % 3)])], always) for i in range(12)]
+def test_late_images_give_the_same_estimate_as_images_in_order():
+    scans = [(0.1 * i, [seen([0.05 * i, 0.02 * (i % 3)])], always) for i in range(12)]
     in_order, mixed = BallTracker(BallTrackerParams()), BallTracker(BallTrackerParams())
-    for look in looks:
-        in_order.look(*look)
+    for scan in scans:
+        in_order.update(*scan)
     for i in (0, 1, 2, 4, 3, 5, 8, 6, 7, 9, 11, 10):
-        mixed.look(*looks[i])
+        mixed.update(*scans[i])
     for stamp in (1.1, 1.5):
         a, b = in_order.at(stamp), mixed.at(stamp)
         np.testing.assert_allclose(a.position, b.position)
         np.testing.assert_allclose(a.covariance, b.covariance)
 
 
-def test_an_earlier_moment_and_forgetting():
+def test_an_earlier_stamp_and_clearing():
     tracker = BallTracker(BallTrackerParams())
     for i in range(10):
-        tracker.look(0.1 * i, [seen([0.06 * i, 0.0])], always)
+        tracker.update(0.1 * i, [seen([0.06 * i, 0.0])], always)
     assert tracker.at(0.5).position[0] == pytest.approx(0.3, abs=0.05)
     assert tracker.at(-1.0) is None
     tracker.clear()
     assert tracker.at(1.0) is None
 
 
-@pytest.mark.parametrize("name, value", [("begin", 0), ("move", 0), ("missed", 0), ("memory", 0.0)])
-def test_a_setting_out_of_range_is_named(name, value):
+@pytest.mark.parametrize(
+    "name, value", [("confirm_hits", 0), ("relocate_hits", 0), ("max_misses", 0), ("max_age", 0.0)]
+)
+def test_a_parameter_out_of_range_is_named(name, value):
     with pytest.raises(ValueError, match=f"{name}: must be within .*, is {value}"):
         BallTracker(BallTrackerParams(**{name: value}))

@@ -30,7 +30,7 @@ def test_the_axis_of_a_pillar_is_its_radius_off_both_sides(x, y):
     foot, top = (np.column_stack([circle() + [x, y], np.full(2000, z)]) for z in (0.0, 0.4))
     found = pillar_tangents(corners_of(np.vstack([foot, top])))
     middle = np.array([x, y]) - T[:2, 3]
-    # An outline is a straight line in the picture only where the camera is far: the box is about all of it.
+    # The outline is a straight line in the image only at a distance: the box contains nearly all of it.
     np.testing.assert_allclose(found.normals @ middle, RADIUS, atol=0.003)
     np.testing.assert_array_equal(found.sides, [LEFT, RIGHT])
     np.testing.assert_allclose(found.middle, middle / np.linalg.norm(middle), atol=0.003)

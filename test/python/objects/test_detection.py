@@ -1,19 +1,21 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Of several boxes on one thing, the surest is told."""
+"""Non-maximum suppression keeps the box with the highest score."""
 
 import numpy as np
 import pytest
 
-from sextant.objects.detection import NOTHING, Detections, check_picture, names_of, suppressed
+from sextant.objects.detection import NO_DETECTIONS, Detections, check_image, non_maximum_suppression
 
 # The second and the third overlap the first by 1/3 and 9/11.
 BOXES = np.array([[0, 0, 10, 10], [5, 0, 15, 10], [0, 1, 10, 11], [40, 40, 50, 50]], float)
 SCORES = np.array([0.9, 0.8, 0.7, 0.6])
 
 
-def kept(classes, overlap, class_agnostic=False, most=100):
-    found = suppressed(Detections(BOXES, SCORES, np.array(classes)), overlap, class_agnostic, most)
+def kept(classes, max_overlap, class_agnostic=False, max_objects=100):
+    found = non_maximum_suppression(
+        Detections(BOXES, SCORES, np.array(classes)), max_overlap, class_agnostic, max_objects
+    )
     assert all(len(part) == len(found.scores) for part in found)
     return [SCORES.tolist().index(score) for score in found.scores]
 
@@ -22,30 +24,26 @@ def kept(classes, overlap, class_agnostic=False, most=100):
     "overlap, left",
     [(0.3, [0, 3]), (0.34, [0, 1, 3]), (0.81, [0, 1, 3]), (0.83, [0, 1, 2, 3]), (1.0, [0, 1, 2, 3])],
 )
-def test_two_are_one_from_an_overlap_on(overlap, left):
+def test_boxes_are_suppressed_from_an_overlap_on(overlap, left):
     assert kept([0, 0, 0, 0], overlap) == left
 
 
-def test_things_of_two_classes_are_two_unless_it_is_told_otherwise():
+def test_boxes_of_two_classes_are_kept_unless_class_agnostic():
     assert kept([0, 0, 1, 0], 0.5) == [0, 1, 2, 3]
     assert kept([0, 0, 1, 0], 0.5, class_agnostic=True) == [0, 1, 3]
 
 
-def test_the_surest_are_told():
-    assert kept([0, 1, 2, 3], 0.5, most=2) == [0, 1]
+def test_only_the_highest_scores_are_kept():
+    assert kept([0, 1, 2, 3], 0.5, max_objects=2) == [0, 1]
 
 
-def test_of_nothing_nothing_is_left():
-    assert len(suppressed(NOTHING, 0.5, False, 10).boxes) == 0
-
-
-def test_classes_are_named():
-    assert names_of(np.array([1, 0, 1]), ["ball", "pillar"]) == ["pillar", "ball", "pillar"]
+def test_no_detections_stay_none():
+    assert len(non_maximum_suppression(NO_DETECTIONS, 0.5, False, 10).boxes) == 0
 
 
 @pytest.mark.parametrize(
     "shape, kind", [((4, 4), "uint8"), ((4, 4, 4), "uint8"), ((0, 4, 3), "uint8"), ((4, 4, 3), "float32")]
 )
-def test_what_is_no_colour_picture_is_refused(shape, kind):
+def test_an_image_without_colours_is_refused(shape, kind):
     with pytest.raises(ValueError, match=r"it must be uint8 \(height, width, 3\)"):
-        check_picture(np.zeros(shape, kind))
+        check_image(np.zeros(shape, kind))

@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""A picture in the input of a network, and boxes back."""
+"""Letterboxing of an image, and transformation of boxes."""
 
 import numpy as np
 import pytest
 
-from sextant.objects.letter_box import GREY, blob_of, boxed, letter_box
+from sextant.objects.letter_box import GREY, blob_of, letter_box, letterboxed
 
 SIZES = [(640, 480), (480, 640), (641, 333), (100, 100), (31, 1000), (7, 2000)]
 
@@ -39,13 +39,15 @@ def test_a_picture_of_four_by_three_has_grey_above_and_below():
 
 
 @pytest.mark.parametrize("size, taken", [((640, 480), (160, 160)), ((50, 30), (128, 96))])
-def test_what_is_seen_is_where_its_box_says(size, taken):
+def test_what_is_seen_is_inside_its_box(size, taken):
     """A white rectangle on black, found again by its brightness."""
     image = np.zeros((size[1], size[0], 3), np.uint8)
     low, high = np.array(size) // 5, np.array(size) // 2
     image[low[1] : high[1], low[0] : high[0]] = 255
     box = letter_box(size, taken)
-    inside = boxed(image, box, taken)[box.top : box.top + box.inner[1], box.left : box.left + box.inner[0], 0]
+    inside = letterboxed(image, box, taken)[
+        box.top : box.top + box.inner[1], box.left : box.left + box.inner[0], 0
+    ]
     rows, columns = inside.sum(axis=1, dtype=float), inside.sum(axis=0, dtype=float)
     x0, y0, x1, y1 = box.to_input(np.array([[*low, *high]], float))[0]
     assert [x1 - x0, y1 - y0] == pytest.approx([rows.max() / 255, columns.max() / 255], abs=0.6)

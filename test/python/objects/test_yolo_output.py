@@ -5,7 +5,7 @@
 import numpy as np
 import pytest
 
-from sextant.objects.yolo_output import cell_middles, decoded, joined, places_of
+from sextant.objects.yolo_output import cell_middles, decoded, joined, prediction_count
 
 SIZE = (64, 96)  # 8 × 12, 4 × 6 and 2 × 3 cells
 PLACES = 96 + 24 + 6
@@ -94,7 +94,7 @@ def test_outputs_of_other_shapes_beside_do_not_matter():
 
 
 def test_places_are_counted_and_stand_row_by_row():
-    assert places_of(SIZE) == PLACES and places_of((640, 640)) == 8400
+    assert prediction_count(SIZE) == PLACES and prediction_count((640, 640)) == 8400
     middles, strides = cell_middles(SIZE)
     assert middles[[0, 1, 8, 96, -1]].tolist() == [[4, 4], [12, 4], [4, 12], [8, 8], [48, 80]]
     assert strides[[0, 95, 96, 119, 120]].tolist() == [8, 8, 16, 16, 32]
@@ -122,7 +122,7 @@ def test_what_is_no_such_network_is_named_with_what_is_needed(shapes):
         joined([np.zeros(shape, np.float32) for shape in shapes], SIZE, 3)
     text = ", ".join("×".join(map(str, shape)) for shape in shapes)
     assert str(error.value).startswith(
-        f"says {text or 'a number'}; 3 classes and 64×96 pixels need 1×7×126 (a full"
+        f"outputs {text or 'a number'}; 3 classes and 64×96 pixels need 1×7×126 (a full"
     )
     assert "1×67×126 in one or more outputs" in str(error.value)
 
@@ -132,12 +132,14 @@ def test_what_is_no_such_network_is_named_with_what_is_needed(shapes):
 def test_what_is_no_number_is_refused(value, row):
     outputs = whole(*cut(3))
     outputs[0][0, row, PLACE] = value
-    with pytest.raises(ValueError, match="says what is no finite number"):
+    with pytest.raises(ValueError, match="outputs are not finite"):
         decoded(outputs, SIZE, 3, 0.4)
 
 
 def test_a_full_export_without_its_sigmoid_is_refused():
     outputs = np.zeros((1, 7, PLACES))
     outputs[0, 5, 3] = -2.5
-    with pytest.raises(ValueError, match=r"says scores of -2.5 to 0; those of a full export are in \[0, 1\]"):
+    with pytest.raises(
+        ValueError, match=r"outputs scores of -2.5 to 0; a full export has scores in \[0, 1\]"
+    ):
         decoded([outputs], SIZE, 3, 0.4)

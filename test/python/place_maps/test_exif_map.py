@@ -26,44 +26,44 @@ def photo(path, latitude=None, longitude=None):
     return path
 
 
-def test_photos_lie_where_their_exif_says(tmp_path):
+def test_photos_are_placed_by_their_exif(tmp_path):
     photo(tmp_path / "b.jpg", 55.605, 13.01)
     photo(tmp_path / "a" / "c.jpg", 55.61, 13.0)
-    made = exif_map(PlaceMap(tmp_path, OVERVIEW, (), CORNERS), find_photos(tmp_path))
-    assert [(p.id, p.image) for p in made.place_map.photos] == [(0, "a/c.jpg"), (1, "b.jpg")]
-    assert [(p.x, p.y) for p in made.place_map.photos] == [pytest.approx((0, 0)), pytest.approx((200, 100))]
-    assert [p.yaw for p in made.place_map.photos] == pytest.approx([0, 0])
-    assert made.left_out == {}
-    made.place_map.check()
+    made, left_out = exif_map(PlaceMap(tmp_path, OVERVIEW, (), CORNERS), find_photos(tmp_path))
+    assert [(p.id, p.image) for p in made.photos] == [(0, "a/c.jpg"), (1, "b.jpg")]
+    assert [(p.x, p.y) for p in made.photos] == [pytest.approx((0, 0)), pytest.approx((200, 100))]
+    assert [p.yaw for p in made.photos] == pytest.approx([0, 0])
+    assert left_out == {}
+    made.check()
 
 
 def test_photos_that_cannot_be_placed_are_named(tmp_path):
     nowhere, far = photo(tmp_path / "a.jpg"), photo(tmp_path / "b.jpg", 55.7, 13.01)
     (tmp_path / "c.jpg").write_text("text")
-    made = exif_map(PlaceMap(tmp_path, OVERVIEW, (), CORNERS), find_photos(tmp_path))
-    assert made.place_map.photos == ()
-    reasons = {path.name: reason for path, reason in made.left_out.items()}
-    assert reasons["a.jpg"] == f"{nowhere}: its EXIF does not say where it was taken"
+    made, left_out = exif_map(PlaceMap(tmp_path, OVERVIEW, (), CORNERS), find_photos(tmp_path))
+    assert made.photos == ()
+    reasons = {path.name: reason for path, reason in left_out.items()}
+    assert reasons["a.jpg"] == f"{nowhere}: its EXIF has no GPS position"
     assert reasons["b.jpg"].startswith(f"{far}: photo 0: y is -1800, outside the overview")
-    assert reasons["c.jpg"] == f"{tmp_path / 'c.jpg'}: is no picture"
+    assert reasons["c.jpg"] == f"{tmp_path / 'c.jpg'}: is not an image"
 
 
 def test_ids_go_on_and_photos_of_the_map_stay(tmp_path):
     begun = PlaceMap(tmp_path, OVERVIEW, (Photo(7, "b.jpg", 1, 2),), CORNERS)
     photos = [photo(tmp_path / name, 55.605, 13.01) for name in ("b.jpg", "c.jpg")]
-    made = exif_map(begun, photos)
-    assert made.place_map.photos == (*begun.photos, Photo(8, "c.jpg", 200, 100, 0))
-    assert made.left_out == {photos[0]: f"{photos[0]}: is in the map already"}
+    made, left_out = exif_map(begun, photos)
+    assert made.photos == (*begun.photos, Photo(8, "c.jpg", 200, 100, 0))
+    assert left_out == {photos[0]: f"{photos[0]}: is already in the map"}
 
 
 def test_photos_elsewhere_are_refused(tmp_path):
     path = photo(tmp_path / "a.jpg", 55.605, 13.01)
-    with pytest.raises(ValueError, match="a.jpg: photos have to lie in"):
+    with pytest.raises(ValueError, match="a.jpg: photos must be in"):
         exif_map(PlaceMap(tmp_path / "map", OVERVIEW, (), CORNERS), [path])
 
 
 def test_a_map_without_corners_is_refused(tmp_path):
-    with pytest.raises(ValueError, match="is not known"):
+    with pytest.raises(ValueError, match="are unknown"):
         exif_map(PlaceMap(tmp_path, OVERVIEW), [])
 
 
@@ -76,7 +76,7 @@ def test_corners_leave_a_margin_all_around():
 
 
 def test_no_position_has_no_corners():
-    with pytest.raises(ValueError, match="no photo says where it was taken"):
+    with pytest.raises(ValueError, match="no photo has a GPS position"):
         corners_around([], 10)
 
 
@@ -87,5 +87,5 @@ def test_all_street_photos_are_placed():
     assert unknown == {}
     corners = corners_around(list(positions.values()), 20)
     assert extent(corners) == pytest.approx((56 + 40, 170 + 40), abs=12)
-    made = exif_map(PlaceMap(LUND, Overview("street.png", 1000, 2000), (), corners), photos)
-    assert len(made.place_map.photos) == 29 and made.left_out == {}
+    made, left_out = exif_map(PlaceMap(LUND, Overview("street.png", 1000, 2000), (), corners), photos)
+    assert len(made.photos) == 29 and left_out == {}

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""The textured rectangle, read as the standard (COLLADA 1.4.1) says."""
+"""The textured rectangle, read by the standard (COLLADA 1.4.1)."""
 
 import xml.etree.ElementTree as ElementTree
 
@@ -18,7 +18,7 @@ def numbers(root, name, width):
     return np.array(text.split(), float).reshape(-1, width)
 
 
-def test_the_picture_lies_upright_in_its_size(tmp_path):
+def test_the_image_lies_upright_in_its_size(tmp_path):
     mesh = write_overview_mesh(tmp_path, PICTURE, 20.5, 10.25)
     root = ElementTree.parse(str(mesh)).getroot()
     corners, uv = numbers(root, "corners_array", 3), numbers(root, "uv_array", 2)
@@ -30,7 +30,7 @@ def test_the_picture_lies_upright_in_its_size(tmp_path):
     np.testing.assert_allclose(area, 20.5 * 10.25 / 2)  # both seen from above
 
 
-def test_the_texture_is_the_picture(tmp_path):
+def test_the_texture_is_the_image(tmp_path):
     mesh = write_overview_mesh(tmp_path, PICTURE, 2.0, 1.0)
     root = ElementTree.parse(str(mesh)).getroot()
     texture = root.find(".//c:image/c:init_from", COLLADA).text

@@ -58,12 +58,12 @@ def test_a_photo_without_coordinates_has_none(tmp_path):
 
 def test_coordinates_that_are_none_are_refused(tmp_path):
     path = written(tmp_path / "a.jpg", gps((95.0, 0, 0), "N", (13.0, 0, 0), "E"))
-    with pytest.raises(ValueError, match="a.jpg: the coordinates in its EXIF are none"):
+    with pytest.raises(ValueError, match="a.jpg: the coordinates in its EXIF are invalid"):
         geo_position(path)
 
 
 @pytest.mark.skipif(not LUND.is_dir(), reason="external test data")
-def test_every_street_photo_says_where_it_was_taken():
+def test_every_street_photo_has_a_position():
     positions = [geo_position(path) for path in sorted(LUND.glob("*.jpg"))]
     assert len(positions) == 29
     assert all(55.6 < position.latitude < 55.8 and 13.1 < position.longitude < 13.3 for position in positions)
@@ -83,7 +83,7 @@ def test_a_large_jpeg_is_read_smaller_but_not_too_small(tmp_path):
     assert read_grey(written(tmp_path / "b.jpg", size=(300, 200)), 320).shape == (200, 300)
 
 
-def test_a_colour_picture_becomes_grey(tmp_path):
+def test_a_colour_image_becomes_grey(tmp_path):
     Image.new("RGB", (8, 8), (255, 0, 0)).save(tmp_path / "a.png")
     assert read_grey(tmp_path / "a.png").tolist() == [[76] * 8] * 8  # ITU-R BT.601
 
@@ -98,25 +98,18 @@ def test_colours_are_blue_green_red(tmp_path):
 
 @pytest.mark.parametrize("name", ["a.png", "a.tif"])
 def test_of_16_bits_the_upper_8_are_taken(tmp_path, name):
-    pixels = np.arange(12, dtype=np.uint16).reshape(3, 4) * 5000
+    pixels = np.array([[0, 1, 255, 256], [5000, 30000, 55000, 65535]], np.uint16)
     Image.fromarray(pixels).save(tmp_path / name)
     assert read_grey(tmp_path / name).tolist() == (pixels // 256).tolist()
     assert read_rgb(tmp_path / name)[:, :, 1].tolist() == (pixels // 256).tolist()
 
 
-@pytest.mark.parametrize("pixels", [np.zeros((3, 4), np.float32), np.full((3, 4), 70000, np.int32)])
-def test_pixels_of_no_photo_are_refused(tmp_path, pixels):
-    Image.fromarray(pixels).save(tmp_path / "a.tif")
-    with pytest.raises(ValueError, match="a.tif: its pixels .* save it with 8 or 16"):
-        read_grey(tmp_path / "a.tif")
-
-
-def test_a_damaged_exif_is_told(tmp_path):
+def test_a_damaged_exif_is_reported(tmp_path):
     exif = Image.Exif()
     exif[ORIENTATION], exif[0x010F] = 6, "maker"
     words_for_a_width = exif.tobytes().replace(b"\x01\x0f\x00\x02", b"\x01\x00\x00\x02")
     Image.new("L", (8, 6)).save(tmp_path / "a.jpg", exif=words_for_a_width)
-    with pytest.raises(ValueError, match="a.jpg: the picture is damaged"):
+    with pytest.raises(ValueError, match="a.jpg: the image is damaged"):
         read_grey(tmp_path / "a.jpg")
 
 
@@ -125,7 +118,7 @@ def test_a_large_jpeg_in_colour_is_read_smaller_too(tmp_path):
     assert decode_colour(path.read_bytes(), path, 320).shape == (512, 384, 3)
 
 
-def test_a_picture_in_colour_is_upright_and_white_where_it_is_transparent(tmp_path):
+def test_an_image_in_colour_is_upright_and_white_where_it_is_transparent(tmp_path):
     exif = Image.Exif()
     exif[ORIENTATION] = 6
     image = Image.new("RGBA", (8, 4), (10, 20, 30, 255))
@@ -142,15 +135,15 @@ def test_a_truncated_photo_is_refused(tmp_path, name, left):
     path = tmp_path / name
     Image.fromarray(np.random.default_rng(1).integers(0, 255, (200, 300)).astype(np.uint8)).save(path)
     path.write_bytes(path.read_bytes()[: int(left * path.stat().st_size)])
-    with pytest.raises(ValueError, match=f"{name}: the picture is damaged"):
+    with pytest.raises(ValueError, match=f"{name}: the image is damaged"):
         read_grey(path, 320)
 
 
 @pytest.mark.parametrize("content", [b"", b"no picture", b"\xff\xd8\xff"])
 @pytest.mark.parametrize("read", [read_grey, read_rgb, photo_size, geo_position])
-def test_what_is_no_picture_is_refused(tmp_path, content, read):
+def test_what_is_no_image_is_refused(tmp_path, content, read):
     (tmp_path / "a.jpg").write_bytes(content)
-    with pytest.raises(ValueError, match="a.jpg: is no picture"):
+    with pytest.raises(ValueError, match="a.jpg: is not an image"):
         read(tmp_path / "a.jpg")
 
 
@@ -170,8 +163,6 @@ def half(dtype, white):
 @pytest.mark.parametrize(
     "name, image, more",
     [
-        ("a.png", Image.fromarray(half(np.uint16, 0xFFFF)), {}),
-        ("a.tif", Image.fromarray(half(np.uint16, 0xFFFF)), {}),
         ("a.jpg", Image.fromarray(half(np.uint8, 255)).convert("CMYK"), {}),
         ("a.png", Image.fromarray(half(np.uint8, 255)).convert("P"), {}),
         ("a.png", Image.fromarray(half(np.uint8, 1)).convert("P"), {"transparency": bytes([255, 0])}),
@@ -189,7 +180,7 @@ def test_black_is_black_and_white_is_white(tmp_path, name, image, more):
 
 
 @pytest.mark.parametrize("name", ["a.gif", "a.webp", "a.png"])
-def test_of_a_moving_picture_the_first_is_read(tmp_path, name):
+def test_of_a_moving_image_the_first_is_read(tmp_path, name):
     frames = [Image.new("L", (8, 8), grey).convert("RGB") for grey in (200, 50)]
     frames[0].save(tmp_path / name, save_all=True, append_images=frames[1:], lossless=True)
     assert abs(int(read_grey(tmp_path / name)[0, 0]) - 200) < 3
@@ -208,12 +199,12 @@ def test_what_is_cut_off_in_its_header_is_named(tmp_path, name, left, read):
     noise = np.random.default_rng(1).integers(0, 255, (99, 99)).astype(np.uint8)
     Image.fromarray(noise).save(tmp_path / name)
     (tmp_path / name).write_bytes((tmp_path / name).read_bytes()[:left])
-    with pytest.raises(ValueError, match=f"{name}: is no picture"):
+    with pytest.raises(ValueError, match=f"{name}: is not an image"):
         read(tmp_path / name)
 
 
 def test_no_program_is_run_for_a_photo(tmp_path):
     drawing = b"%!PS-Adobe-3.0 EPSF-3.0\n%%BoundingBox: 0 0 10 10\n%%EndComments\nshowpage\n"
     (tmp_path / "a.jpg").write_bytes(drawing)
-    with pytest.raises(ValueError, match="a.jpg: is EPS, no photo; allowed are JPEG"):
+    with pytest.raises(ValueError, match="a.jpg: has format EPS; allowed are JPEG"):
         read_grey(tmp_path / "a.jpg")

@@ -31,5 +31,5 @@ def test_nothing_but_positions_changes():
 
 @pytest.mark.parametrize("count", [0, 8])
 def test_as_many_parts_as_there_are_places_at_most(count):
-    with pytest.raises(ValueError, match=f"7 places cannot be {count} parts"):
+    with pytest.raises(ValueError, match=f"7 places cannot be divided into {count} clusters"):
         clustered(MAP, count)

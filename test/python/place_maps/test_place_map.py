@@ -49,7 +49,7 @@ def test_there_and_back(x, y):
     assert CORNERS.pixel(OVERVIEW, *CORNERS.coordinates(OVERVIEW, x, y)) == pytest.approx((x, y))
 
 
-def test_corners_are_the_pictures():
+def test_corners_are_the_images():
     assert CORNERS.coordinates(OVERVIEW, 0, 0) == pytest.approx((55.61, 13.00))
     assert CORNERS.coordinates(OVERVIEW, 400, 200) == pytest.approx((55.60, 13.02))
     assert CORNERS.coordinates(OVERVIEW, 100, 50) == pytest.approx((55.6075, 13.005))
@@ -64,15 +64,15 @@ def test_a_right_map_is_let_through():
 @pytest.mark.parametrize(
     "photo, reason",
     [
-        (Photo(0, "c.jpg", 1, 1), "photo 0 is there twice: a.jpg and c.jpg"),
-        (Photo(9, "a.jpg", 1, 1), "a.jpg is there twice: as photo 0 and 9"),
+        (Photo(0, "c.jpg", 1, 1), "duplicate photo id 0: a.jpg and c.jpg"),
+        (Photo(9, "a.jpg", 1, 1), "duplicate image a.jpg: photos 0 and 9"),
         (Photo(-1, "c.jpg", 1, 1), "id is -1, allowed are 0 to 2147483647"),
         (Photo(2**31, "c.jpg", 1, 1), "id is 2147483648"),
-        (Photo(9, "", 1, 1), "an image has no name"),
-        (Photo(9, "../c.jpg", 1, 1), r"'\.\./c.jpg' lies outside the map's folder"),
-        (Photo(9, "/c.jpg", 1, 1), "'/c.jpg' lies outside the map's folder"),
-        (Photo(9, "c;d.jpg", 1, 1), "';' and line ends are not possible; rename it"),
-        (Photo(9, "c.jpg ", 1, 1), "blanks around a name"),
+        (Photo(9, "", 1, 1), "an image has no file name"),
+        (Photo(9, "../c.jpg", 1, 1), r"'\.\./c.jpg' is outside of the map's folder"),
+        (Photo(9, "/c.jpg", 1, 1), "'/c.jpg' is outside of the map's folder"),
+        (Photo(9, "c;d.jpg", 1, 1), "';', line ends and blanks at the ends are not allowed"),
+        (Photo(9, "c.jpg ", 1, 1), "blanks at the ends"),
         (Photo(9, "c.jpg", 400.5, 1), r"photo 9: x is 400.5, outside the overview \(0 to 400\)"),
         (Photo(9, "c.jpg", 1, -1), r"photo 9: y is -1, outside the overview \(0 to 200\)"),
         (Photo(9, "c.jpg", math.nan, 1), "photo 9: x is nan"),
@@ -87,8 +87,8 @@ def test_a_photo_that_cannot_be(photo, reason):
 @pytest.mark.parametrize(
     "georeference, reason",
     [
-        (MetricFrame("", 0.1, (0, 0, 0)), "frame is '', no name"),
-        (MetricFrame("/map", 0.1, (0, 0, 0)), "frame is '/map', no name"),
+        (MetricFrame("", 0.1, (0, 0, 0)), "frame is '', not a valid"),
+        (MetricFrame("/map", 0.1, (0, 0, 0)), "frame is '/map', not a valid"),
         (MetricFrame("map", 0, (0, 0, 0)), "resolution is 0"),
         (MetricFrame("map", 0.1, (0, 0, math.nan)), "origin is .* not finite"),
         (GeoCorners((91, 13), (55, 14)), "north_west is 91,13"),

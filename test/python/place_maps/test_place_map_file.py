@@ -49,7 +49,7 @@ def test_a_yaw_is_read(file):
         (GeoCorners((55.61, 13), (55.6, 13.02)), "north_west=55.61,13;south_east=55.6,13.02"),
     ],
 )
-def test_the_header_tells_where_the_overview_lies(file, georeference, text):
+def test_the_header_has_the_georeference(file, georeference, text):
     assert read(file, f"park.png;400;200;{text}\n").georeference == georeference
     write_place_map(file, PlaceMap(file.parent, Overview("park.png", 400, 200), PHOTOS, georeference))
     assert file.read_text() == OLD.replace("200\n", f"200;{text}\n", 1)
@@ -67,18 +67,18 @@ def test_a_written_map_is_read_bit_for_bit(file):
     "line, reason",
     [
         ("4;c.jpg;1", "4: 3 fields, expected id;image;x;y"),
-        ("0;c.jpg;1;1", "4: id 0 again, it is that of line 2"),
-        ("9;a.jpg;1;1", "4: image a.jpg again, it is that of line 2"),
+        ("0;c.jpg;1;1", "4: duplicate id 0, see line 2"),
+        ("9;a.jpg;1;1", "4: duplicate image a.jpg, see line 2"),
         ("x;c.jpg;1;1", "4: id is 'x', not a whole number"),
         ("4.0;c.jpg;1;1", "4: id is '4.0', not a whole number"),
         ("-4;c.jpg;1;1", "4: id is '-4', not a whole number"),
         ("4;c.jpg;1,5;1", "4: x is '1,5', not a number"),
         ("4;c.jpg;1;900", "4: photo 4: y is 900, outside the overview"),
         ("4;c.jpg;1;nan", "4: photo 4: y is nan, outside the overview"),
-        ("4;../c.jpg;1;1", "4: image '../c.jpg' lies outside the map's folder"),
-        ("4;;1;1", "4: an image has no name"),
-        ("4;c.jpg;1;1;2", "4: '2' is no field, there can be yaw="),
-        ("4;c.jpg;1;1;yaw=1;yaw=2", "4: yaw is there twice"),
+        ("4;../c.jpg;1;1", "4: image '../c.jpg' is outside of the map's folder"),
+        ("4;;1;1", "4: an image has no file name"),
+        ("4;c.jpg;1;1;2", "4: '2' is not a field, allowed are yaw="),
+        ("4;c.jpg;1;1;yaw=1;yaw=2", "4: duplicate field yaw"),
         ("4;c.jpg;1;1;yaw=north", "4: yaw is 'north', not a number"),
     ],
 )
@@ -91,17 +91,17 @@ def test_a_wrong_line_is_refused_with_its_number(file, line, reason):
 @pytest.mark.parametrize(
     "line, reason",
     [
-        ("", "1: the first line has to be overview.png;width;height"),
-        ("park.png;400", "1: the first line has to be overview.png;width;height"),
+        ("", "1: the first line must be overview.png;width;height"),
+        ("park.png;400", "1: the first line must be overview.png;width;height"),
         ("park.png;400;0", "1: height is 0"),
         ("park.png;400.5;200", "1: width is '400.5', not a whole number"),
         (
             "park.png;400;200;frame=map",
-            "1: after the size come all of frame, resolution, origin or north_west",
+            "1: the fields after the size must be all of frame, resolution, origin or north_west",
         ),
-        ("park.png;400;200;scale=2", "1: 'scale=2' is no field"),
+        ("park.png;400;200;scale=2", "1: 'scale=2' is not a field"),
         ("park.png;400;200;north_west=1;south_east=0,1", "1: north_west is '1', expected latitude,longitude"),
-        ("park.png;400;200;north_west=1,1;south_east=2,2", "1: north_west has to lie north of south_east"),
+        ("park.png;400;200;north_west=1,1;south_east=2,2", "1: north_west must be north of south_east"),
     ],
 )
 def test_a_wrong_header_is_refused(file, line, reason):
@@ -112,17 +112,17 @@ def test_a_wrong_header_is_refused(file, line, reason):
 
 def test_bytes_that_are_no_text_are_refused(file):
     file.write_bytes(b"\xff\xd8\xff\xe0")
-    with pytest.raises(ValueError, match="is no text in UTF-8"):
+    with pytest.raises(ValueError, match="is not UTF-8 text"):
         read_place_map(file)
 
 
 def test_a_map_that_cannot_be_is_not_written(file):
     file.write_text(OLD)
-    with pytest.raises(ValueError, match="photo 0 is there twice"):
+    with pytest.raises(ValueError, match="duplicate photo id 0"):
         write_place_map(file, PlaceMap(file.parent, Overview("park.png", 400, 200), (PHOTOS[0], PHOTOS[0])))
     assert file.read_text() == OLD
 
 
 def test_a_map_lies_beside_its_photos(file, tmp_path):
-    with pytest.raises(ValueError, match="the map has to lie there"):
+    with pytest.raises(ValueError, match="the map must be in"):
         write_place_map(tmp_path / "other.txt", PlaceMap(tmp_path / "photos", Overview("park.png", 4, 2)))

@@ -33,13 +33,13 @@ def test_no_world_file_no_corners(park):
 @pytest.mark.parametrize(
     "lines, reason",
     [
-        (LINES[:5], "no world file of six numbers"),
-        ([*LINES, "1"], "no world file of six numbers"),
-        (["a", *LINES[1:]], "no world file of six numbers"),
-        (["1e-5", "1e-6", *LINES[2:]], "is turned"),
-        (["0.5", "0", "0", "-0.5", "386123", "6171234"], "only those in degrees of WGS 84"),
-        (["1e-5", "0", "0", "2e-5", *LINES[4:]], "north_west has to lie north"),
-        (["nan", *LINES[1:]], "no latitude and longitude"),
+        (LINES[:5], "not a world file of six numbers"),
+        ([*LINES, "1"], "not a world file of six numbers"),
+        (["a", *LINES[1:]], "not a world file of six numbers"),
+        (["1e-5", "1e-6", *LINES[2:]], "is rotated"),
+        (["0.5", "0", "0", "-0.5", "386123", "6171234"], "must be in degrees of WGS 84"),
+        (["1e-5", "0", "0", "2e-5", *LINES[4:]], "north_west must be north"),
+        (["nan", *LINES[1:]], "not a latitude and longitude"),
     ],
 )
 def test_what_cannot_be_is_refused(park, lines, reason):

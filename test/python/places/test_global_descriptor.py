@@ -75,15 +75,13 @@ class TestEveryBackend:
 
     def test_a_network_that_makes_no_number_is_refused(self, tmp_path, backend):
         model = logarithm_network(tmp_path / "net.onnx")
-        with pytest.raises(ValueError, match="net.onnx: makes what is no number of a picture"):
+        with pytest.raises(ValueError, match="net.onnx: its output is not finite"):
             GlobalDescriptor(GlobalDescriptorParams(model, backend, mean=(1.0, 1.0, 1.0))).describe(noise())
 
     def test_a_network_that_makes_a_picture_is_refused(self, tmp_path, backend):
         nodes = [helper.make_node("Relu", ["image"], ["vector"])]
         model = written(tmp_path / "net.onnx", nodes, (1, 3, 32, 48), (1, 3, 32, 48))
-        with pytest.raises(
-            ValueError, match="net.onnx: makes 1×3×32×48 of a picture, it must make one vector"
-        ):
+        with pytest.raises(ValueError, match="net.onnx: its output is 1×3×32×48, it must be one vector"):
             GlobalDescriptor(GlobalDescriptorParams(model, backend))
 
     def test_a_network_that_cannot_be_run_is_refused(self, tmp_path, backend):
@@ -99,7 +97,7 @@ def pooling(tmp_path):
     return pooling_network(tmp_path / "net.onnx")
 
 
-def test_a_picture_of_any_size_is_made_to_fit(pooling):
+def test_an_image_of_any_size_is_made_to_fit(pooling):
     descriptor = GlobalDescriptor(GlobalDescriptorParams(pooling, **PLAIN))
     image = cv2.GaussianBlur(noise((480, 640)), (0, 0), 20)
     assert descriptor.describe(image) == pytest.approx(cells(image[:, :, ::-1]), abs=2e-3)  # of bytes
@@ -119,7 +117,7 @@ def test_a_network_of_one_channel_sees_grey(tmp_path):
         assert descriptor.describe(image) == pytest.approx(cells(grey), abs=1e-6)
 
 
-def test_a_picture_of_which_the_network_makes_zeros_has_no_direction(pooling):
+def test_an_image_of_which_the_network_makes_zeros_has_no_direction(pooling):
     black = np.zeros((64, 96), np.uint8)
     assert not GlobalDescriptor(GlobalDescriptorParams(pooling, **PLAIN)).describe(black).any()
 
@@ -127,7 +125,7 @@ def test_a_picture_of_which_the_network_makes_zeros_has_no_direction(pooling):
 @pytest.mark.parametrize(
     "image", [np.zeros((8, 8), np.float32), np.zeros((8, 8, 4), np.uint8), np.zeros(8, np.uint8)]
 )
-def test_what_is_no_picture_is_refused(pooling, image):
+def test_what_is_no_image_is_refused(pooling, image):
     with pytest.raises(ValueError, match="must be uint8, grey or BGR"):
         GlobalDescriptor(GlobalDescriptorParams(pooling)).describe(image)
 
@@ -140,7 +138,7 @@ def test_what_is_no_picture_is_refused(pooling, image):
         ({"channels": "HSV"}, "channels: must be one of RGB, BGR, grey, is 'HSV'"),
         ({"width": -1}, r"width: must be within \[0, 4096\], is -1"),
         ({"height": 5000}, r"height: must be within \[0, 4096\], is 5000"),
-        ({"mean": (0.5,)}, r"mean: must be one number a channel, is \(0.5,\)"),
+        ({"mean": (0.5,)}, r"mean: must be one number per channel, is \(0.5,\)"),
         ({"std": (1.0, 0.0, 1.0)}, r"std: each must be within \[1e-06, 1000\], is \(1.0, 0.0, 1.0\)"),
         ({"width": 100}, "width is 100, but .*net.onnx takes 96"),
         (GREY, "net.onnx: takes 3 channels; grey is 1"),
@@ -231,7 +229,7 @@ def test_without_onnxruntime_opencv_is_taken(pooling, monkeypatch):
 
 
 def test_the_page_names_every_setting():
-    page = (Path(__file__).resolve().parents[3] / "doc/place_networks.md").read_text()
+    page = (Path(__file__).resolve().parents[3] / "doc/how_to/place_networks.md").read_text()
     table = page.partition("| field |")[2].partition("\n\n")[0]
     named = [name for line in table.splitlines()[2:] for name in re.findall(r"`(\w+)`", line.split("|")[1])]
     assert named == [field.name for field in dataclasses.fields(GlobalDescriptorParams)]

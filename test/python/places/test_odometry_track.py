@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from sextant.places.odometry_track import KEPT, LATE, OdometryTrack
+from sextant.places.odometry_track import MAX_AGE, MAX_POSITIONS, OdometryTrack
 
 SECOND = 1_000_000_000
 
@@ -34,12 +34,12 @@ def test_between_two_messages_the_robot_goes_straight():
     assert track.distance(SECOND // 5, SECOND // 2) == pytest.approx(0.3 * 5)
 
 
-def test_a_picture_that_is_a_little_newer_than_odometry_takes_the_last_one():
+def test_an_image_that_is_a_little_newer_than_odometry_takes_the_last_one():
     track = OdometryTrack()
     track.add(0, 0.0, 0.0)
     track.add(SECOND, 1.0, 0.0)
-    assert track.distance(0, SECOND + LATE) == 1.0
-    assert track.distance(0, SECOND + LATE + 1) is None
+    assert track.distance(0, SECOND + MAX_AGE) == 1.0
+    assert track.distance(0, SECOND + MAX_AGE + 1) is None
 
 
 def test_what_was_before_odometry_is_not_known():
@@ -67,7 +67,7 @@ def test_a_clock_that_is_set_back_begins_anew():
 
 def test_the_oldest_are_forgotten():
     track = OdometryTrack()
-    for i in range(KEPT + 10):
+    for i in range(MAX_POSITIONS + 10):
         track.add(i * 1000, float(i), 0.0)
     assert track.distance(9 * 1000, 20 * 1000) is None
     assert track.distance(10 * 1000, 20 * 1000) == pytest.approx(10)

@@ -56,7 +56,7 @@ def test_several_places_are_their_mean_and_scatter():
         ([None, None, 0.2], None),  # hardly any of the probability knows it
     ],
 )
-def test_a_yaw_is_told_where_the_photos_agree(yaws, expected):
+def test_there_is_a_yaw_if_the_photos_agree(yaws, expected):
     found = estimate(np.zeros((3, 2)), np.array([0.4, 0.4, 0.2]), yaws, np.ones(2))
     if expected is None:
         assert found.yaw is None

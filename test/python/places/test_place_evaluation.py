@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""How good a map of places is: figures that can be told by hand, and pictures of which it is known."""
+"""How good a place map is: figures that can be computed by hand, and images of which it is known."""
 
 from itertools import permutations
 from pathlib import Path
@@ -14,10 +14,16 @@ from made_photos import picture, shifted, written_photos
 from sextant.place_maps.place_map import Overview, Photo, PlaceMap
 from sextant.places.global_descriptor import GlobalDescriptorParams
 from sextant.places.place_estimate import PlaceEstimate
-from sextant.places.place_evaluation import Cost, Outcome, PlaceEvaluation, evaluate, evaluate_left_out
+from sextant.places.place_evaluation import (
+    Cost,
+    PlaceEvaluation,
+    QueryResult,
+    evaluate,
+    evaluate_leave_one_out,
+)
 from sextant.places.place_index import IndexParams, plain_features
-from sextant.places.place_library import Library
-from sextant.places.place_localization import Localization, PlaceAnswer, PlaceLocalizationParams, Status
+from sextant.places.place_index_update import PlaceIndexer
+from sextant.places.place_localizer import Localization, PlaceHypothesis, PlaceLocalizationParams, Status
 from sextant.places.place_queries import Query
 from sextant.places.place_recognition import RecognitionParams
 
@@ -27,12 +33,12 @@ PLACES = [Photo(i, f"{i}.png", 10.0 * i, 5.0) for i in range(12)]
 def outcome(right, answers, status=Status.AMBIGUOUS, estimate=None, position=None, seconds=0.1):
     """:param right: numbers of places; answers: pairs of a number and a probability"""
     query = Query(Path("q.png"), frozenset((PLACES[i].x, PLACES[i].y) for i in right), position)
-    told = [PlaceAnswer(PLACES[number], probability) for number, probability in answers]
-    return Outcome(query, Localization(status, told, 0.0, estimate, False, None, None), seconds)
+    hypotheses = [PlaceHypothesis(PLACES[number], probability) for number, probability in answers]
+    return QueryResult(query, Localization(status, hypotheses, 0.0, estimate, False, None, None), seconds)
 
 
-def evaluation(*outcomes, pixels=(1.0, 1.0)):
-    return PlaceEvaluation(outcomes, np.array(pixels), Cost(2.0, True, 3000000, 4000000))
+def evaluation(*results, pixels=(1.0, 1.0)):
+    return PlaceEvaluation(results, np.array(pixels), Cost(2.0, True, 3000000, 4000000))
 
 
 def test_recall_is_of_the_queries_in_the_map():
@@ -46,12 +52,12 @@ def test_recall_is_of_the_queries_in_the_map():
     assert found.ranks.tolist() == [1, 2, 7, np.inf]
     figures = found.figures()
     assert [figures[f"recall@{n}"] for n in (1, 5, 10)] == [0.25, 0.5, 0.75]
-    assert (figures["queries"], figures["nowhere"]) == (5, 1)
+    assert (figures["queries"], figures["unmapped_queries"]) == (5, 1)
 
 
-def test_an_answer_to_a_query_of_nowhere_is_wrong():
+def test_an_answer_to_a_query_of_an_unknown_place_is_wrong():
     found = evaluation(outcome([1], [(1, 0.8)]), outcome([], [(1, 0.9)]), outcome([2], []))
-    probabilities, right = found.said
+    probabilities, right = found.predictions
     assert (probabilities.tolist(), right.tolist()) == ([0.8, 0.9], [True, False])
     assert found.calibration_error == pytest.approx((0.2 + 0.9) / 2)
     assert found.curve.precision.tolist() == [0.0, 0.5]
@@ -59,14 +65,14 @@ def test_an_answer_to_a_query_of_nowhere_is_wrong():
     assert found.curve.area == pytest.approx(0.5 * 0.5 / 2)
 
 
-def test_nowhere_is_told_apart_by_whether_it_is_so():
+def test_unknown_rates_of_mapped_and_unmapped_queries():
     found = evaluation(
-        outcome([1], [(1, 0.2)], Status.NOWHERE),
+        outcome([1], [(1, 0.2)], Status.UNKNOWN_PLACE),
         *(outcome([1], [(1, 0.8)]) for _ in range(3)),
-        outcome([], [(1, 0.2)], Status.NOWHERE),
+        outcome([], [(1, 0.2)], Status.UNKNOWN_PLACE),
         outcome([], [(1, 0.8)], Status.LOCALIZED),
     )
-    assert (found.nowhere(True), found.nowhere(False)) == (0.25, 0.5)
+    assert (found.unknown_rate(True), found.unknown_rate(False)) == (0.25, 0.5)
 
 
 def test_position_errors_are_in_metres():
@@ -87,16 +93,16 @@ def test_the_ellipse_holds_95_percent(deviations, inside):
     direction = np.linalg.cholesky(covariance) @ (0.6, 0.8)
     estimate = PlaceEstimate(*(deviations * direction), covariance, None)
     of_one = outcome([0], [(0, 0.8)], estimate=estimate, position=(0.0, 0.0))
-    assert evaluation(of_one, pixels=(0.1, 0.3)).in_ellipse == inside
+    assert evaluation(of_one, pixels=(0.1, 0.3)).ellipse_coverage == inside
 
 
-def test_honest_ellipses_hold_the_truth_as_often_as_they_say():
+def test_honest_ellipses_hold_the_truth_as_often_as_stated():
     rng = np.random.default_rng(4)
-    outcomes = [
+    results = [
         outcome([0], [(0, 1.0)], estimate=PlaceEstimate(*xy, np.diag([9.0, 1.0]), None), position=(0.0, 0.0))
         for xy in rng.normal(0, (3, 1), (2000, 2))
     ]
-    assert 0.935 < evaluation(*outcomes).in_ellipse < 0.965
+    assert 0.935 < evaluation(*results).ellipse_coverage < 0.965
 
 
 def test_times_and_costs():
@@ -110,7 +116,7 @@ def test_what_was_not_measured_is_no_number():
     unknown = {name for name, value in figures.items() if np.isnan(value)}
     assert unknown == {
         *("recall@1", "recall@5", "recall@10", "area", "calibration_error", "perfect_calibration_error"),
-        *("said_nowhere_wrongly", "position_error", "position_error_90", "in_ellipse"),
+        *("unknown_rate_in_map", "position_error", "position_error_90", "ellipse_coverage"),
     }
 
 
@@ -118,7 +124,7 @@ def test_what_was_not_measured_is_no_number():
 
 
 def library_of(place_map, settings=None):
-    return Library(place_map.folder / "park.txt", place_map, settings or IndexParams())
+    return PlaceIndexer(place_map.folder / "park.txt", place_map, settings or IndexParams())
 
 
 def queries_of(folder, place_map, *seeds):
@@ -139,21 +145,25 @@ def test_photos_that_are_seen_again_are_found(mode, tmp_path):
     queries = queries_of(tmp_path, place_map, *range(5))
     found = evaluate(library_of(place_map), PlaceLocalizationParams(mode=mode), queries)
     figures = found.figures()
-    assert figures["recall@1"] == 1.0 and figures["nowhere"] == 0 and figures["area"] == pytest.approx(1)
-    assert figures["said_nowhere_wrongly"] == 0.0 and figures["position_error"] < 15
+    assert (
+        figures["recall@1"] == 1.0
+        and figures["unmapped_queries"] == 0
+        and figures["area"] == pytest.approx(1)
+    )
+    assert figures["unknown_rate_in_map"] == 0.0 and figures["position_error"] < 15
     assert not found.cost.is_loaded and figures["index_mb"] > 0
     assert evaluate(library_of(place_map), PlaceLocalizationParams(mode=mode), queries[:1]).cost.is_loaded
 
 
 @pytest.mark.slow
-def test_a_place_that_the_map_does_not_have_is_nowhere(tmp_path):
+def test_a_place_that_the_map_does_not_have_is_an_unknown_place(tmp_path):
     place_map = written_photos(tmp_path, 5)
     found = evaluate(
         library_of(place_map),
         PlaceLocalizationParams(mode="single"),
         queries_of(tmp_path, place_map, 20, 21, 3),
     )
-    assert (found.nowhere(False), found.nowhere(True), found.recall(1)) == (1.0, 0.0, 1.0)
+    assert (found.unknown_rate(False), found.unknown_rate(True), found.recall(1)) == (1.0, 0.0, 1.0)
 
 
 @pytest.mark.slow
@@ -194,22 +204,22 @@ def twins(folder):
 )
 def test_a_photo_that_is_left_out_finds_its_twin_and_never_itself(mode, settings, tmp_path):
     library = library_of(twins(tmp_path), settings)
-    found = evaluate_left_out(library, PlaceLocalizationParams(mode=mode), 10.0)
+    found = evaluate_leave_one_out(library, PlaceLocalizationParams(mode=mode), 10.0)
     assert found.recall(1) == 1.0 and len(found.ranks) == 4
-    for each in found.outcomes:
-        assert each.query.path.name not in [answer.photo.image for answer in each.found.answers]
+    for each in found.results:
+        assert each.query.path.name not in [answer.photo.image for answer in each.found.hypotheses]
     if mode == "single":
-        assert found.nowhere(False) == 1.0  # that of the fifth, which has no twin
+        assert found.unknown_rate(False) == 1.0  # that of the fifth, which has no twin
 
 
 def test_modes_that_carry_on_leave_no_photo_out(tmp_path):
     library = library_of(written_photos(tmp_path, 2))
-    with pytest.raises(ValueError, match="left out in single or votes"):
-        evaluate_left_out(library, PlaceLocalizationParams(mode="filter"), 10.0)
+    with pytest.raises(ValueError, match="leave-one-out needs single or votes"):
+        evaluate_leave_one_out(library, PlaceLocalizationParams(mode="filter"), 10.0)
 
 
 def test_of_one_photo_none_is_left_out(tmp_path):
-    with pytest.raises(ValueError, match="park.txt: of less than two"):
-        evaluate_left_out(
+    with pytest.raises(ValueError, match="park.txt: leave-one-out needs at least two photos"):
+        evaluate_leave_one_out(
             library_of(written_photos(tmp_path, 1)), PlaceLocalizationParams(mode="single"), 10.0
         )

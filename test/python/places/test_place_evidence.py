@@ -26,11 +26,11 @@ def test_scale_and_origin_do_not_matter():
 
 
 @pytest.mark.parametrize("scores", [np.zeros(5), np.full(4, 0.7), np.array([3.0])])
-def test_the_same_of_all_says_nothing(scores):
+def test_the_same_of_all_gives_no_evidence(scores):
     assert not deviations(scores).any()
 
 
-def test_rounding_says_nothing():
+def test_rounding_gives_no_evidence():
     scores = np.full(50, 0.9, np.float32) + np.random.default_rng(3).choice([0, 6e-8], 50)
     assert np.abs(deviations(np.append(scores, 0.1))).max() < 1  # and does not blow up what differs
 
@@ -79,7 +79,7 @@ def test_relative_evidence_of_two_photos_is_that_of_two_normal_densities():
 
 @pytest.mark.parametrize("shift", [0.5, 1.0, 3.0, 100.0])
 @pytest.mark.parametrize("winner", [0.0, 5.0, 1e6])
-def test_relative_evidence_is_none_for_or_against_nowhere(shift, winner):
+def test_relative_evidence_is_none_for_or_against_an_unknown_place(shift, winner):
     rng = np.random.default_rng(6)
     scores, shares = np.append(rng.normal(size=40), winner), rng.dirichlet(np.ones(41))
     assert shares @ np.exp(relative_log_ratios(scores, shift, shares)) == pytest.approx(1.0)

@@ -7,7 +7,7 @@ import pytest
 from sextant.place_maps.place_map import GeoCorners, MetricFrame, Overview, Photo, PlaceMap
 from sextant.places.place_queries import (
     default_tolerance,
-    left_out_queries,
+    leave_one_out_queries,
     places_near,
     queries_of_map,
     queries_of_table,
@@ -41,8 +41,8 @@ def test_a_pixel_of_corners_on_the_earth_is_not_square(tmp_path):
 def test_photos_of_another_map_are_queries_in_its_order(tmp_path):
     other = row_of_places(tmp_path / "walk", 400, 18)
     far, near = queries_of_map(row_of_places(tmp_path, 0, 10, 20), other, 5.0)
-    assert (far.path, far.right, far.position) == (tmp_path / "walk/0.png", frozenset(), (400.0, 50.0))
-    assert (near.path, near.right) == (tmp_path / "walk/1.png", {(20.0, 50.0)})
+    assert (far.path, far.true_places, far.position) == (tmp_path / "walk/0.png", frozenset(), (400.0, 50.0))
+    assert (near.path, near.true_places) == (tmp_path / "walk/1.png", {(20.0, 50.0)})
 
 
 @pytest.mark.parametrize(
@@ -63,8 +63,12 @@ def test_a_table_names_the_right_photos(tmp_path):
     one, nowhere = queries_of_table(
         row_of_places(tmp_path, 0, 10, 20), tmp_path / "truth.csv", tmp_path / "q"
     )
-    assert (one.path, one.right, one.position) == (tmp_path / "q/a.jpg", {(0.0, 50.0), (20.0, 50.0)}, None)
-    assert (nowhere.path, nowhere.right) == (tmp_path / "q/b.jpg", frozenset())
+    assert (one.path, one.true_places, one.position) == (
+        tmp_path / "q/a.jpg",
+        {(0.0, 50.0), (20.0, 50.0)},
+        None,
+    )
+    assert (nowhere.path, nowhere.true_places) == (tmp_path / "q/b.jpg", frozenset())
 
 
 @pytest.mark.parametrize(
@@ -72,8 +76,8 @@ def test_a_table_names_the_right_photos(tmp_path):
     [
         ("", ":1: the columns"),
         ("query,photo\na,b\n", ":1: the columns"),
-        ("query,right_refs\na.jpg,0.png\nb.jpg,0.png 7.png\n", ":3: 7.png is no photo"),
-        ("query,right_refs\n,0.png\n", ":2: there is no query"),
+        ("query,right_refs\na.jpg,0.png\nb.jpg,0.png 7.png\n", ":3: 7.png is not a photo"),
+        ("query,right_refs\n,0.png\n", ":2: the query is missing"),
     ],
 )
 def test_a_table_that_cannot_be_is_refused_with_its_line(text, reason, tmp_path):
@@ -90,8 +94,8 @@ def test_what_is_no_table_is_named(content, tmp_path):
 
 
 def test_a_photo_that_is_left_out_is_right_at_its_neighbours_only(tmp_path):
-    found = list(left_out_queries(row_of_places(tmp_path, 0, 10, 40), 15.0))
-    assert [(photo.id, query.right) for photo, _, query in found] == [
+    found = list(leave_one_out_queries(row_of_places(tmp_path, 0, 10, 40), 15.0))
+    assert [(photo.id, query.true_places) for photo, _, query in found] == [
         (0, {(10.0, 50.0)}),
         (1, {(0.0, 50.0)}),
         (2, frozenset()),
@@ -99,6 +103,6 @@ def test_a_photo_that_is_left_out_is_right_at_its_neighbours_only(tmp_path):
     assert [[photo.id for photo in others.photos] for _, others, _ in found] == [[1, 2], [0, 2], [0, 1]]
 
 
-def test_another_picture_of_the_same_place_is_right(tmp_path):
-    found = list(left_out_queries(row_of_places(tmp_path, 10, 10), 0.0))
-    assert [query.right for _, _, query in found] == [{(10.0, 50.0)}] * 2
+def test_another_image_of_the_same_place_is_right(tmp_path):
+    found = list(leave_one_out_queries(row_of_places(tmp_path, 10, 10), 0.0))
+    assert [query.true_places for _, _, query in found] == [{(10.0, 50.0)}] * 2

@@ -12,9 +12,9 @@ from made_network import pooling_network, projection_network
 from made_photos import picture, written_photos
 
 from sextant.places.global_descriptor import GlobalDescriptor, GlobalDescriptorParams
-from sextant.places.place_cache import CacheError, cache_path, read_cache
 from sextant.places.place_index import IndexParams, default_features, photo_features
-from sextant.places.place_library import Library
+from sextant.places.place_index_file import CacheError, cache_path, read_cache
+from sextant.places.place_index_update import PlaceIndexer
 
 
 @pytest.fixture
@@ -31,7 +31,7 @@ def settings(tmp_path):
 def index_of(place_map, settings, **more):
     lines = []
     path = place_map.folder / "park.txt"
-    return Library(path, place_map, settings, report=lines.append, **more).index(), lines
+    return PlaceIndexer(path, place_map, settings, report=lines.append, **more).index(), lines
 
 
 def vectors_of(settings, seeds):
@@ -69,14 +69,15 @@ def test_several_processes_make_the_same(place_map, settings):
     one, _ = index_of(place_map, settings)
     cache_path(place_map.folder / "park.txt").unlink()
     two, _ = index_of(place_map, settings, jobs=2)
-    assert np.array_equal(two.vectors, one.vectors) and two.photos == one.photos
+    assert np.array_equal(two.vectors, one.vectors) and np.array_equal(two.keypoints, one.keypoints)
+    assert two.photos == one.photos
 
 
 def test_another_network_under_the_same_name_is_another_index(place_map, settings):
     index_of(place_map, settings)
     pooling_network(place_map.folder / "net.onnx", size=(64, 64))
     index, lines = index_of(place_map, settings)
-    assert lines[0].endswith("park.txt.index: is of other settings; building it anew")
+    assert lines[0].endswith("park.txt.index: has other parameters; the index is rebuilt")
     assert np.array_equal(index.vectors, vectors_of(settings, range(5)))
 
 

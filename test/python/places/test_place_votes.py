@@ -18,7 +18,7 @@ def test_matches_farther_than_the_mean_have_no_vote():
     assert probabilities == pytest.approx([3 / 4, 1 / 4])
 
 
-def test_only_the_best_are_told():
+def test_only_the_best_are_reported():
     photos, probabilities = count_votes(DISTANCES, OWNERS, 1, 1)
     assert photos.tolist() == [7] and probabilities == pytest.approx([0.75])
 
@@ -30,19 +30,19 @@ def test_the_only_one_has_them_all():
 
 @pytest.mark.parametrize("count", [0, 3])
 def test_too_few_votes_are_none(count):
-    assert len(count_votes(DISTANCES[:count], OWNERS[:count], 4, 10).photos) == 0
+    assert len(count_votes(DISTANCES[:count], OWNERS[:count], 4, 10)[0]) == 0
 
 
 def test_where_all_are_as_far_all_vote():
-    owners = np.zeros((1000, 1), int)
+    image_ids = np.zeros((1000, 1), int)
     for distance in np.random.default_rng(1).uniform(50, 500, 50):
         distances = np.full((1000, 1), distance, np.float32)
-        assert len(count_votes(distances, owners, 1000, 1).photos) == 1
-        assert match_statistics(distances, owners).kept == 1000
+        assert len(count_votes(distances, image_ids, 1000, 1)[0]) == 1
+        assert match_statistics(distances, image_ids).kept == 1000
 
 
 def test_descriptors_without_a_neighbour_do_not_vote():
-    assert len(count_votes(DISTANCES, np.full_like(OWNERS, -1), 1, 10).photos) == 0
+    assert len(count_votes(DISTANCES, np.full_like(OWNERS, -1), 1, 10)[0]) == 0
 
 
 def test_statistics_are_those_of_the_nearest():
@@ -52,27 +52,27 @@ def test_statistics_are_those_of_the_nearest():
 
 def test_a_weight_is_the_part_that_a_neighbour_is_nearer_than_the_last():
     distances = np.array([[1.0, 2.0, 4.0], [1.0, 1.5, 2.0], [1.0, 4.0, 0.0], [0.0, 0.0, 0.0]])
-    owners = np.array([[0, 1, 2], [1, 1, 0], [2, 1, -1], [-1, -1, -1]])  # the last two: there are no more
+    image_ids = np.array([[0, 1, 2], [1, 1, 0], [2, 1, -1], [-1, -1, -1]])  # the last two: there are no more
     weights = [[0.75, 0.5, 0.0], [0.5, 0.0, 0.0], [0.75, 0.0, 0.0], [0.0, 0.0, 0.0]]
-    assert lnbnn_weights(distances, owners).tolist() == weights
+    assert lnbnn_weights(distances, image_ids).tolist() == weights
 
 
 @pytest.mark.filterwarnings("error")
 def test_what_is_not_there_is_infinitely_far():
     distances = np.array([[1.0, 2.0, np.inf], [2.0, np.inf, np.inf], [np.inf] * 3])
-    owners = np.array([[0, 1, -1], [1, -1, -1], [-1] * 3])
-    assert lnbnn_weights(distances, owners).tolist() == [[0.5, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]]
-    assert count_votes(distances, owners, 1, 10).photos.tolist() == [0]
-    assert match_statistics(distances, owners).total == 3.0
+    image_ids = np.array([[0, 1, -1], [1, -1, -1], [-1] * 3])
+    assert lnbnn_weights(distances, image_ids).tolist() == [[0.5, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]]
+    assert count_votes(distances, image_ids, 1, 10)[0].tolist() == [0]
+    assert match_statistics(distances, image_ids).total == 3.0
 
 
 def test_scores_are_sums_for_the_size_of_the_photo():
     weights = np.array([[4.0, 3.0, 0.0], [1.0, 0.0, 0.0]])
-    owners = np.array([[0, 1, 2], [1, 1, -1]])
-    scores = lnbnn_scores(weights, owners, np.array([4, 16, 1]), 0.5)
+    image_ids = np.array([[0, 1, 2], [1, 1, -1]])
+    scores = lnbnn_scores(weights, image_ids, np.array([4, 16, 1]), 0.5)
     assert scores.tolist() == [2.0, 1.0, 0.0]
 
 
-def test_a_picture_without_descriptors_scores_nothing():
+def test_an_image_without_descriptors_scores_nothing():
     none = np.zeros((0, 3)), np.zeros((0, 3), int)
     assert lnbnn_scores(lnbnn_weights(*none), none[1], np.array([4, 16]), 0.5).tolist() == [0.0, 0.0]

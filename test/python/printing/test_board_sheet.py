@@ -7,7 +7,7 @@ import pytest
 from printed_pages import detector, pictures, texts
 
 import sextant
-from sextant.printing.board_sheet import BoardParams, board_map, round_gap, smallest_gap, write_board
+from sextant.printing.board_sheet import BoardParams, board_map, min_gap, rounded_min_gap, write_board
 from sextant.printing.sheets import SheetParams
 
 DPI = 150
@@ -63,7 +63,7 @@ def test_map_survives_its_file(tmp_path):
         np.testing.assert_array_equal(marker.T_map_marker, copy.T_map_marker)
 
 
-def test_sheet_says_what_is_on_it(tmp_path):
+def test_sheet_describes_what_is_on_it(tmp_path):
     pdf, _ = write(tmp_path, ids=[4, 5, 6, 0, 1, 2])
     [words] = texts(pdf)
     line = " ".join(words)
@@ -81,17 +81,17 @@ def test_sheet_says_what_is_on_it(tmp_path):
 @pytest.mark.parametrize("family, white", [("tag36h11", 0.01), ("tagCircle49h12", 0.08 / 5 * 7)])
 def test_smallest_gap_leaves_a_module_of_white(family, white):
     """tagCircle49h12 has three modules outside of its edge on either side."""
-    assert smallest_gap(family, 0.08, 1.0) == pytest.approx(white)
-    assert white <= round_gap(family, 0.08, 1.0) < white + 0.001
-    assert round_gap("tag36h11", 0.08, 1.0) == 0.01
+    assert min_gap(family, 0.08, 1.0) == pytest.approx(white)
+    assert white <= rounded_min_gap(family, 0.08, 1.0) < white + 0.001
+    assert rounded_min_gap("tag36h11", 0.08, 1.0) == 0.01
 
 
-def test_largest_markers_that_are_told_fit_and_no_larger_ones(tmp_path):
+def test_largest_markers_that_are_reported_fit_and_no_larger_ones(tmp_path):
     with pytest.raises(ValueError, match="the board does not fit on A4; ") as refused:
         write(tmp_path, size=0.2, board=(3, 2, 0.03))
-    told = re.findall(r"([\d.]+) m on (\w+)(?:,|$)", str(refused.value))
-    assert [page for _, page in told] == ["A4", "A3", "Letter"]
-    for size, page in told:
+    reported = re.findall(r"([\d.]+) m on (\w+)(?:,|$)", str(refused.value))
+    assert [page for _, page in reported] == ["A4", "A3", "Letter"]
+    for size, page in reported:
         write(tmp_path, size=float(size), board=(3, 2, 0.03), page=page)
         with pytest.raises(ValueError):
             write(tmp_path, size=float(size) + 0.0001, board=(3, 2, 0.03), page=page)
@@ -101,10 +101,10 @@ def test_largest_markers_that_are_told_fit_and_no_larger_ones(tmp_path):
     "wrong, reason",
     [
         (dict(board=(4, 2, 0.01)), "a board of 4 x 2 needs 8 ids, 6 are given"),
-        (dict(board=(3, 2, 0.004)), "gap is 0.004 m, the white rim between two neighbours needs 0.005 m"),
+        (dict(board=(3, 2, 0.004)), "gap is 0.004 m, the white rim between adjacent markers needs 0.005 m"),
         (dict(board=(3, 2, float("nan"))), "gap: must be"),
         (dict(board=(0, 2, 0.01)), "columns: must be"),
-        (dict(ids=[0, 1, 2, 3, 4, 4]), "id 4 is there twice"),
+        (dict(ids=[0, 1, 2, 3, 4, 4]), "id 4 is given twice"),
         (dict(family="tag99h9"), "tag99h9"),
         (dict(page="A5"), "page: must be"),
     ],

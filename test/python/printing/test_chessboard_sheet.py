@@ -22,7 +22,7 @@ def write(folder, columns=8, rows=6, square=0.02, **paper):
 
 
 @pytest.mark.parametrize("columns, rows, square, page", CASES)
-def test_inner_corners_are_found_and_as_far_apart_as_the_sheet_says(tmp_path, columns, rows, square, page):
+def test_inner_corners_are_found_and_as_far_apart_as_the_sheet_states(tmp_path, columns, rows, square, page):
     pdf = write(tmp_path, columns, rows, square, page=page)
     assert sorted(paper(pdf)) == pytest.approx([1000.0 * edge for edge in PAGES[page]], abs=0.01)
     [picture] = pictures(pdf, DPI)
@@ -40,7 +40,7 @@ def test_inner_corners_are_found_and_as_far_apart_as_the_sheet_says(tmp_path, co
     assert down == pytest.approx(1000.0 * square * (rows - 1), abs=0.1)
 
 
-def test_sheet_says_what_to_type_and_what_to_measure(tmp_path):
+def test_sheet_states_what_to_type_and_what_to_measure(tmp_path):
     [words] = texts(write(tmp_path, 9, 6, 0.0215))
     line = " ".join(words)
     for text in (
@@ -81,12 +81,12 @@ def test_largest_square_fits_and_no_larger_one(tmp_path, columns, rows, margin):
             write(tmp_path, columns, rows, square + 0.001, page=page, margin=margin)
 
 
-def test_largest_squares_that_are_told_fit(tmp_path):
+def test_largest_squares_that_are_reported_fit(tmp_path):
     with pytest.raises(ValueError, match="the board does not fit on A4; ") as refused:
         write(tmp_path, square=0.1)
-    told = re.findall(r"([\d.]+) m on (\w+)(?:,|$)", str(refused.value))
-    assert [page for _, page in told] == list(PAGES)
-    for square, page in told:
+    reported = re.findall(r"([\d.]+) m on (\w+)(?:,|$)", str(refused.value))
+    assert [page for _, page in reported] == list(PAGES)
+    for square, page in reported:
         write(tmp_path, square=float(square), page=page)
         with pytest.raises(ValueError):
             write(tmp_path, square=float(square) + 0.0001, page=page)

@@ -51,7 +51,7 @@ def printed(request, tmp_path_factory):
     """(case, its PDF, [(picture, markers found in it)])"""
     family, ids, size, page, most, _ = request.param
     pdf = tmp_path_factory.mktemp("printed") / "sheets.pdf"
-    write_sheets(pdf, family, ids, size, SheetParams(page=page, most=most))
+    write_sheets(pdf, family, ids, size, SheetParams(page=page, max_per_page=most))
     search = detector(family)
     return request.param, pdf, [(picture, search.detect(picture)) for picture in pictures(pdf, DPI)]
 
@@ -75,7 +75,7 @@ def test_every_printed_id_is_read_and_no_other(printed):
     assert on_pages == sorted(on_pages, reverse=True)
 
 
-def test_markers_are_as_large_as_they_say_and_upright(printed):
+def test_markers_are_as_large_as_stated_and_upright(printed):
     (_, _, size, _, _, _), _, pages = printed
     for marker in (marker for _, markers in pages for marker in markers):
         edges = MM * (np.roll(marker.corners, -1, axis=0) - marker.corners)
@@ -110,7 +110,7 @@ def test_quiet_zone_is_free_of_ink(printed):
 
 
 def test_white_rim_can_be_wider(tmp_path):
-    pdf = write(tmp_path, ids=[0, 1], size=0.05, quiet=3.0)
+    pdf = write(tmp_path, ids=[0, 1], size=0.05, quiet_zone=3.0)
     [picture] = pictures(pdf, DPI)
     markers = detector("tag36h11").detect(picture)
     assert len(markers) == 2
@@ -155,7 +155,7 @@ def test_pages_have_the_paper_size(printed):
     assert sorted(paper(pdf)) == pytest.approx([1000.0 * edge for edge in PAGES[page]], abs=0.01)
 
 
-def test_sheets_say_what_is_on_them(printed):
+def test_sheets_describe_what_is_on_them(printed):
     (family, _, size, _, _, sheets), pdf, pages = printed
     for number, (words, (_, markers)) in enumerate(zip(texts(pdf), pages)):
         ids = [int(word) for before, word in zip(words, words[1:]) if before == "id"]
@@ -249,13 +249,13 @@ def test_id_ranges_keep_the_order():
 @pytest.mark.slow
 @pytest.mark.parametrize("margin", [0.008, 0.03])
 @pytest.mark.parametrize("family", ["tag36h11", "tagCircle49h12", "DICT_4X4_50"])
-def test_largest_size_that_is_told_fits_and_no_larger_one(tmp_path, family, margin):
+def test_largest_size_that_is_reported_fits_and_no_larger_one(tmp_path, family, margin):
     with pytest.raises(ValueError, match=r"1\.5 m does not fit on A4; at most ") as refused:
         write(tmp_path, family, size=1.5, margin=margin)
     found = re.findall(r"([\d.]+) m on (\w+)(?:,|$)", str(refused.value))
-    told = {page: float(size) for size, page in found}
-    assert list(told) == list(PAGES)
-    for page, size in told.items():
+    reported = {page: float(size) for size, page in found}
+    assert list(reported) == list(PAGES)
+    for page, size in reported.items():
         pdf = write(tmp_path, family, size=size, page=page, margin=margin)
         width, height = paper(pdf)
         [picture] = pictures(pdf, 72)
@@ -275,13 +275,13 @@ def test_largest_size_that_is_told_fits_and_no_larger_one(tmp_path, family, marg
         (dict(ids=[]), "no id"),
         (dict(ids=[0, 587]), "id 587 is not in tag36h11, which has 0 to 586"),
         (dict(ids=[-1]), "id -1"),
-        (dict(ids=[3, 1, 3]), "id 3 is there twice"),
+        (dict(ids=[3, 1, 3]), "id 3 is given twice"),
         (dict(size=0.0), "size is 0.0 m"),
         (dict(size=float("nan")), "size is nan m"),
         (dict(page="A5"), "page: must be one of A4, A3, Letter, is"),
         (dict(margin=-0.01), "margin: must be"),
-        (dict(quiet=0.0), "quiet: must be"),
-        (dict(most=-1), "most: must be"),
+        (dict(quiet_zone=0.0), "quiet_zone: must be"),
+        (dict(max_per_page=-1), "max_per_page: must be"),
     ],
 )
 def test_what_is_refused(tmp_path, wrong, reason):

@@ -53,12 +53,13 @@ PYTHON = {
     "objects": "base geometry landmarks",
     "place_maps": "base",
     "places": "base place_maps",
-    "printing": "base",
+    "printing": "base markers",
     "ball": "base geometry objects",
     "simulation": "base geometry objects place_maps",
     "training": "base objects simulation",
     "evaluation": "base geometry localization objects ball simulation",
-    "bags": "base calibration geometry landmarks localization objects place_maps",
+    "messages": "geometry localization objects",
+    "bags": "base calibration geometry landmarks localization messages objects place_maps",
 }
 
 
@@ -102,11 +103,11 @@ WALLS = {
     "nodes": (("src/nodes",), [STANDARD_HEADER, r"(ros|nodelet)/.+"]),
 }
 
-# The core takes time as an argument and says nothing.
+# The core takes time as an argument and prints nothing.
 NOT_IN_CORE = re.compile(r"std::(cout|cerr|clog)|\bprintf\(|_clock::now|\btime\(nullptr\)|\bgetenv\(")
 ROS_MODULES = re.compile(
     r"(actionlib|cv_bridge|diagnostic_updater|dynamic_reconfigure|message_filters|nodelet|ros[a-z]+|tf|tf2_\w+|std_srvs|\w+_msgs"
-    r"|sextant\.(msg|srv|nodes|bags|commands))(\.|$)"
+    r"|sextant\.(msg|srv|nodes|bags|messages|commands))(\.|$)"
 )
 RUNNING_ROS = re.compile(r"(actionlib|dynamic_reconfigure|rospy|tf2_ros|sextant\.(nodes|commands))(\.|$)")
 EMPTY_NOUN = re.compile(r"(^|_)(utils?|helpers?|common|misc)(_|$)")
@@ -198,8 +199,10 @@ CONTRIBUTING = ROOT / "CONTRIBUTING.md"
 
 
 @pytest.mark.parametrize("room", sorted({*CORE, *BRIDGES, *PYTHON}))
-def test_every_room_is_described(room):
-    assert re.search(rf"^\| `{room}` \|", CONTRIBUTING.read_text(), re.M)
+def test_every_room_is_described_with_the_rooms_that_it_uses(room):
+    row = re.search(rf"^\| `{room}` \|[^|]+\|([^|]*)\|([^|]*)\|$", CONTRIBUTING.read_text(), re.M)
+    uses = [CORE.get(room, ("",))[0], PYTHON.get(room, "")]
+    assert [set(cell.split()) for cell in row.groups()] == [set(rooms.split()) for rooms in uses]
 
 
 def test_no_folder_is_crowded():
@@ -220,7 +223,7 @@ def python_room(name):
 
 
 def test_python_library_knows_no_ros():
-    outside = {*python_room("nodes"), *python_room("bags"), *python_room("commands")}
+    outside = {path for name in ("nodes", "bags", "messages", "commands") for path in python_room(name)}
     library = [path for path in files("src/sextant") if path not in outside]
     assert library
     assert offenders(library, ros_imports) == {}
@@ -248,7 +251,7 @@ def test_arrows_between_rooms_make_no_circle(rooms):
         left = {room: uses for room, uses in left.items() if room not in free}
 
 
-@pytest.mark.parametrize("room", ["bags", "commands"])
+@pytest.mark.parametrize("room", ["bags", "messages", "commands"])
 def test_what_runs_offline_needs_no_master(room):
     sources = python_room(room)
     assert sources, f"nothing in {room}: the wall guards an empty room"
@@ -284,7 +287,7 @@ def test_every_core_noun_has_its_test(room):
     assert sorted(nouns - tested) == []
 
 
-def test_names_say_something():
+def test_names_are_meaningful():
     assert [str(path.relative_to(ROOT)) for path in all_code() if EMPTY_NOUN.search(path.stem)] == []
 
 
@@ -314,7 +317,7 @@ def test_files_begin_with_the_licence():
         ("core detection", "#include <ceres/problem.h>"),
         ("bindings", "# include <sensor_msgs/Image.h>"),
         ("bindings", '#include "../ros/geometry/pose_conversions.hpp"'),
-        ("ros base", '#include "sextant/ros/geometry/tf_bridge.hpp"'),
+        ("ros base", '#include "sextant/ros/geometry/transform_lookup.hpp"'),
         ("ros markers", '#include "sextant/nodelets/marker_detector.hpp"'),
         ("nodes", '#include "sextant/geometry/pose.hpp"'),
     ],

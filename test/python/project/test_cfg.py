@@ -71,7 +71,7 @@ def test_words_to_choose_from_are_those_that_are_allowed(cfg):
 
 
 @pytest.mark.parametrize("cfg", CFGS)
-def test_page_says_what_may_change(cfg):
+def test_page_states_what_may_change(cfg):
     """The sentence below the table of a node names them all, and no other."""
     text = section(NODES_PAGE, node_of(cfg)).partition("dynamic_reconfigure")[2].partition("\n\n")[0]
     assert set(re.findall(r"`(\w+)`", text)) == set(offered(cfg))

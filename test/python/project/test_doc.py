@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the pages say is so: parameters with their defaults, topics, messages, links, and the code in them."""
+"""What the pages state is true: parameters and their defaults, topics, messages, links, code examples."""
 
 import dataclasses
 import importlib
@@ -17,11 +17,11 @@ import sextant
 from sextant.base.strict_params import flat_fields
 
 ROOT = Path(__file__).resolve().parents[3]
-NODES_PAGE = (ROOT / "doc/nodes.md").read_text()
+NODES_PAGE = (ROOT / "doc/reference/nodes.md").read_text()
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "doc").rglob("*.md"), *(ROOT / "test").rglob("*.md")])
 sys.path.insert(0, str(ROOT / "tools"))
 from parameter_tables import STRUCTS as NODELETS  # noqa: E402
-from parameter_tables import with_tables  # noqa: E402
+from reference_pages import pages as reference_pages  # noqa: E402
 
 SCRIPTS = {
     path.stem: path
@@ -29,7 +29,7 @@ SCRIPTS = {
     if (ROOT / "scripts" / path.stem).exists()
 }
 
-NEEDED = "needed"  # where the table has a default
+NEEDED = "required"  # where the table has a default
 
 
 def section(page, title):
@@ -79,9 +79,9 @@ def test_parameters_and_defaults_are_those_of_the_code(node):
     assert table_of(node) == read
 
 
-def test_tables_of_nodelets_are_those_of_the_structs():
-    """Else run tools/parameter_tables.py."""
-    assert with_tables(NODES_PAGE) == NODES_PAGE
+def test_reference_pages_follow_the_sources():
+    """Else run tools/reference_pages.py."""
+    assert [page.name for page, text in reference_pages().items() if page.read_text() != text] == []
 
 
 @pytest.mark.parametrize("node", NODELETS)
@@ -116,7 +116,7 @@ def test_every_family_is_named():
 
 
 def test_dictionary_numbers_are_those_of_opencv():
-    page = (ROOT / "doc/migrating.md").read_text()
+    page = (ROOT / "doc/how_to/migrating.md").read_text()
     rows = dict(re.findall(r"\| (\d+) \| `(DICT_\w+)`", page))
     dictionaries = [name for name in sextant.marker_families() if name.startswith("DICT")]
     assert {name: int(number) for number, name in rows.items()} == {
@@ -127,19 +127,12 @@ def test_dictionary_numbers_are_those_of_opencv():
 def test_messages_are_those_of_the_code():
     """The first column of "No pose", but for what stands in the place of names and numbers."""
     sources = [path for path in (ROOT / "src").rglob("*") if path.suffix in (".cpp", ".py")]
-    said = re.sub(r'"\s+"', "", "\n".join(path.read_text() for path in sources))
-    table = section((ROOT / "doc/trouble.md").read_text(), "No pose")
+    source = re.sub(r'"\s+"', "", "\n".join(path.read_text() for path in sources))
+    table = section((ROOT / "doc/how_to/trouble.md").read_text(), "No pose")
     messages = re.findall(r"`([^`]+)`", " ".join(re.findall(r"^\| (.*?) \|", table, re.M)))
     parts = [part.strip() for text in messages for part in re.split("…|[A-Z]+[^ ]*|no pose:", text)]
     assert len(messages) > 15
-    assert [part for part in parts if len(part) > 3 and part not in said] == []
-
-
-def test_launch_commands_have_arguments_that_exist():
-    pages = "\n".join(page.read_text() for page in PAGES)
-    for file, line in re.findall(r"roslaunch sextant (\w+\.launch)(.*)", pages):
-        known = re.findall(r'<arg name="(\w+)"', (ROOT / "launch" / file).read_text())
-        assert set(re.findall(r"(\w+):=", line)) <= set(known), line
+    assert [part for part in parts if len(part) > 3 and part not in source] == []
 
 
 # ---- links ----------------------------------------------------------------------------------------------
@@ -201,7 +194,7 @@ def test_library_example_locates_the_camera(tmp_path, monkeypatch):
 
 
 def migration(index):
-    return code((ROOT / "doc/migrating.md").read_text(), "python")[index]
+    return code((ROOT / "doc/how_to/migrating.md").read_text(), "python")[index]
 
 
 # Where the packages' sources put the corners top left, top right, bottom right, bottom left in their frame.
@@ -233,14 +226,14 @@ def test_constant_rotations_put_the_corners_where_they_are():
 
 @pytest.mark.parametrize("language, name", [("yaml", "map.yaml"), ("text", "map.txt")])
 def test_examples_of_maps_are_read(tmp_path, language, name):
-    (tmp_path / name).write_text(code((ROOT / "doc/marker_map.md").read_text(), language)[0])
+    (tmp_path / name).write_text(code((ROOT / "doc/reference/marker_map.md").read_text(), language)[0])
     marker_map = sextant.read_marker_map(str(tmp_path / name))
     assert len(marker_map.markers) == 2 and len(marker_map.frames) == 1
     np.testing.assert_allclose(marker_map.find("tag36h11", 7).T_map_marker[:3, 2], [-1, 0, 0], atol=1e-4)
 
 
 def test_directions_of_hanging_markers():
-    page = (ROOT / "doc/marker_map.md").read_text()
+    page = (ROOT / "doc/reference/marker_map.md").read_text()
     rows = re.findall(r"^\| ([+−])([xyz]) .*\| `(\[.*\])` \|$", page, re.M)
     assert len(rows) == 6
     for sign, axis, rpy in rows:
@@ -251,7 +244,7 @@ def test_directions_of_hanging_markers():
 
 def test_filter_configuration_is_whole():
     """15 flags an input: position, rotation, their speeds, acceleration."""
-    filters = yaml.safe_load(code((ROOT / "doc/frames.md").read_text(), "yaml")[0])
+    filters = yaml.safe_load(code((ROOT / "doc/reference/frames.md").read_text(), "yaml")[0])
     flags = [value for each in filters.values() for key, value in each.items() if key.endswith("_config")]
-    assert [len(each) for each in flags] == [15, 15, 15]
-    assert (filters["ekf_odom"]["world_frame"], filters["ekf_map"]["world_frame"]) == ("odom", "map")
+    assert [len(each) for each in flags] == [15]
+    assert filters["ekf_odom"]["world_frame"] == "odom"

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the page on landmarks shows can be run and read."""
+"""The examples of the page on landmarks are valid."""
 
 import io
 import re
@@ -13,7 +13,7 @@ import rospy
 import sextant
 
 ROOT = Path(__file__).resolve().parents[3]
-PAGE = (ROOT / "doc/landmarks.md").read_text()
+PAGE = (ROOT / "doc/how_to/landmarks.md").read_text()
 
 
 def code(language):
@@ -21,25 +21,26 @@ def code(language):
 
 
 class Publisher:
-    said = []
+    messages = []
 
     def __init__(self, topic, kind, queue_size):
-        assert (topic, kind.__name__) == ("landmarks", "LandmarkSightings") and queue_size > 0
+        assert (topic, kind.__name__) == ("/detector/landmarks", "LandmarkObservations") and queue_size > 0
 
     def publish(self, message):
-        message.serialize(io.BytesIO())  # refuses values of a wrong type
-        self.said.append(message)
+        message.serialize(io.BytesIO())  # raises for values of a wrong type
+        self.messages.append(message)
 
 
-def test_a_detector_tells_its_sightings(monkeypatch):
+def test_a_detector_publishes_observations(monkeypatch):
+    monkeypatch.setattr(rospy, "init_node", lambda name: None)
     monkeypatch.setattr(rospy, "Publisher", Publisher)
     names = {}
     exec(code("python")[0], names)
-    names["tell"](rospy.Time(3), [("door", 2.0, -1.0, 0.1)])
-    names["tell"](rospy.Time(4), [])
-    first, second = Publisher.said
-    assert (first.header.frame_id, second.sightings) == ("base_link", [])
-    (seen,) = first.sightings
+    names["publish"](rospy.Time(3), [("door", 2.0, -1.0, 0.1)])
+    names["publish"](rospy.Time(4), [])
+    first, second = Publisher.messages
+    assert (first.header.frame_id, second.observations) == ("base_link", [])
+    (seen,) = first.observations
     assert (seen.class_name, seen.id, seen.x, seen.y) == ("door", -1, 2.0, -1.0) and np.isnan(seen.heading)
     np.testing.assert_allclose(np.reshape(seen.covariance, (3, 3))[:2, :2], 0.01 * np.eye(2))
 
@@ -58,8 +59,8 @@ def test_the_example_of_a_map_is_read(tmp_path):
 
 def test_rows_of_diagnostics_are_those_of_the_report():
     report = (ROOT / "src/ros/landmarks/landmark_slam_report.cpp").read_text()
-    section = PAGE.partition("## What it says")[2].partition("\n## ")[0]
-    cells = re.findall(r"^\| (`.*?) \|", section, re.M)[1:]  # the first is put together of words
+    section = PAGE.partition("## Diagnostics")[2].partition("\n## ")[0]
+    cells = re.findall(r"^\| (`.*?) \|", section, re.M)[1:]  # the first one is composed at run time
     parts = [part.strip() for name in re.findall(r"`([^`]+)`", " ".join(cells)) for part in name.split("…")]
-    said = report + (ROOT / "src/ros/base/trouble_log.cpp").read_text()
-    assert len(parts) > 12 and [part for part in parts if part not in said] == []
+    texts = report + (ROOT / "src/ros/base/trouble_log.cpp").read_text()
+    assert len(parts) > 12 and [part for part in parts if part not in texts] == []

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""What doc/print.md says is so: its commands, its options, the pixels that a marker needs."""
+"""What doc/how_to/print.md states is true: its commands, its options, the pixels that a marker needs."""
 
 import re
 import shlex
@@ -13,7 +13,7 @@ import sextant
 from sextant.commands import make_chessboard, make_markers
 from sextant.simulation.room import room_for
 
-PAGE = (Path(__file__).resolve().parents[3] / "doc/print.md").read_text()
+PAGE = (Path(__file__).resolve().parents[3] / "doc/how_to/print.md").read_text()
 COMMANDS = {"make_markers": make_markers.main, "make_chessboard": make_chessboard.main}
 
 
@@ -36,16 +36,16 @@ def test_commands_work(tmp_path, monkeypatch, capsys):
 def test_options_are_those_of_the_command(capsys):
     with pytest.raises(SystemExit):
         make_markers.main(["--help"])
-    options = set(re.findall(r"^  .*?(--\w+)", capsys.readouterr().out, re.M)) - {"--help", "--output"}
+    options = set(re.findall(r"^  .*?(--[\w-]+)", capsys.readouterr().out, re.M)) - {"--help", "--output"}
     table = PAGE.partition("| option |")[2].partition("\n\n")[0]
-    assert set(re.findall(r"`(--\w+)`", table)) == options
+    assert set(re.findall(r"`(--[\w-]+)`", table)) == options
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("family", ["tag36h11", "tagStandard41h12", "DICT_4X4_50", "DICT_6X6_250"])
 @pytest.mark.parametrize("angle", [0.1, 0.25 * np.pi])
 def test_pixels_that_a_marker_needs(family, angle):
-    pixels = float(re.search(r"from some (\d+) pixels", PAGE).group(1))
+    pixels = float(re.search(r"edge length of about (\d+) pixels", PAGE).group(1))
     focal, size, wall = 500.0, 0.1, 2.99
     marker_map = sextant.MarkerMap()
     T_map_marker = sextant.pose_from_xyz_rpy([0.0, wall, 1.0], [0.5 * np.pi, 0.0, 0.0])

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""The files around the code agree with it, and the scripts hold what their comments say."""
+"""The files around the code agree with it, and the scripts do what their comments state."""
 
 import os
 import re
@@ -46,7 +46,7 @@ def test_totals_succeed_only_when_something_passed_and_nothing_failed(tmp_path):
     assert totals_of(tmp_path, **{"b.xml": good[:40]}) == (1, "1 passed, 1 failed, 1 skipped")
 
 
-def test_totals_count_what_rostest_repeats_only_when_it_says_something(tmp_path):
+def test_totals_count_what_rostest_repeats_only_when_it_adds_something(tmp_path):
     good = JUNIT["python/pytest.xml"]
     repeated = '<testsuite><testcase classname="rostest.runner.RosTest" name="testa"/></testsuite>'
     timed_out = repeated.replace("/><", "><error/></testcase><")

@@ -21,7 +21,7 @@ from sextant.nodes.evaluation.drive_recorder import RecorderParams
 from sextant.nodes.images.publish_image import PublisherParams
 from sextant.nodes.markers.marker_broadcaster import BroadcasterParams
 from sextant.nodes.objects.object_locator_node_params import ObjectLocatorNodeParams
-from sextant.nodes.places.place_localizer_params import PlaceLocalizerParams
+from sextant.nodes.places.place_localizer_node_params import PlaceLocalizerParams
 from sextant.nodes.places.place_visualizer import VisualizerParams
 from sextant.nodes.simulation.ball_simulator import BallSimulatorParams
 from sextant.nodes.simulation.landmark_simulator import LandmarkSimulatorParams
@@ -40,7 +40,10 @@ FOREIGN = {"robot_localization", "amcl", "map_server", "topic_tools"}
 
 # Arguments that, all together, enter every <... if=...> of the shipped files.
 BRANCHES = {
-    "robot.launch": [["map:=" + ROOM, "camera:=true", "camera_info:=calibration"], ["start_manager:=false"]],
+    "robot.launch": [
+        ["map:=" + ROOM, "start_camera:=true", "camera_info:=calibration"],
+        ["start_manager:=false"],
+    ],
     "markers.launch": [["map:=" + ROOM, "camera_info:=calibration"], ["start_manager:=false"]],
     "demo.launch": [["rviz:=true", "mode:=nearest"], ["mode:=average"]],
     "calibrate.launch": [
@@ -56,7 +59,7 @@ BRANCHES = {
     ],
     "robot_localization.launch": [["odom:=wheels/odom"]],
     "amcl.launch": [["floor:=floor.yaml"]],
-    "places.launch": [["camera:=true", "rviz:=true"], ["visualizer:=false"]],
+    "places.launch": [["start_camera:=true", "rviz:=true"], ["visualizer:=false"]],
     "places_demo.launch": [["rviz:=true", "season:=[dusk]"]],
     "view.launch": [["hostname:=laptop", "master:=http://robot:11311"], ["rviz:=false"]],
 }
@@ -196,7 +199,7 @@ def test_the_word_none_switches_off(path):
     taken = [f"{name}:={given[name]}" for name in args if name in given]
     config = load(path, [*NEEDED.get(path.name, []), *taken])
     values = [param.value for key, param in config.params.items() if key.rpartition("/")[2] in words]
-    assert values == [""] * len(words & {"base_frame", "fourcc", "picture"})  # the others are no parameters
+    assert values == [""] * len(words & {"base_frame", "fourcc", "plot"})  # the others are no parameters
     assert not words & {node.name for node in config.nodes}
 
 
@@ -251,16 +254,16 @@ def test_a_file_wins_over_defaults_and_arguments_win_over_the_file(path, name, t
     assert not lost & differences(given, plain)
 
 
-def test_the_demo_of_landmarks_tells_what_its_sensor_sees():
+def test_the_demo_of_landmarks_sets_the_range_of_its_sensor():
     config = load(ROOT / "launch/landmarks_demo.launch")
     simulated, slam = LandmarkSimulatorParams(), "landmark_slam"
-    told = {**table_of(slam), **params_of(config, slam)}
-    assert (told["max_range"], told["field_of_view"]) == (simulated.max_range, simulated.field_of_view)
+    params = {**table_of(slam), **params_of(config, slam)}
+    assert (params["max_range"], params["field_of_view"]) == (simulated.max_range, simulated.field_of_view)
 
 
 def test_the_ball_task_knows_the_simulated_camera():
     config, camera = load(ROOT / "launch/ball_task.launch"), RgbdParams()
-    for name, parameter in (("object_locator", "scale"), ("ball_task", "depth_scale")):
+    for name, parameter in (("object_locator", "depth_scale"), ("ball_task", "depth_scale")):
         assert params_of(config, name)[parameter] * camera.depth_scale == pytest.approx(1.0)
     assert 0.7 * camera.colour_fov < params_of(config, "landmark_slam")["field_of_view"] < camera.colour_fov
 

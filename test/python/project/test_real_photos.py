@@ -57,7 +57,7 @@ def test_nothing_else_is_found(photos):
 
 
 def test_the_bag_has_seven_markers_where_they_hang(photos):
-    """The bag does not tell their size: places are compared in sizes of a marker, their edge being 1."""
+    """The bag does not contain their size: positions are compared in marker sizes, the edge being 1."""
     detections = {each.id: each for each in real_photos.bag_markers(photos)}
     assert len(detections) == 7
     K = [1014.343103379204, 0, 637.2463708126373, 0, 1011.69373183754, 469.5663779911617, 0, 0, 1]

@@ -126,12 +126,12 @@ def test_a_late_viewer_gets_everything(namespaces, start):
         view = ["xvfb-run", "-a", *view]
     else:
         view.append("rviz:=false")
-    demo = ["roslaunch", "sextant", "demo.launch", "frames:=0", "picture:=none"]
+    demo = ["roslaunch", "sextant", "demo.launch", "frames:=0", "plot:=none"]
     start(inside(robot, *demo), environment(ROS_MASTER_URI=MASTER, ROS_HOSTNAME=ROBOT))
     assert master_answers(viewer, 30)
-    time.sleep(5)  # the viewer comes late: the latched topics have been said
+    time.sleep(5)  # the viewer comes late: the latched topics have been published
     start(inside(viewer, *view), environment())
-    listen = [sys.executable, str(HELPERS / "late_listener.py"), "joint/pose", "laptop_picture/image", "60"]
+    listen = [sys.executable, str(HELPERS / "late_listener.py"), "joint/pose", "laptop_image/image", "60"]
     answer = subprocess.run(
         inside(viewer, *listen),
         env=environment(ROS_MASTER_URI=MASTER, ROS_HOSTNAME=VIEWER),
@@ -139,13 +139,13 @@ def test_a_late_viewer_gets_everything(namespaces, start):
         text=True,
         timeout=90,
     )
-    heard = json.loads(answer.stdout.splitlines()[-1])
-    assert {*"01234567", "camera_optical_frame"} <= set(heard["frames"])
-    assert heard["pose"] == "map"
-    assert heard["markers"] == "camera_optical_frame"
-    assert heard["boards"] == 1 + 2 * 8  # what was drawn before is removed; a board and an id a marker
-    assert heard["picture"] == [640, "bgr8"]
-    assert "/laptop_picture" in heard["subscribers"]["/markers/image/compressed"]
-    assert "/markers/image" not in heard["subscribers"]  # nothing raw crosses the network
+    received = json.loads(answer.stdout.splitlines()[-1])
+    assert {*"01234567", "camera_optical_frame"} <= set(received["frames"])
+    assert received["pose"] == "map"
+    assert received["markers"] == "camera_optical_frame"
+    assert received["boards"] == 1 + 2 * 8  # what was drawn before is removed; a board and an id a marker
+    assert received["picture"] == [640, "bgr8"]
+    assert "/laptop_image" in received["subscribers"]["/markers/image/compressed"]
+    assert "/markers/image" not in received["subscribers"]  # nothing raw crosses the network
     if "xvfb-run" in view:
-        assert "/laptop" in heard["subscribers"]["/marker_map"]
+        assert "/laptop" in received["subscribers"]["/marker_map"]

@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 import pytest
 
-from sextant.simulation.ball_world import TASKS, drawn_world
+from sextant.simulation.ball_world import TASKS, random_world
 
 WORLDS = 300
 PIXELS = 100  # a metre, of a floor plan
@@ -22,7 +22,7 @@ LIMITS = {  # of the ball before the goal's line and off its axis, metres; of pi
 
 @functools.lru_cache(maxsize=None)
 def worlds(task):
-    return [drawn_world(task, seed) for seed in range(WORLDS)]
+    return [random_world(task, seed) for seed in range(WORLDS)]
 
 
 def places(world):
@@ -67,7 +67,7 @@ def middle_of_goal(world):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("task", TASKS)
-def test_the_ball_lies_where_the_task_says_and_anywhere_there(task):
+def test_the_ball_lies_in_the_area_of_the_task_and_anywhere_there(task):
     least, most, aside, _ = LIMITS[task]
     off = np.array([beside_goal(world, world.ball)[0] for world in worlds(task)])
     assert np.all((off[:, 0] >= least) & (off[:, 0] <= most)) and np.all(abs(off[:, 1]) <= aside + 1e-9)
@@ -149,13 +149,13 @@ def is_straight(world):
 
 
 def test_the_same_seed_gives_the_same_world():
-    for one, same, other in zip(worlds(3)[:5], (drawn_world(3, seed) for seed in range(5)), worlds(3)[1:]):
+    for one, same, other in zip(worlds(3)[:5], (random_world(3, seed) for seed in range(5)), worlds(3)[1:]):
         assert one.pillars == same.pillars and one.size == same.size
         np.testing.assert_array_equal([*one.ball, *one.robot], [*same.ball, *same.robot])
         assert not np.array_equal(one.ball, other.ball)
-    assert not np.array_equal(drawn_world(2, 0).ball, drawn_world(3, 0).ball)
+    assert not np.array_equal(random_world(2, 0).ball, random_world(3, 0).ball)
 
 
 def test_a_task_that_is_none_is_refused():
     with pytest.raises(ValueError, match=r"task is 4, allowed is one of \[2, 3\]"):
-        drawn_world(4, 0)
+        random_world(4, 0)

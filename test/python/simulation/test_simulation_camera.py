@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 import sextant
-from sextant.simulation.camera import RESOLUTIONS, camera_calibration, camera_mount
+from sextant.simulation.camera import camera_calibration, camera_mount
 
 
-@pytest.mark.parametrize("size", RESOLUTIONS.values())
+@pytest.mark.parametrize("size", [(640, 480), (1280, 720), (1920, 1080)])
 @pytest.mark.parametrize("model", ["plumb_bob", "rational_polynomial", "equidistant"])
 def test_half_the_field_of_view_lies_on_either_side(size, model):
     camera = sextant.CameraModel(camera_calibration(*size, np.deg2rad(62.0), model))

@@ -5,7 +5,7 @@ import pytest
 
 import sextant
 from sextant.simulation.drive import DriveParams, SimulatedDrive
-from sextant.simulation.motion import Motion
+from sextant.simulation.motion import FigureEight, Motion
 from sextant.simulation.room import default_map
 
 LENSES = {
@@ -96,7 +96,7 @@ def test_a_map_of_ones_own_can_be_driven_through():
 
 def test_path_through_the_wall_is_refused():
     with pytest.raises(ValueError, match="eight_half_length"):
-        next(SimulatedDrive(DriveParams(eight_half_length=3.5)).frames(1))
+        next(SimulatedDrive(DriveParams(eight=FigureEight(half_length=3.5))).frames(1))
 
 
 @pytest.mark.parametrize(
@@ -118,9 +118,7 @@ def test_path_through_the_wall_is_refused():
         ("white_level", 0.0),
         ("quiet_zone", 0.0),
         ("light_unevenness", 2.0),
-        ("eight_period", 0.0),
         ("robot_radius", -0.1),
-        ("odometry_angle_per_metre", 2.0),
     ],
 )
 def test_what_is_out_of_range_is_refused_by_name(name, value):

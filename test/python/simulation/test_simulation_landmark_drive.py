@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""A simulated robot among landmarks: what it measures is the truth with the noise that is told."""
+"""A simulated robot among landmarks: its measurements are the truth with the published noise."""
 
 import itertools
 
@@ -12,7 +12,13 @@ from sextant.geometry.plane_poses import composed, in_frame, relative
 from sextant.simulation.landmark_world import LandmarkDrive, LandmarkWorld, LandmarkWorldParams, class_name
 from sextant.simulation.odometry import SteppedOdometry
 
-EXACT = dict(turn_by_turn=0.0, turn_by_way=0.0, way_by_way=0.0, way_by_turn=0.0, aside_by_way=0.0)
+EXACT = dict(
+    rotation_from_rotation=0.0,
+    rotation_from_translation=0.0,
+    translation_from_translation=0.0,
+    translation_from_rotation=0.0,
+    lateral_from_translation=0.0,
+)
 
 
 def drive_of(**params):
@@ -54,7 +60,13 @@ def test_odometry_without_noise_is_the_way_times_its_scale():
 @pytest.mark.parametrize("command, variances", [((1, 0), [0.09, 0.01, 0.04]), ((0, 1), [0.16, 0, 0.25])])
 def test_odometry_errs_by_way_and_by_turn(command, variances):
     """One metre, or one radian, many times: every number alone, with the variance that it names."""
-    noise = dict(way_by_way=0.3, aside_by_way=0.1, turn_by_way=0.2, way_by_turn=0.4, turn_by_turn=0.5)
+    noise = dict(
+        translation_from_translation=0.3,
+        lateral_from_translation=0.1,
+        rotation_from_translation=0.2,
+        translation_from_rotation=0.4,
+        rotation_from_rotation=0.5,
+    )
     _, drive = drive_of(odometry_rate=1.0, sensor_rate=1.0, landmarks=0, **noise)
     true = np.array([command[0], 0.0, command[1]], float)
     moments = moments_of(drive, 500, 1.0, command)
@@ -65,53 +77,61 @@ def test_odometry_errs_by_way_and_by_turn(command, variances):
         assert in_band(values**2 / variance, 500) if variance else np.allclose(values, 0.0)
 
 
-def test_sightings_err_as_they_say():
+def test_observations_err_as_their_covariances_state():
     world, drive = drive_of(seed=1, field_of_view=6.0)
     squares = []
     for moment in moments_of(drive, 60.0):
-        for seen in moment.look.sightings if moment.look else []:
+        for seen in moment.scan.observations if moment.scan else []:
             off = seen.position - in_frame(moment.pose, world.positions[seen.truth])
             squares.append(off @ np.linalg.solve(seen.covariance, off))
             assert seen.class_name == world.classes[seen.truth]
     assert len(squares) > 500 and in_band(squares, 2 * len(squares))
 
 
-def test_some_are_missed_and_some_are_of_nothing():
-    world, drive = drive_of(missed=0.3, phantoms=0.2, field_of_view=6.2832, max_range=100.0)
-    looks = [moment.look.sightings for moment in moments_of(drive, 60.0) if moment.look]
-    true = sum(seen.truth is not None for look in looks for seen in look)
-    assert stats.binomtest(true, len(looks) * len(world.positions), 0.7).pvalue > 0.001
-    assert stats.binomtest(sum(map(len, looks)) - true, true, 0.2).pvalue > 0.001
+def test_missed_detections_and_false_alarms():
+    world, drive = drive_of(
+        detection_probability=0.7, false_alarm_probability=0.2, field_of_view=6.2832, max_range=100.0
+    )
+    scans = [moment.scan.observations for moment in moments_of(drive, 60.0) if moment.scan]
+    true = sum(seen.truth is not None for scan in scans for seen in scan)
+    assert stats.binomtest(true, len(scans) * len(world.positions), 0.7).pvalue > 0.001
+    assert stats.binomtest(sum(map(len, scans)) - true, true, 0.2).pvalue > 0.001
 
 
 @pytest.mark.parametrize("delay, offset", [(0.0, 0.0), (0.3, 0.0), (0.25, 0.15), (0.1, -0.4)])
 def test_looks_come_late_with_the_stamp_of_their_clock(delay, offset):
     world, drive = drive_of(delay=delay, clock_offset=offset, bearing_noise=1e-9, range_noise=(1e-9, 0.0))
-    poses, looks = {}, 0
+    poses, scans = {}, 0
     for moment in moments_of(drive, 20.0):
         poses[round(moment.stamp, 3)] = moment.pose
-        if moment.look:
-            looks, taken = looks + 1, moment.look.stamp + offset
+        if moment.scan:
+            scans, taken = scans + 1, moment.scan.stamp + offset
             assert moment.stamp == pytest.approx(taken + delay)
-            for seen in moment.look.sightings:
+            for seen in moment.scan.observations:
                 expected = in_frame(poses[round(taken, 3)], world.positions[seen.truth])
                 np.testing.assert_allclose(seen.position, expected, atol=1e-6)
-    assert looks == 20 * 5 - np.ceil(delay * 5)
+    assert scans == 20 * 5 - np.ceil(delay * 5)
 
 
 def test_who_is_carried_away_does_not_feel_it():
     _, drive = drive_of(seed=2, **EXACT)
     before = moments_of(drive, 1.0)[-1].pose
-    distance = drive.carry()
+    distance = drive.kidnap()
     after = drive.advance((0.0, 0.0))
     assert distance == pytest.approx(np.hypot(*(after.pose - before)[:2]), abs=1e-9) and distance > 0.5
     np.testing.assert_array_equal(after.step, np.zeros(3))
 
 
 @pytest.mark.slow
-def test_odometry_in_its_frame_is_as_uncertain_as_it_says():
+def test_odometry_in_its_frame_is_as_uncertain_as_it_states():
     """Of many drives along one bent way, each with noise of its own."""
-    noise = dict(way_by_way=0.05, aside_by_way=0.03, turn_by_way=0.03, way_by_turn=0.02, turn_by_turn=0.05)
+    noise = dict(
+        translation_from_translation=0.05,
+        lateral_from_translation=0.03,
+        rotation_from_translation=0.03,
+        translation_from_rotation=0.02,
+        rotation_from_rotation=0.05,
+    )
     command, distances = (0.5, 0.4), []
     true = np.array([0.5 / 0.4 * np.sin(1.6), 0.5 / 0.4 * (1 - np.cos(1.6)), 1.6])  # after 4 s
     for seed in range(150):
@@ -133,7 +153,7 @@ def test_classes_have_names_of_their_own():
 
 
 def test_what_cannot_be_is_refused():
-    with pytest.raises(ValueError, match=r"way_by_turn: must be within \[0, 1\], is -0.1"):
-        LandmarkWorldParams(way_by_turn=-0.1)
-    with pytest.raises(ValueError, match="find no room in a square of 2 m"):
+    with pytest.raises(ValueError, match=r"translation_from_rotation: must be within \[0, 1\], is -0.1"):
+        LandmarkWorldParams(translation_from_rotation=-0.1)
+    with pytest.raises(ValueError, match="do not fit into a square of 2 m"):
         LandmarkWorld(LandmarkWorldParams(landmarks=50, half_side=1.0))

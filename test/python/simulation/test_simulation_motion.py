@@ -19,7 +19,6 @@ def test_speeds_of_the_eight_are_its_derivatives(t):
     )
     turn = np.remainder(after.yaw - before.yaw + np.pi, 2.0 * np.pi) - np.pi
     assert turn / (2.0 * h) == pytest.approx(motion.turn_rate, abs=1e-5)
-    assert motion.speed <= EIGHT.top_speed
 
 
 def test_eight_crosses_itself_and_closes():

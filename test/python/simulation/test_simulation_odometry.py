@@ -25,7 +25,7 @@ def error(reading, truth):
     )
 
 
-def test_without_noise_the_wheels_tell_the_truth():
+def test_without_noise_odometry_is_the_truth():
     for k, reading in enumerate(drive(OdometryNoise(0.0, 0.0, 0.0), 1)):
         assert error(reading, EIGHT.at(k / RATE)) == pytest.approx(np.zeros(3), abs=1e-3)
         assert reading.motion.speed == pytest.approx(
@@ -35,7 +35,7 @@ def test_without_noise_the_wheels_tell_the_truth():
 
 
 @pytest.mark.slow
-def test_errors_are_as_large_as_the_wheels_say():
+def test_errors_are_as_large_as_odometry_states():
     """NEES of the last pose over 100 drives, in its 99.9 % band."""
     drives, frames = 100, 600
     nees = 0.0

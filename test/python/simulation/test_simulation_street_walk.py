@@ -11,7 +11,7 @@ import pytest
 from sextant.place_maps.place_map_file import read_place_map
 from sextant.simulation.street import CONDITIONS, LENGTH, WIDTH, Street
 from sextant.simulation.street_map import CLUSTERS, MAP, StreetMap, has_street_map, write_street_map
-from sextant.simulation.street_overview import LOW, aerial_picture
+from sextant.simulation.street_overview import LOW, aerial_image
 from sextant.simulation.street_view import street_view
 from sextant.simulation.street_walk import StreetWalk, WalkParams
 
@@ -47,7 +47,7 @@ def test_the_walker_goes_at_its_speed(straight):
     )  # chords of round corners
 
 
-def test_the_wheels_say_what_was_gone(straight):
+def test_odometry_is_the_distance_walked(straight):
     """By 2 % of the root of every metre."""
     gone = np.hypot(straight[-1].odometry.motion.x, straight[-1].odometry.motion.y)
     true = np.hypot(straight[-1].truth.x - straight[0].truth.x, straight[-1].truth.y - straight[0].truth.y)
@@ -76,9 +76,9 @@ def test_a_swaying_walker_looks_where_it_goes():
 def test_every_round_has_its_season(street):
     seasons = ["summer", "evening"]
     fast = walk(seasons=seasons, speed=10.0, rate=0.2)  # 50 m a frame
-    told = [frame.season for frame in islice(iter(fast.frame, None), 12)]
+    shown = [frame.season for frame in islice(iter(fast.frame, None), 12)]
     length = street.length
-    assert told == [seasons[int(50 * i / length) % 2] for i in range(12)]
+    assert shown == [seasons[int(50 * i / length) % 2] for i in range(12)]
 
 
 @pytest.mark.slow
@@ -98,8 +98,8 @@ def test_a_carried_walker_is_elsewhere_but_not_for_its_wheels(street):
 @pytest.mark.parametrize(
     "changed, reason",
     [
-        ({"seasons": ["spring"]}, "seasons is 'spring', allowed are summer, evening, autumn, winter, dusk"),
-        ({"seasons": []}, "seasons is empty, allowed are"),
+        ({"seasons": ["spring"]}, "seasons: each must be one of summer, evening, autumn, winter, dusk, is"),
+        ({"seasons": []}, "seasons: must not be empty"),
         ({"speed": 0.0}, r"speed: must be within \[0.01, 20.0\], is 0.0"),
     ],
 )
@@ -142,22 +142,22 @@ def test_a_map_of_another_street_is_not_taken_for_it(street_map):
     others = {"seed": 2, "seasons": ["summer"], "spacing": 41.0, "size": (48, 64), "parts": 4}
     assert set(others) == set(wanted._fields)
     for name, value in others.items():
-        with pytest.raises(ValueError, match=r'map.txt: is of {"seed": 1.*, wanted is {.*remove the folder'):
+        with pytest.raises(ValueError, match=r'map.txt: is of {"seed": 1.*, expected {.*remove the folder'):
             has_street_map(folder, wanted._replace(**{name: value}))
     (folder / "street.json").unlink()
-    with pytest.raises(ValueError, match="map.txt: is of an unknown street, wanted is"):
+    with pytest.raises(ValueError, match="map.txt: is of an unknown street, expected"):
         has_street_map(folder, wanted)
 
 
 @pytest.mark.slow
 def test_a_map_of_nothing_is_not_written(tmp_path):
-    with pytest.raises(ValueError, match="9 places cannot be 10 parts"):
+    with pytest.raises(ValueError, match="9 places cannot be divided into 10 clusters"):
         write_street_map(tmp_path, StreetMap(1, ["summer"], 40.0, SIZE, 10))
     assert list(tmp_path.iterdir()) == []
 
 
 def test_the_aerial_picture_shows_houses_where_they_stand(street):
-    aerial = aerial_picture(street, 0.2)
+    aerial = aerial_image(street, 0.2)
     fronts = [each for each in street.uprights if each.mask is None]
     behind = []
     for front in fronts:

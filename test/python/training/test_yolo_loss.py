@@ -9,11 +9,11 @@ import pytest
 
 torch = pytest.importorskip("torch", reason="PyTorch is optional: apt install python3-torch")
 
-from sextant.objects.yolo_output import BINS, cell_middles, decoded, places_of  # noqa: E402
+from sextant.objects.yolo_output import BINS, cell_middles, decoded, prediction_count  # noqa: E402
 from sextant.training.yolo_loss import Targets, YoloLoss, ciou, overlap  # noqa: E402
 
 SIZE, CLASSES = 64, 2
-PLACES = places_of((SIZE, SIZE))
+PLACES = prediction_count((SIZE, SIZE))
 BOX = [13.0, 9.0, 35.0, 41.0]
 
 
@@ -23,8 +23,8 @@ def targets(counts=True):
     return Targets(boxes, torch.tensor([[1, 0]]), flags, flags & counts)
 
 
-def told(box, right=8.0, elsewhere=-8.0):
-    """What a network says that has this box wherever it can be told, and there class 1."""
+def prediction(box, right=8.0, elsewhere=-8.0):
+    """Outputs of a network that predicts this box in all candidate cells, there with class 1."""
     middles, strides = cell_middles((SIZE, SIZE))
     output = np.full((1, 4 * BINS + CLASSES, PLACES), 0.0, np.float32)
     output[:, 4 * BINS :] = elsewhere
@@ -44,15 +44,20 @@ def loss(output, **what):
     return float(YoloLoss(SIZE, CLASSES)(torch.tensor(output), targets(**what)))
 
 
-def test_what_is_told_rightly_costs_less_than_what_is_not():
-    right, nothing = loss(told(np.array(BOX))), loss(np.full_like(told(np.array(BOX)), 0.0))
-    aside, wrong = loss(told(np.array(BOX) + 3.0)), loss(told(np.array(BOX))[:, [*range(4 * BINS), 65, 64]])
+def test_right_detections_cost_less_than_wrong_ones():
+    right, nothing = loss(prediction(np.array(BOX))), loss(np.full_like(prediction(np.array(BOX)), 0.0))
+    aside, wrong = (
+        loss(prediction(np.array(BOX) + 3.0)),
+        loss(prediction(np.array(BOX))[:, [*range(4 * BINS), 65, 64]]),
+    )
     assert right < 0.5 * aside and right < 0.3 * nothing and right < 0.3 * wrong
 
 
-def test_what_does_not_count_costs_nothing_whether_it_is_told_or_not():
-    silent = told(np.array(BOX), right=-8.0)
-    assert loss(told(np.array(BOX)), counts=False) == pytest.approx(loss(silent, counts=False), abs=0.05)
+def test_what_does_not_count_costs_nothing_whether_it_is_detected_or_not():
+    silent = prediction(np.array(BOX), right=-8.0)
+    assert loss(prediction(np.array(BOX)), counts=False) == pytest.approx(
+        loss(silent, counts=False), abs=0.05
+    )
     assert loss(silent) > 1.0
 
 

@@ -55,7 +55,7 @@ def floor_image(stamp):
 
 
 class Robot:
-    """Stands at the map's origin, and tells so."""
+    """Stands at the map's origin and publishes its poses."""
 
     def __init__(self, namespace=""):
         self.commands, self.states, self.late, self.sees = [], [], 0.0, True
@@ -64,18 +64,18 @@ class Robot:
         self._depth = rospy.Publisher(namespace + "depth/image", Image, queue_size=1)
         rospy.Subscriber(namespace + "cmd_vel", Twist, self.commands.append)
         rospy.Subscriber(namespace + "ball_task/state", BallTaskState, self.states.append)
-        self._tells, self._ended = threading.Event(), threading.Event()
-        self._thread = threading.Thread(target=self._tell, daemon=True)
+        self._publishes, self._ended = threading.Event(), threading.Event()
+        self._thread = threading.Thread(target=self._publish, daemon=True)
         self._thread.start()
 
-    def tell(self, is_telling=True, late=0.0):
-        """Poses come, so many seconds late."""
+    def publish(self, is_publishing=True, late=0.0):
+        """Starts or stops the poses. :param late: seconds by which their stamps are old"""
         self.late = late
-        (self._tells.set if is_telling else self._tells.clear)()
+        (self._publishes.set if is_publishing else self._publishes.clear)()
 
-    def _tell(self):
+    def _publish(self):
         while not self._ended.wait(1.0 / RATE):
-            if self._tells.is_set():
+            if self._publishes.is_set():
                 stamp = rospy.Time.now() - rospy.Duration(self.late)
                 self._odom.publish(odometry("odom", stamp))
                 self._pose.publish(odometry("map", stamp))
@@ -118,15 +118,15 @@ class BallTaskNodeTest(unittest.TestCase):
         self.assertTrue(rospy.ServiceProxy("ball_task/" + name, Trigger)().success)
 
     def begin(self):
-        self.robot.tell()
+        self.robot.publish()
         self.call("start")
         self.assertTrue(self.robot.is_in("searching"))
 
     def restart(self):
         """As of a clock that was set back: nothing is remembered."""
-        self.robot.tell(late=100.0)
+        self.robot.publish(late=100.0)
         self.assertTrue(self.robot.is_in("waiting"))
-        self.robot.tell()
+        self.robot.publish()
 
     def tearDown(self):
         self.bumper.publish(False)
@@ -134,15 +134,15 @@ class BallTaskNodeTest(unittest.TestCase):
 
     def test_it_waits_for_the_start_then_looks_around_until_it_is_stopped(self):
         self.assertTrue(self.robot.is_in("stopped"))
-        self.robot.tell()
+        self.robot.publish()
         self.assertIsNone(self.robot.command())
         self.begin()
         speed, turn_rate = self.robot.command()
-        self.assertEqual((speed, turn_rate), (0.0, 0.7))  # search_rate
+        self.assertEqual((speed, turn_rate), (0.0, 0.7))  # search_turn_rate
         self.call("stop")
         self.assertTrue(self.robot.is_in("stopped"))
-        self.assertEqual(self.robot.commands[-1], Twist())
-        self.assertIsNone(self.robot.command())  # somebody else may drive
+        self.assertTrue(until(lambda: self.robot.commands[-1] == Twist()))  # after the state
+        self.assertIsNone(self.robot.command())  # another node may drive
 
     def test_commands_come_as_often_as_odometry(self):
         self.begin()
@@ -152,21 +152,21 @@ class BallTaskNodeTest(unittest.TestCase):
 
     def test_without_poses_it_stands_and_after_a_while_it_has_failed(self):
         self.begin()
-        self.robot.tell(False)
+        self.robot.publish(False)
         self.assertTrue(self.robot.is_in("waiting"))
         self.assertEqual(self.robot.command(), (0.0, 0.0))
         self.assertIn("/odometry/filtered", self.robot.states[-1].reason)
         self.assertFalse(self.robot.states[-1].ended)
-        self.robot.tell()
+        self.robot.publish()
         self.assertTrue(self.robot.is_in("searching"))
-        self.robot.tell(False)
+        self.robot.publish(False)
         self.assertTrue(self.robot.is_in("failed"))
         self.assertTrue(self.robot.states[-1].ended)
-        self.assertEqual(self.robot.commands[-1], Twist())
+        self.assertTrue(until(lambda: self.robot.commands[-1] == Twist()))  # after the state
         self.assertTrue(until(lambda: self.diagnostics.summary(STATUS).startswith("failed: no pose")))
 
     def test_where_no_pose_ever_comes_it_has_failed_too(self):
-        self.robot.tell(False)
+        self.robot.publish(False)
         self.call("start")
         self.assertTrue(self.robot.is_in("failed"))
 
@@ -174,19 +174,19 @@ class BallTaskNodeTest(unittest.TestCase):
         self.begin()
         self.robot.sees = False
         self.assertTrue(self.robot.is_in("waiting"))
-        self.assertIn("nothing on /depth/image of the last 0.5 s", self.robot.states[-1].reason)
+        self.assertIn("no message on /depth/image in the last 0.5 s", self.robot.states[-1].reason)
         self.assertEqual(self.robot.command(), (0.0, 0.0))
         self.robot.sees = True
         self.assertTrue(self.robot.is_in("searching"))
 
     def test_when_the_detector_is_dead_it_stands(self):
-        """Once it told something: who has no detector may tell of ball and pillars by other means."""
+        """Only once it has published: without a detector, other nodes may publish ball and pillars."""
         self.begin()
         objects = rospy.Publisher("objects", Objects, queue_size=1)
         self.assertTrue(until(lambda: objects.get_num_connections() > 0))
         objects.publish(Objects(header=Header(stamp=rospy.Time.now())))
         self.assertTrue(self.robot.is_in("waiting"))
-        self.assertIn("nothing on /objects", self.robot.states[-1].reason)
+        self.assertIn("no message on /objects", self.robot.states[-1].reason)
         objects.publish(Objects(header=Header(stamp=rospy.Time.now())))
         self.assertTrue(self.robot.is_in("searching"))
         self.restart()
@@ -194,11 +194,11 @@ class BallTaskNodeTest(unittest.TestCase):
     def test_it_does_not_drive_by_poses_of_another_time(self):
         for late in (5.0, -5.0):
             self.begin()
-            self.robot.tell(late=late)
+            self.robot.publish(late=late)
             self.assertTrue(self.robot.is_in("waiting"))
             self.robot.commands.clear()
             self.assertEqual(self.robot.command(), (0.0, 0.0))
-            self.robot.tell(False)
+            self.robot.publish(False)
 
     def test_the_bumper_drives_it_back(self):
         self.begin()
@@ -223,7 +223,7 @@ class BallTaskNodeTest(unittest.TestCase):
         y = floor.info.origin.position.y + floor.info.resolution * (rows + 0.5)
         nearest = 0.1 + HIGH * FOCAL / (SIZE[1] / 2 - 1)  # of the lowest row
         self.assertTrue(0.0 <= x.min() - nearest + 0.05 < 0.1, x.min())
-        self.assertTrue(2.5 < x.max() < 3.05, x.max())  # grid_farthest
+        self.assertTrue(2.5 < x.max() < 3.05, x.max())  # grid_max_range
         self.assertAlmostEqual(y.min(), -y.max(), delta=0.15)
         self.assertEqual((cells == 100).sum(), 0)
 
@@ -233,7 +233,7 @@ class EndTest(unittest.TestCase):
         robot = Robot("/broken/")
         command = [sys.executable, "-c", BROKEN, "__ns:=/broken", "_use_depth:=false"]
         node = subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL)
-        robot.tell()
+        robot.publish()
         _, errors = node.communicate(timeout=20.0)
         self.assertEqual(node.returncode, 1)
         self.assertIn(b"ZeroDivisionError", errors)
@@ -241,10 +241,10 @@ class EndTest(unittest.TestCase):
         self.assertTrue(until(lambda: robot.commands[-1] == Twist(), 2.0))
         robot.end()
 
-    def test_told_to_end_its_last_command_is_to_stand(self):
+    def test_on_a_shutdown_its_last_command_is_to_stand(self):
         robot = Robot("/other/")
         node = subprocess.Popen([sys.executable, "-c", CODE, "__ns:=/other", "_use_depth:=false"])
-        robot.tell()
+        robot.publish()
         self.assertTrue(until(lambda: any(each.angular.z > 0.0 for each in robot.commands)))
         node.send_signal(signal.SIGINT)
         self.assertEqual(node.wait(20.0), 0)
@@ -254,7 +254,7 @@ class EndTest(unittest.TestCase):
     def test_mistakes_stop_the_start_with_the_full_name(self):
         mistakes = (
             ("no_such_parameter", "1", "/bad/no_such_parameter: unknown"),
-            ("most_kicks", "1.5", "/bad/most_kicks: must be a whole number"),
+            ("max_kicks", "1.5", "/bad/max_kicks: must be a whole number"),
             ("run_up", "0.2", "/bad/run_up: must be more than"),
         )
         assert_refused(self, "ball.ball_task", mistakes)

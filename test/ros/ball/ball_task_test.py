@@ -14,7 +14,7 @@ from visualization_msgs.msg import MarkerArray
 
 from sextant.geometry.plane_poses import in_frame
 from sextant.msg import BallTaskState
-from sextant.simulation.ball_world import drawn_world
+from sextant.simulation.ball_world import random_world
 
 SEED = 4  # as in the .test file
 RADIUS = 0.177  # of the robot, metres
@@ -26,7 +26,7 @@ def place(message):
 
 
 class BallTaskTest(unittest.TestCase):
-    """The launch file as it is: pictures, detector, locator, SLAM and task, against the truth."""
+    """The shipped launch file, from images to the task, against the ground truth."""
 
     @classmethod
     def setUpClass(cls):
@@ -37,7 +37,7 @@ class BallTaskTest(unittest.TestCase):
         rospy.Subscriber("visualization", MarkerArray, cls.drawn.append)
         rospy.Subscriber("plan", Path, cls.plans.append)
         assert cls.robot.connected() and cls.ball.connected()
-        world = drawn_world(2, SEED)
+        world = random_world(2, SEED)
         cls.posts = in_frame(world.robot, np.array([[each.x, each.y] for each in world.pillars[:2]]))
         cls.start = in_frame(world.robot, world.ball)
 

@@ -33,9 +33,9 @@ TEST(LatencyClock, StampsAheadOfTheClockAreNegativeAndMissingOnesNotCounted) {
   LatencyClock clock;
   clock.published(ros::Time(5.0), ros::Time(4.99));
   clock.published(ros::Time(), ros::Time(7.0));
-  const auto told = rows(clock);
-  EXPECT_NEAR(told.at("latency since the image's stamp: mean ms"), -10.0, 0.05);
-  EXPECT_NEAR(told.at("latency since the image's stamp: max ms"), -10.0, 0.05);
+  const auto entries = rows(clock);
+  EXPECT_NEAR(entries.at("latency since the image's stamp: mean ms"), -10.0, 0.05);
+  EXPECT_NEAR(entries.at("latency since the image's stamp: max ms"), -10.0, 0.05);
 }
 
 }  // namespace

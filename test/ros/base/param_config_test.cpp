@@ -51,11 +51,11 @@ TEST(ParamConfig, TheOtherParametersStay) {
   params.odom_frame = "wheels";
   auto changed = toConfig<MarkerLocatorConfig>(params);
   changed.mode = "nearest";
-  changed.odometry_recovery = 9;
+  changed.odometry_max_rejections = 9;
   changed.floor_height_sigma = 0.02;
   params = withConfig(params, changed);
   EXPECT_EQ(params.localization.locator.mode, "nearest");
-  EXPECT_EQ(params.localization.odometry.recovery, 9);
+  EXPECT_EQ(params.localization.odometry.max_rejections, 9);
   EXPECT_EQ(params.localization.locator.floor_height_sigma, 0.02);
   EXPECT_EQ(params.odom_frame, "wheels");
 }

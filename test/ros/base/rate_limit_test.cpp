@@ -13,7 +13,7 @@ using std::chrono::microseconds;
 
 const RateLimit::Clock::time_point kStart{std::chrono::hours(1)};
 
-/// How many images pass in ten seconds. @param jitter of each, seconds, uniform to both sides
+/// Number of images that pass in ten seconds. @param jitter of each, seconds, uniform to both sides
 int passed(double camera_rate, double rate, double jitter) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> late(-jitter, jitter);

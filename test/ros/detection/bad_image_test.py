@@ -80,7 +80,7 @@ class BadImageTest(ChainTest):
         return self.diagnostics.count(DETECTION, "not used: image")
 
     def pass_(self, bad):
-        """Shows all and says whether the detector has looked at, and counted, every one."""
+        """Publishes all images; returns whether the detector has processed and counted each."""
         before = self.refused()
         for image in bad:
             self.shown.append(self.show(image))

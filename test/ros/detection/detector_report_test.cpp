@@ -33,7 +33,7 @@ TEST(DetectorReport, SharesAreOfTheImagesSinceTheLastReport) {
   EXPECT_EQ(first.at("images"), 8);
   EXPECT_EQ(first.at("images not used (%)"), 75.0);
   EXPECT_EQ(first.at("images without a marker (%)"), 50.0);
-  EXPECT_EQ(first.at("markers an image: mean"), 1.0);
+  EXPECT_EQ(first.at("markers per image: mean"), 1.0);
   EXPECT_EQ(first.at("markers in the last image"), 0);
   EXPECT_NEAR(first.at("reprojection error of single markers (px)"), 0.354, 1e-9);  // root of 0.125
   report.image();
@@ -47,9 +47,9 @@ TEST(DetectorReport, SharesAreOfTheImagesSinceTheLastReport) {
 
 TEST(DetectorReport, NothingHappened) {
   DetectorReport report;
-  const auto told = rows(report);
-  EXPECT_EQ(told.at("images not used (%)"), 0.0);
-  EXPECT_EQ(told.count("markers an image: mean"), 0u);
+  const auto entries = rows(report);
+  EXPECT_EQ(entries.at("images not used (%)"), 0.0);
+  EXPECT_EQ(entries.count("markers per image: mean"), 0u);
 }
 
 }  // namespace

@@ -41,7 +41,7 @@ class MarkerDetectorTest(unittest.TestCase):
         cls.images = rospy.Publisher("image", Image, queue_size=10)
         cls.jpegs = rospy.Publisher("image/compressed", CompressedImage, queue_size=10)
 
-    def listen(self, topic, type_):
+    def recorder(self, topic, type_):
         recorder = Recorder(topic, type_)
         self.addCleanup(recorder.close)
         self.assertTrue(recorder.connected())
@@ -72,7 +72,7 @@ class MarkerDetectorTest(unittest.TestCase):
         self.assertLess(radians, 0.05)
 
     def test_corners_and_poses_are_true(self):
-        seen = self.seen(self.listen("markers", MarkerArray), self.images, self.good)
+        seen = self.seen(self.recorder("markers", MarkerArray), self.images, self.good)
         self.assertEqual(set(seen), {3, 5})
         for id, marker in seen.items():
             self.assertEqual((marker.family, marker.size, marker.hamming), (FAMILY, SIZE, 0))
@@ -87,9 +87,11 @@ class MarkerDetectorTest(unittest.TestCase):
         self.assertFalse(self.answer.rectified)
 
     def test_compressed_images_and_sizes_of_single_markers(self):
-        heard = self.listen("docking/markers", MarkerArray)
+        received = self.recorder("docking/markers", MarkerArray)
         for ending in [".jpg", ".png"]:
-            seen = self.seen(heard, self.jpegs, lambda ending=ending: jpeg_msg(encoded(self.picture, ending)))
+            seen = self.seen(
+                received, self.jpegs, lambda ending=ending: jpeg_msg(encoded(self.picture, ending))
+            )
             self.assertEqual((seen[3].size, seen[5].size), (SIZE, 2 * SIZE))
             self.assert_pose(matrix(seen[3].pose.pose), T_CAMERA_MARKER[3])
             distance = np.linalg.norm(matrix(seen[5].pose.pose)[:3, 3])
@@ -104,12 +106,12 @@ class MarkerDetectorTest(unittest.TestCase):
         unstamped.header.stamp = rospy.Time(0)
         self.jpegs.publish(unstamped)
         self.seen(
-            self.listen("docking/markers", MarkerArray), self.jpegs, lambda: jpeg_msg(encoded(self.picture))
+            self.recorder("docking/markers", MarkerArray), self.jpegs, lambda: jpeg_msg(encoded(self.picture))
         )
         self.assertFalse([key for key in self.transforms.seen if key[2] == rospy.Time(0)])
 
     def test_what_cannot_be_decoded_is_counted(self):
-        heard = self.listen("docking/markers", MarkerArray)
+        received = self.recorder("docking/markers", MarkerArray)
         good = encoded(self.picture)
         png = encoded(self.picture, ".png")
         huge = png[:16] + b"\xff" * 8 + png[24:]  # width and height of its header
@@ -117,36 +119,36 @@ class MarkerDetectorTest(unittest.TestCase):
         bad = []
         for data in [b"", b"nonsense", bytes(1000), good[:20], png[:40], huge]:
             bad.append(self.show(jpeg_msg(data), self.jpegs))
-            self.seen(heard, self.jpegs, lambda: jpeg_msg(good))
+            self.seen(received, self.jpegs, lambda: jpeg_msg(good))
         self.assertTrue(self.diagnostics.reaches(DOCKING, "not used: image", before + 1))
-        self.assertFalse([stamp for stamp in bad if heard.has(stamp)])
+        self.assertFalse([stamp for stamp in bad if received.has(stamp)])
 
-    def test_images_are_heard_only_while_somebody_listens(self):
+    def test_images_are_received_only_while_there_is_a_subscriber(self):
         self.assertTrue(until(lambda: subscribers_of("/image") == []))
-        heard = Recorder("markers", MarkerArray)
+        received = Recorder("markers", MarkerArray)
         self.assertTrue(until(lambda: subscribers_of("/image") == ["/manager"]))
         self.assertTrue(until(lambda: subscribers_of("/camera_info").count("/manager") == 1))
-        heard.close()
+        received.close()
         self.assertTrue(until(lambda: subscribers_of("/image") == []))
-        self.assertTrue(until(lambda: self.diagnostics.summary("detector: detection") == "nobody listens"))
+        self.assertTrue(until(lambda: self.diagnostics.summary("detector: detection") == "no subscriber"))
 
     def test_detection_is_switched_off_and_on(self):
         enable = rospy.ServiceProxy("detector/enable", SetBool)
         enable.wait_for_service(WAIT)
-        heard = self.listen("markers", MarkerArray)
-        self.seen(heard, self.images, self.good)
+        received = self.recorder("markers", MarkerArray)
+        self.seen(received, self.images, self.good)
         self.assertTrue(enable(False).success)
         self.assertTrue(until(lambda: subscribers_of("/image") == []))
         self.assertTrue(until(lambda: self.images.get_num_connections() == 0))
         off = self.show(self.good(), self.images)
         self.assertTrue(enable(True).success)
         self.assertTrue(until(lambda: self.images.get_num_connections() == 1))
-        self.seen(heard, self.images, self.good)
-        self.assertFalse(heard.has(off))
+        self.seen(received, self.images, self.good)
+        self.assertFalse(received.has(off))
 
     def test_debug_picture_raw_and_compressed(self):
-        raw = self.listen("markers/image", Image)
-        jpeg = self.listen("markers/image/compressed", CompressedImage)
+        raw = self.recorder("markers/image", Image)
+        jpeg = self.recorder("markers/image/compressed", CompressedImage)
         begin = time.monotonic()
         for _ in range(30):
             self.show(self.good(), self.images)

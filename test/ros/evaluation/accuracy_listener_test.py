@@ -19,7 +19,7 @@ from tf2_msgs.msg import TFMessage
 
 from sextant.srv import MeasureAccuracy
 
-SIGMA, BIAS, TOLD = 0.02, 0.05, 0.03  # m
+SIGMA, BIAS, PUBLISHED = 0.02, 0.05, 0.03  # m
 PLACE = 1.5
 
 
@@ -29,14 +29,14 @@ class AccuracyListenerTest(unittest.TestCase):
     def setUp(self):
         self.random = np.random.default_rng(1)
         self.place, self.swing = 4.0, 0.0  # it stood elsewhere before
-        self.odometry_tells = True
+        self.has_odometry = True
         self.pose = rospy.Publisher("pose", PoseWithCovarianceStamped, queue_size=100)
         self.truth = rospy.Publisher("ground_truth", Odometry, queue_size=100)
         self.tf = rospy.Publisher("/tf", TFMessage, queue_size=100)
         self.ended = threading.Event()
-        talking = threading.Thread(target=self.talk)
-        talking.start()
-        self.addCleanup(talking.join)
+        thread = threading.Thread(target=self.publish)
+        thread.start()
+        self.addCleanup(thread.join)
         self.addCleanup(self.ended.set)
 
     def start(self, *params):
@@ -52,24 +52,24 @@ class AccuracyListenerTest(unittest.TestCase):
         rospy.wait_for_service(name, 30.0)
         return rospy.ServiceProxy(name, type_)
 
-    def talk(self):
+    def publish(self):
         while not self.ended.wait(0.02):
             now = rospy.Time.now()
-            told = PoseWithCovarianceStamped()
-            told.header.stamp, told.header.frame_id = now, "map"
-            place = told.pose.pose.position
+            message = PoseWithCovarianceStamped()
+            message.header.stamp, message.header.frame_id = now, "map"
+            place = message.pose.pose.position
             at = self.place + self.swing * np.sin(4.0 * now.to_sec())
             place.x, place.y, place.z = [at + BIAS, 0.0, 0.3] + SIGMA * self.random.normal(size=3)
-            told.pose.pose.orientation.w = 1.0
-            told.pose.covariance = np.diag([TOLD**2] * 6).ravel()
+            message.pose.pose.orientation.w = 1.0
+            message.pose.covariance = np.diag([PUBLISHED**2] * 6).ravel()
             true = Odometry()
-            true.header, true.pose.pose.position.x, true.pose.pose.orientation.w = told.header, at, 1.0
-            frame = TransformStamped(header=told.header, child_frame_id="base_truth")
+            true.header, true.pose.pose.position.x, true.pose.pose.orientation.w = message.header, at, 1.0
+            frame = TransformStamped(header=message.header, child_frame_id="base_truth")
             frame.transform.translation.x, frame.transform.rotation.w = at, 1.0
-            if self.odometry_tells:
+            if self.has_odometry:
                 self.truth.publish(true)
             self.tf.publish(TFMessage([frame]))
-            self.pose.publish(told)
+            self.pose.publish(message)
 
     def test_measured_places(self):
         folder, _ = self.start("_true:={y: 0.0}", "_output:=run")
@@ -77,12 +77,12 @@ class AccuracyListenerTest(unittest.TestCase):
             file.write("corner_sigma: 0.2")  # of an earlier accuracy_statistics
         measure = self.service("listener/measure", MeasureAccuracy)
         write = self.service("listener/write", Trigger)
-        self.assertIn("nothing was measured yet", write().message)
+        self.assertIn("there is no measurement yet", write().message)
         self.assertFalse(measure(PLACE, 0.0).success)
         refused = measure(np.nan, 1.0)
         self.assertFalse(refused.success)
         self.assertTrue(np.isnan(refused.mean).all())
-        time.sleep(1.0)  # poses of the other place are heard
+        time.sleep(1.0)  # poses of the other place are received
         self.place = PLACE
         time.sleep(0.2)
         answer = measure(PLACE, 4.0)
@@ -91,44 +91,44 @@ class AccuracyListenerTest(unittest.TestCase):
         np.testing.assert_allclose(answer.bias[:2], [BIAS, 0.0], atol=0.01)
         self.assertTrue(np.isnan(answer.bias[2]))
         np.testing.assert_allclose(answer.std[:3], SIGMA, rtol=0.3)
-        np.testing.assert_allclose(answer.published[:3], TOLD, rtol=1e-6)
+        np.testing.assert_allclose(answer.published[:3], PUBLISHED, rtol=1e-6)
         np.testing.assert_allclose(np.diag(np.reshape(answer.covariance, (6, 6)))[:3], SIGMA**2, rtol=0.6)
         self.assertIn("x = 1.5 m", answer.message)
         written = write()
         self.assertTrue(written.success, written.message)
         files = ["run.xlsx", "run.yaml", "run_errors.png", "run_spread.png"]
         self.assertEqual(sorted(os.listdir(folder)), files)
-        self.assertIn("run.yaml: is of an earlier run", written.message)
-        self.assertIn("roll, pitch, yaw never vary", written.message)
+        self.assertIn("run.yaml: left from an earlier run", written.message)
+        self.assertIn("roll, pitch, yaw have no variance", written.message)
         self.assertTrue(self.service("listener/reset", Trigger)().success)
         self.assertFalse(write().success)
 
     def test_against_a_truth(self):
         self.swing = 1.0  # metres: poses and truths of other stamps would not fit
         for params in ([], ["_truth_frame:=/base_truth"]):
-            self.odometry_tells = not params
+            self.has_odometry = not params
             _, node = self.start(*params)
             compare = self.service("listener/compare", Trigger)
             self.service("listener/measure", MeasureAccuracy)(PLACE, 3.0)
-            told = compare()
-            self.assertTrue(told.success, told.message)
-            rmse = float(re.search(r"ATE, m +RMSE ([\d.]+)", told.message).group(1))
+            answer = compare()
+            self.assertTrue(answer.success, answer.message)
+            rmse = float(re.search(r"ATE, m +RMSE ([\d.]+)", answer.message).group(1))
             self.assertAlmostEqual(rmse, np.sqrt(BIAS**2 + 0.3**2 + 3 * SIGMA**2), delta=0.01)
-            self.assertIn("NEES", told.message)
+            self.assertIn("NEES", answer.message)
             node.terminate()
             node.wait(20)
 
     def test_parameters_that_cannot_be(self):
-        for params, said in (
+        for params, reason in (
             (["_true:={x: 1.0}"], "the true x is the distance"),
-            (["_true:={w: 1.0}"], "'w' is no axis"),
+            (["_true:={w: 1.0}"], "'w' is not an axis"),
             (["_axis:=w"], "must be one of x, y, z"),
             (["_axes:=x"], "unknown parameter"),
         ):
             _, node = self.start(*params)
             out, _ = node.communicate(timeout=30)
             self.assertEqual(node.returncode, 1)
-            self.assertIn(said, out)
+            self.assertIn(reason, out)
 
 
 if __name__ == "__main__":

@@ -57,7 +57,7 @@ class DriveRecorderTest(unittest.TestCase):
         self.addCleanup(node.kill)
         return node
 
-    def say_map(self):
+    def publish_map(self):
         entry = MarkerMapEntry(family="tag36h11", id=1, size=0.2)
         set_pose(entry.pose.pose, 1.0)
         self.map.publish(MarkerMapEntries(markers=[entry]))
@@ -86,20 +86,20 @@ class DriveRecorderTest(unittest.TestCase):
             picture = os.path.join(folder, "drive.png")
             trails = []
             rospy.Subscriber("ground_truth/path", Path, trails.append)
-            node = self.start("_picture:=" + picture, "_start_service:=begin")
-            self.say_map()
+            node = self.start("_plot:=" + picture, "_start_service:=begin")
+            self.publish_map()
             self.wait_for_start()
             self.drive()
             self.finished.publish(True)
             output, _ = node.communicate(timeout=20)
             self.assertEqual(node.returncode, 0, output)
             self.assertIn(EXPECTED, output)
-            self.assertIn("picture of the drive: " + picture, output)
+            self.assertIn("plot of the drive: " + picture, output)
             self.assertGreater(cv2.imread(picture).std(), 10)
             self.assertEqual(trails[-1].poses[-1].pose.position.x, 0.1 * 17)  # the 18th: every sixth frame
 
     def test_what_never_comes_is_named(self):
-        node = self.start("_patience:=5.0", "_modes:=[far, absent]")
+        node = self.start("_timeout:=5.0", "_modes:=[far, absent]")
         output, _ = node.communicate(timeout=20)
         self.assertEqual(node.returncode, 1, output)
         self.assertIn("no publisher of /absent/pose", output)

@@ -79,7 +79,7 @@ class BadCalibrationTest(ChainTest):
 
     def test_the_operator_reads_what_is_wrong(self):
         self.refuse("fx = fy = 1", REFUSED["fx = fy = 1"])
-        self.assertIn("K fx is 1, which is no calibration", self.diagnostics.summary(DETECTION))
+        self.assertIn("K fx is 1, which is too short", self.diagnostics.summary(DETECTION))
         self.assert_still_right()
         self.refuse("twice the size", REFUSED["twice the size"])
         self.assertIn("1280 x 960 pixels, the image has 640 x 480", self.diagnostics.summary(DETECTION))
@@ -114,7 +114,7 @@ class BadCalibrationTest(ChainTest):
             dict(P=[0.0] * 12),
             dict(P=[math.nan] * 12),
         ]:
-            heard = Recorder("rectified/markers", MarkerArray)
+            received = Recorder("rectified/markers", MarkerArray)
             before = self.diagnostics.count(status, COUNTED)
 
             def counted(fields=fields, before=before):
@@ -123,25 +123,25 @@ class BadCalibrationTest(ChainTest):
                 return until(lambda: self.diagnostics.count(status, COUNTED) > before, 0.2)
 
             self.assertTrue(until(counted), fields)
-            heard.close()
-            heard = Recorder("rectified/markers", MarkerArray)
-            self.assertTrue(heard.connected())
+            received.close()
+            received = Recorder("rectified/markers", MarkerArray)
+            self.assertTrue(received.connected())
             late = self.show()
             self.assertIsNotNone(self.markers.at(late))  # K is good: the other detector has looked at it
-            self.assertFalse(heard.has(late))
-            heard.close()
+            self.assertFalse(received.has(late))
+            received.close()
 
     def test_without_camera_info_there_is_nothing(self):
         status = "uncalibrated_detector: detection"
-        heard = Recorder("uncalibrated/markers", MarkerArray)
-        self.addCleanup(heard.close)
+        received = Recorder("uncalibrated/markers", MarkerArray)
+        self.addCleanup(received.close)
 
         def counted():
             self.show()
             return until(lambda: self.diagnostics.count(status, COUNTED) > 0, 0.2)
 
         self.assertTrue(until(counted))
-        self.assertEqual(heard.all(), [])
+        self.assertEqual(received.all(), [])
         self.assertIn("no calibration on /nobody/camera_info yet", self.diagnostics.summary(status))
 
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Sextant authors
 // SPDX-License-Identifier: BSD-3-Clause
-// Loads the nodelet into this process, as a manager does, and looks how its images come.
+// Loads the nodelet into this process, as a manager does, and checks that its images are not copied.
 #include <gtest/gtest.h>
 #include <nodelet/loader.h>
 #include <ros/callback_queue.h>
@@ -37,7 +37,7 @@ class CameraDriverInThisProcess : public ::testing::Test {
     ros::param::del("/driver");
   }
 
-  // roscpp makes a message only where it has to unpack one.
+  // roscpp creates a message only for deserialization.
   ros::Subscriber subscribe() {
     using Callback = const boost::shared_ptr<const sensor_msgs::Image>&;
     ros::SubscribeOptions options;

@@ -144,10 +144,10 @@ class CameraDriverTest(unittest.TestCase):
         self.receive(10)
         for info in self.infos:
             self.assertEqual((info.width, info.height, list(info.K)), (WIDTH, HEIGHT, [0.0] * 9))
-        said = "the calibration is for 64 x 60 pixels, the images have 64 x 48 pixels"
-        self.assertEqual(self.log().count(said), 1, self.log())
+        reason = "the calibration is for 64 x 60 pixels, the images have 64 x 48 pixels"
+        self.assertEqual(self.log().count(reason), 1, self.log())
         self.assertTrue(wait_until(lambda: self.status.get("level") == DiagnosticStatus.WARN), self.status)
-        self.assertIn(said, self.status["message"])
+        self.assertIn(reason, self.status["message"])
 
     def test_the_calibration_tool_sets_and_saves_a_calibration(self):
         calibration = self.path("new.yaml")
@@ -161,7 +161,7 @@ class CameraDriverTest(unittest.TestCase):
         self.assertTrue(wait_until(lambda: list(self.infos[-1].K) == K))
         self.assertTrue(os.path.exists(calibration))
 
-    def test_an_image_that_cannot_be_read_is_skipped_counted_and_said_once(self):
+    def test_an_image_that_cannot_be_read_is_skipped_counted_and_logged_once(self):
         expected = pictures(4)
         folder = self.write(expected)
         broken = self.path("images/001.png", "no picture")
@@ -169,15 +169,15 @@ class CameraDriverTest(unittest.TestCase):
         self.receive(12)
         np.testing.assert_array_equal(self.received()[:6], expected[[0, 2, 3, 0, 2, 3]])
         self.assertEqual(self.log().count(broken), 1, self.log())
-        self.assertTrue(wait_until(lambda: int(self.status.get("not used: picture", 0)) >= 3), self.status)
+        self.assertTrue(wait_until(lambda: int(self.status.get("not used: image", 0)) >= 3), self.status)
 
-    def test_a_missing_camera_is_said_once_and_ends_nothing(self):
+    def test_a_missing_camera_is_logged_once_and_ends_nothing(self):
         node = self.start(source=987)
         self.assertTrue(wait_until(lambda: int(self.status.get("not used: source", 0)) >= 3), self.status)
         self.assertIsNone(node.poll())
-        said = "/dev/video987: No such file or directory; is the camera plugged in?"
-        self.assertEqual(self.status["message"], said)
-        self.assertEqual(self.log().count(said), 1, self.log())
+        reason = "/dev/video987: No such file or directory; is the camera plugged in?"
+        self.assertEqual(self.status["message"], reason)
+        self.assertEqual(self.log().count(reason), 1, self.log())
 
     def test_what_stops_the_start_up_is_named(self):
         empty = self.path("empty")
@@ -185,8 +185,8 @@ class CameraDriverTest(unittest.TestCase):
         good = self.write(pictures(1))
         for params, reason in [
             ({"source": self.path("none.avi")}, self.path("none.avi") + " does not exist"),
-            ({"source": empty}, "there is no image (png, jpg, ...) in the folder " + empty),
-            ({"source": self.path("text.jpg", "text")}, "the picture cannot be decoded"),
+            ({"source": empty}, "no image (png, jpg, ...) in the folder " + empty),
+            ({"source": self.path("text.jpg", "text")}, "the image cannot be decoded"),
             ({"source": good, "widht": 64}, "unknown parameter /driver/widht"),
             ({"source": good, "width": 65}, "has 64 x 48 pixels"),
             ({"source": good, "rate": "fast"}, "/driver/rate must be a number"),

@@ -17,9 +17,9 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds kWait{10000};
 
-/// What a camera does, one open() or grab() after another, told by letters: o opens, x does not open,
-/// p has a picture, b has one that cannot be decoded, - has none. After the last letter pictures come for
-/// ever.
+/// Behaviour of a camera in successive calls of open() or grab(), one letter each: o opens, x does not open,
+/// p has an image, b has one that cannot be decoded, - has none. After the last letter there are images
+/// forever.
 class ScriptedSource : public ImageSource {
  public:
   ScriptedSource(std::string script, bool live) : script_(std::move(script)), live_(live) {}
@@ -56,7 +56,7 @@ class Player : public ::testing::Test {
   void play(const std::string& script, bool live, const ImagePlayerParams& params) {
     player_ = std::make_unique<ImagePlayer>(
         std::make_unique<ScriptedSource>(script, live), params,
-        ImagePlayer::Outlet{[this] { return heard_.load(); }, [this] { return heard_.load(); },
+        ImagePlayer::Outlet{[this] { return subscribed_.load(); }, [this] { return subscribed_.load(); },
                             [this](const cv::Mat& picture, const ros::Time& stamp) {
                               const std::lock_guard<std::mutex> lock(mutex_);
                               values_.push_back(picture.at<uchar>(0, 0));
@@ -84,7 +84,7 @@ class Player : public ::testing::Test {
     return text;
   }
 
-  std::atomic<bool> heard_{true};
+  std::atomic<bool> subscribed_{true};
   std::mutex mutex_;
   std::vector<int> values_;
   std::vector<double> stamps_;
@@ -118,7 +118,7 @@ TEST_F(Player, APictureThatCannotBeDecodedIsSkippedAndCounted) {
   play("opbbp-", false, frames(0));
   ASSERT_TRUE(waitForEnd());
   EXPECT_EQ(values_, (std::vector<int>{1, 2}));
-  EXPECT_EQ(summary(), "working; not used: picture=2");
+  EXPECT_EQ(summary(), "working; not used: image=2");
 }
 
 TEST_F(Player, AFileEndsOrBeginsAnew) {
@@ -151,18 +151,18 @@ TEST_F(Player, ACameraThatIsFasterThanTheRateIsThinned) {
 }
 
 TEST_F(Player, AFileWaitsForAListenerWhileACameraIsKeptFresh) {
-  heard_ = false;
+  subscribed_ = false;
   play("o", false, frames(3));
   std::this_thread::sleep_for(milliseconds(200));
   EXPECT_EQ(player_->counts().opened, 0u);
-  heard_ = true;
+  subscribed_ = true;
   ASSERT_TRUE(waitForEnd());
   EXPECT_EQ(values_, (std::vector<int>{1, 2, 3}));
 
-  heard_ = false;
+  subscribed_ = false;
   play("o", true, frames(1));
   ASSERT_TRUE(waitUntil([this] { return player_->counts().skipped > 20; }));
-  heard_ = true;
+  subscribed_ = true;
   ASSERT_TRUE(waitForEnd());
   EXPECT_EQ(values_.back(), 1);  // the first that was decoded
 }

@@ -46,7 +46,7 @@ class Source : public ::testing::Test {
     return path(name);
   }
 
-  // What is said where nothing can be played.
+  // The error message if nothing can be played.
   static std::string refusal(ImageSourceParams params) {
     try {
       makeImageSource(params);
@@ -142,13 +142,12 @@ TEST_F(Source, PreloadedPicturesOutliveTheirFiles) {
 
 TEST_F(Source, WhatCannotBePlayedIsNamed) {
   EXPECT_EQ(refusal(of(path("none.png"))), path("none.png") +
-                                               " does not exist: source must name a device, a video file, an "
+                                               " does not exist: source must be a device, a video file, an "
                                                "image or a folder");
-  EXPECT_EQ(refusal(of(folder_.string())),
-            "there is no image (png, jpg, ...) in the folder " + folder_.string());
+  EXPECT_EQ(refusal(of(folder_.string())), "no image (png, jpg, ...) in the folder " + folder_.string());
   const std::string image = writeText("broken.png");
-  EXPECT_EQ(refusal(of(image)), "nothing to play: " + image + ": the picture cannot be decoded");
-  EXPECT_EQ(refusal(of(folder_.string())), "nothing to play: " + image + ": the picture cannot be decoded");
+  EXPECT_EQ(refusal(of(image)), "nothing to play: " + image + ": the image cannot be decoded");
+  EXPECT_EQ(refusal(of(folder_.string())), "nothing to play: " + image + ": the image cannot be decoded");
   const std::string video = writeText("broken.avi");
   EXPECT_EQ(refusal(of(video)), video + " is neither a video nor an image that OpenCV can read");
   ImageSourceParams larger = of(write("small.png", noise(1)));

@@ -49,20 +49,20 @@ class PublishImageTest(unittest.TestCase):
         with open(os.path.join(self.folder, "3.jpg"), "w") as file:
             file.write("no photo")
         images = Recorder("image", Image)
-        node = self.start(self.folder, "_rate:=10", "_stay:=false", "_frame_id:=front")
-        said, _ = node.communicate(timeout=WAIT)
-        self.assertEqual(node.returncode, 0, said)
-        self.assertIn("left out: " + os.path.join(self.folder, "3.jpg") + ": is no picture", said)
-        heard = sorted(images.all(), key=lambda each: each.header.stamp)
-        self.assertEqual([each.data[-1] for each in heard], [2, 9, 10])
-        self.assertEqual({each.header.frame_id for each in heard}, {"front"})
-        stamps = [each.header.stamp.to_sec() for each in heard]
+        node = self.start(self.folder, "_rate:=10", "_keep_alive:=false", "_frame_id:=front")
+        output, _ = node.communicate(timeout=WAIT)
+        self.assertEqual(node.returncode, 0, output)
+        self.assertIn("left out: " + os.path.join(self.folder, "3.jpg") + ": is not an image", output)
+        received = sorted(images.all(), key=lambda each: each.header.stamp)
+        self.assertEqual([each.data[-1] for each in received], [2, 9, 10])
+        self.assertEqual({each.header.frame_id for each in received}, {"front"})
+        stamps = [each.header.stamp.to_sec() for each in received]
         np.testing.assert_array_less(0.09, np.diff(stamps))
         images.close()
 
     def test_one_photo_is_there_for_whoever_comes_late_and_upright(self):
         self.photo("a.png", 7, TURNED)
-        self.start(os.path.join(self.folder, "a.png"), "_wait_for_listener:=0.0")
+        self.start(os.path.join(self.folder, "a.png"), "_wait_for_subscriber:=0.0")
         image = rospy.wait_for_message("image", Image, WAIT)
         self.assertEqual((image.encoding, image.width, image.height), ("rgb8", 30, 40))
         pixels = np.frombuffer(image.data, np.uint8).reshape(40, 30, 3)
@@ -77,20 +77,20 @@ class PublishImageTest(unittest.TestCase):
         self.assertTrue(until(lambda: len(images.all()) >= 5))
         images.close()
 
-    def test_where_there_is_no_photo_the_reason_is_said(self):
+    def test_where_there_is_no_photo_the_reason_is_printed(self):
         empty, damaged = os.path.join(self.folder, "empty"), os.path.join(self.folder, "damaged.jpg")
         os.mkdir(empty)
         with open(damaged, "wb") as file:
             file.write(b"\xff\xd8\xff")
         for source, reason in [
-            (self.folder + "/lacking", "lacking: is not there"),
+            (self.folder + "/lacking", "lacking: does not exist"),
             (empty, "empty: there is no photo"),
             (damaged, "damaged.jpg: no photo can be read"),
         ]:
-            node = self.start(source, "_wait_for_listener:=0.0")
-            said, _ = node.communicate(timeout=WAIT)
-            self.assertEqual(node.returncode, 1, said)
-            self.assertIn(reason, said)
+            node = self.start(source, "_wait_for_subscriber:=0.0")
+            output, _ = node.communicate(timeout=WAIT)
+            self.assertEqual(node.returncode, 1, output)
+            self.assertIn(reason, output)
 
 
 if __name__ == "__main__":

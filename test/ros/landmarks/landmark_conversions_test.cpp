@@ -19,33 +19,33 @@ using Eigen::Vector2d;
 constexpr double kNotFinite = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
-Matrix3d someCovariance() {
+Matrix3d planeCovariance() {
   Matrix3d covariance;
   covariance << 0.04, 0.01, 0.002, 0.01, 0.09, 0.003, 0.002, 0.003, 0.16;
   return covariance;
 }
 
-LandmarkSightings someSightings() {
-  LandmarkSighting pillar;
+LandmarkObservations someObservations() {
+  LandmarkObservation pillar;
   pillar.class_name = "blue_pillar";
   pillar.id = -1;
   pillar.x = 2;
   pillar.y = 1;
   pillar.heading = kNotFinite;
   pillar.covariance = {0.04, 0.01, kNotFinite, 0.01, 0.09, kNotFinite, kNotFinite, kNotFinite, kNotFinite};
-  LandmarkSighting marker = pillar;
+  LandmarkObservation marker = pillar;
   marker.class_name = "tag36h11";
   marker.id = 7;
   marker.heading = 3.0;
-  const Matrix3d covariance = someCovariance();
+  const Matrix3d covariance = planeCovariance();
   std::copy(covariance.data(), covariance.data() + 9, marker.covariance.begin());
-  LandmarkSightings msg;
+  LandmarkObservations msg;
   msg.header.frame_id = "base_link";
-  msg.sightings = {pillar, marker};
+  msg.observations = {pillar, marker};
   return msg;
 }
 
-std::string reasonAgainst(const LandmarkSightings& msg, const Pose& T_base_frame = Pose::Identity()) {
+std::string reasonAgainst(const LandmarkObservations& msg, const Pose& T_base_frame = Pose::Identity()) {
   try {
     fromMsg(msg, T_base_frame);
     return "";
@@ -54,84 +54,84 @@ std::string reasonAgainst(const LandmarkSightings& msg, const Pose& T_base_frame
   }
 }
 
-TEST(LandmarkConversions, PosesInThePlaneComeBack) {
+TEST(LandmarkConversions, PlanarPosesRoundTrip) {
   for (const double heading : {-3.1, -1.0, 0.0, 0.5, 3.14}) {
-    const auto msg = toPoseWithCovarianceMsg(Pose2{{1.5, -2}, heading}, someCovariance());
+    const auto msg = toPoseWithCovarianceMsg(Pose2{{1.5, -2}, heading}, planeCovariance());
     EXPECT_EQ(msg.pose.position.z, 0);
     EXPECT_EQ(msg.covariance[5], 0.002);  // x and yaw
     EXPECT_EQ(msg.covariance[35], 0.16);  // yaw
     EXPECT_EQ(msg.covariance[14], 0);     // z
-    const PlanePoseEstimate back = planarFromMsg(msg);
+    const PoseEstimate2D back = planarFromMsg(msg);
     EXPECT_EQ(back.pose.position, Vector2d(1.5, -2));
     EXPECT_NEAR(back.pose.heading, heading, 1e-12);
-    EXPECT_EQ(back.covariance, someCovariance());
+    EXPECT_EQ(back.covariance, planeCovariance());
   }
 }
 
-TEST(LandmarkConversions, ARobotOnASlopeIsSeenFromAbove) {
+TEST(LandmarkConversions, ATiltedPoseIsProjected) {
   const Pose2 pose = planarFromMsg(toPoseMsg(poseFromXyzRpy({1, 2, 3}, {0.1, -0.2, 0.7})));
   EXPECT_EQ(pose.position, Vector2d(1, 2));
   EXPECT_NEAR(pose.heading, 0.7, 1e-12);  // where its x axis points
 }
 
-TEST(LandmarkConversions, WhatIsNoCovarianceOfAPoseIsRefused) {
-  auto msg = toPoseWithCovarianceMsg(Pose2{}, someCovariance());
+TEST(LandmarkConversions, InvalidCovariancesAreRefused) {
+  auto msg = toPoseWithCovarianceMsg(Pose2{}, planeCovariance());
   for (const double value : {0.0, -0.04, kNotFinite, kInfinite}) {
     msg.covariance[0] = value;
     EXPECT_THROW(planarFromMsg(msg), std::invalid_argument) << value;
   }
 }
 
-TEST(LandmarkConversions, SightingsOfTheRobotFrameStayAsTheyAre) {
-  const auto seen = fromMsg(someSightings(), Pose::Identity());
+TEST(LandmarkConversions, ObservationsInTheRobotFrameAreNotChanged) {
+  const auto seen = fromMsg(someObservations(), Pose::Identity());
   ASSERT_EQ(seen.size(), 2u);
   EXPECT_EQ(seen[0].label, (LandmarkLabel{"blue_pillar", {}}));
-  EXPECT_EQ(seen[0].sighting.position, Vector2d(2, 1));
-  EXPECT_FALSE(seen[0].sighting.heading);
+  EXPECT_EQ(seen[0].observation.position, Vector2d(2, 1));
+  EXPECT_FALSE(seen[0].observation.heading);
   Matrix3d flat = Matrix3d::Zero();
   flat.topLeftCorner<2, 2>() << 0.04, 0.01, 0.01, 0.09;
-  EXPECT_EQ(seen[0].sighting.covariance, flat);
+  EXPECT_EQ(seen[0].observation.covariance, flat);
   EXPECT_EQ(seen[1].label, (LandmarkLabel{"tag36h11", 7}));
-  EXPECT_EQ(seen[1].sighting.heading, 3.0);
-  EXPECT_EQ(seen[1].sighting.covariance, someCovariance());
+  EXPECT_EQ(seen[1].observation.heading, 3.0);
+  EXPECT_EQ(seen[1].observation.covariance, planeCovariance());
 }
 
-TEST(LandmarkConversions, ASensorThatLooksLeft) {
-  const auto seen = fromMsg(someSightings(), poseFromXyzRpy({0.5, 0.25, 1}, {0, 0, M_PI_2}));
-  EXPECT_LT((seen[1].sighting.position - Vector2d(0.5 - 1, 0.25 + 2)).norm(), 1e-12);
-  EXPECT_NEAR(*seen[1].sighting.heading, 3.0 + M_PI_2 - 2 * M_PI, 1e-12);
+TEST(LandmarkConversions, ASensorThatPointsLeft) {
+  const auto seen = fromMsg(someObservations(), poseFromXyzRpy({0.5, 0.25, 1}, {0, 0, M_PI_2}));
+  EXPECT_LT((seen[1].observation.position - Vector2d(0.5 - 1, 0.25 + 2)).norm(), 1e-12);
+  EXPECT_NEAR(*seen[1].observation.heading, 3.0 + M_PI_2 - 2 * M_PI, 1e-12);
   Matrix3d turned;  // x' = -y, y' = x
   turned << 0.09, -0.01, -0.003, -0.01, 0.04, 0.002, -0.003, 0.002, 0.16;
-  EXPECT_TRUE(seen[1].sighting.covariance.isApprox(turned, 1e-12));
+  EXPECT_TRUE(seen[1].observation.covariance.isApprox(turned, 1e-12));
 }
 
-TEST(LandmarkConversions, SightingsThatCannotBeAreRefusedByName) {
-  LandmarkSightings msg = someSightings();
-  msg.sightings[0].x = kNotFinite;
-  EXPECT_EQ(reasonAgainst(msg), "the sighting of 'blue_pillar' has a number that is not finite");
-  msg = someSightings();
-  msg.sightings[1].heading = kInfinite;
-  EXPECT_EQ(reasonAgainst(msg), "the sighting of 'tag36h11 7' has a number that is not finite");
+TEST(LandmarkConversions, InvalidObservationsAreRefusedByName) {
+  LandmarkObservations msg = someObservations();
+  msg.observations[0].x = kNotFinite;
+  EXPECT_EQ(reasonAgainst(msg), "the observation of 'blue_pillar' has a number that is not finite");
+  msg = someObservations();
+  msg.observations[1].heading = kInfinite;
+  EXPECT_EQ(reasonAgainst(msg), "the observation of 'tag36h11 7' has a number that is not finite");
   for (const double variance : {0.0, -0.04, kNotFinite}) {
-    msg = someSightings();
-    msg.sightings[0].covariance[0] = variance;
+    msg = someObservations();
+    msg.observations[0].covariance[0] = variance;
     EXPECT_EQ(reasonAgainst(msg),
-              "the sighting of 'blue_pillar' has a covariance that is not positive definite");
+              "the observation of 'blue_pillar' has a covariance that is not positive definite");
   }
-  msg = someSightings();
-  msg.sightings[1].covariance[8] = 0;  // of a heading that is told
+  msg = someObservations();
+  msg.observations[1].covariance[8] = 0;  // of a heading
   EXPECT_NE(reasonAgainst(msg), "");
-  msg = someSightings();
-  msg.sightings[1].covariance[1] = 0.03;  // not symmetric
+  msg = someObservations();
+  msg.observations[1].covariance[1] = 0.03;  // not symmetric
   EXPECT_NE(reasonAgainst(msg), "");
-  msg = someSightings();
-  msg.sightings[0].class_name = "";
-  EXPECT_EQ(reasonAgainst(msg), "the sighting of '' has no class_name");
+  msg = someObservations();
+  msg.observations[0].class_name = "";
+  EXPECT_EQ(reasonAgainst(msg), "the observation of '' has no class_name");
 }
 
-TEST(LandmarkConversions, AnOpticalFrameIsNoFrameForSightings) {
-  EXPECT_EQ(reasonAgainst(someSightings(), poseFromXyzRpy({0, 0, 1}, {0, 0.02, 1})), "");
-  EXPECT_NE(reasonAgainst(someSightings(), poseFromXyzRpy({0, 0, 1}, {-M_PI_2, 0, -M_PI_2})), "");
+TEST(LandmarkConversions, AnOpticalFrameIsRefused) {
+  EXPECT_EQ(reasonAgainst(someObservations(), poseFromXyzRpy({0, 0, 1}, {0, 0.02, 1})), "");
+  EXPECT_NE(reasonAgainst(someObservations(), poseFromXyzRpy({0, 0, 1}, {-M_PI_2, 0, -M_PI_2})), "");
 }
 
 // A marker 2 m before a camera that looks along the robot's x axis from 0.1 m ahead, and faces it.
@@ -151,25 +151,25 @@ MarkerArray someMarkers() {
 
 const Pose T_base_camera = poseFromXyzRpy({0.1, 0, 1}, {-M_PI_2, 0, -M_PI_2});
 
-TEST(LandmarkConversions, AMarkerIsSeenFromAboveAndLooksBack) {
+TEST(LandmarkConversions, AMarkerIsProjectedAndFacesTheCamera) {
   const auto seen = fromMsg(someMarkers(), T_base_camera, {});
   ASSERT_EQ(seen.size(), 1u);
   EXPECT_EQ(seen[0].label, (LandmarkLabel{"tag36h11", 3}));
-  EXPECT_LT((seen[0].sighting.position - Vector2d(2.1, -0.5)).norm(), 1e-9);
-  ASSERT_TRUE(seen[0].sighting.heading);
-  EXPECT_NEAR(std::abs(*seen[0].sighting.heading), M_PI, 1e-9);
-  EXPECT_TRUE(seen[0].begins);
+  EXPECT_LT((seen[0].observation.position - Vector2d(2.1, -0.5)).norm(), 1e-9);
+  ASSERT_TRUE(seen[0].observation.heading);
+  EXPECT_NEAR(std::abs(*seen[0].observation.heading), M_PI, 1e-9);
+  EXPECT_TRUE(seen[0].can_initialize);
 }
 
-TEST(LandmarkConversions, AMarkerOfTwoPosesThatFitAlikeHasNoHeading) {
+TEST(LandmarkConversions, AnAmbiguousMarkerHasNoHeading) {
   MarkerArray msg = someMarkers();
   for (const auto& [error, certain] : {std::pair(1.0, true), {0.11, false}, {0.0, false}}) {
     msg.markers[0].alternative_reprojection_error = error;
-    EXPECT_EQ(fromMsg(msg, T_base_camera, {})[0].sighting.heading.has_value(), certain) << error;
+    EXPECT_EQ(fromMsg(msg, T_base_camera, {})[0].observation.heading.has_value(), certain) << error;
   }
 }
 
-TEST(LandmarkConversions, MarkersWithoutASizeAreLeftOut) {
+TEST(LandmarkConversions, MarkersWithoutASizeAreSkipped) {
   MarkerArray msg = someMarkers();
   msg.markers.push_back(msg.markers[0]);
   msg.markers[0].size = 0;
@@ -177,7 +177,7 @@ TEST(LandmarkConversions, MarkersWithoutASizeAreLeftOut) {
   EXPECT_EQ(fromMsg(msg, T_base_camera, {}).size(), 1u);
 }
 
-TEST(LandmarkConversions, MarkersThatCannotBeAreRefused) {
+TEST(LandmarkConversions, InvalidMarkersAreRefused) {
   MarkerArray msg = someMarkers();
   msg.markers[0].family = "tag99h99";
   EXPECT_THROW(fromMsg(msg, T_base_camera, {}), std::invalid_argument);
@@ -198,7 +198,7 @@ LandmarkSlam someSlam() {
   return slam;
 }
 
-TEST(LandmarkConversions, LandmarksAreToldWithWhatIsNotKnownOfThem) {
+TEST(LandmarkConversions, LandmarksAreConvertedWithTheirCovariances) {
   const LandmarkMapEntries msg = toMsg(someSlam());
   ASSERT_EQ(msg.landmarks.size(), 2u);
   const LandmarkMapEntry &pillar = msg.landmarks[0], &marker = msg.landmarks[1];
@@ -221,10 +221,10 @@ TEST(LandmarkVisualization, TheColourIsTheOneInTheName) {
   EXPECT_EQ(colourOfClass("chair"), colourOfClass("chair"));
 }
 
-TEST(LandmarkVisualization, TheEllipseIsTwoDeviationsAndWhatIsGoneIsDeleted) {
+TEST(LandmarkVisualization, TheEllipseIsTwoSigmaAndRemovedLandmarksAreDeleted) {
   using visualization_msgs::Marker;
-  LandmarkVisualization picture;
-  const auto shown = picture.update(someSlam(), "hall", ros::Time(5)).markers;
+  LandmarkVisualization visualization;
+  const auto shown = visualization.update(someSlam(), "hall", ros::Time(5)).markers;
   const auto ellipse =
       std::find_if(shown.begin(), shown.end(), [](const Marker& each) { return each.ns == "2 sigma"; });
   ASSERT_NE(ellipse, shown.end());
@@ -238,10 +238,10 @@ TEST(LandmarkVisualization, TheEllipseIsTwoDeviationsAndWhatIsGoneIsDeleted) {
   };
   EXPECT_EQ(count(shown, Marker::ARROW, Marker::ADD), 1);  // one of them has a heading
   const LandmarkSlam empty({}, {}, Matrix3d::Identity());
-  const auto gone = picture.update(empty, "hall", ros::Time(6)).markers;
+  const auto gone = visualization.update(empty, "hall", ros::Time(6)).markers;
   EXPECT_EQ(gone.size(), 8u);
   for (const Marker& each : gone) EXPECT_EQ(each.action, Marker::DELETE);
-  EXPECT_TRUE(picture.update(empty, "hall", ros::Time(7)).markers.empty());
+  EXPECT_TRUE(visualization.update(empty, "hall", ros::Time(7)).markers.empty());
 }
 
 }  // namespace

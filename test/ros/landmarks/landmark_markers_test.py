@@ -19,7 +19,7 @@ from ros_probe import Diagnostics, Recorder, TransformRecorder, matrix, quaterni
 from sextant.msg import LandmarkMapEntries, MarkerArray, MarkerMapEntries
 
 SLAM = "slam: slam"
-TOLERANCE = 0.02  # m and rad; the poses that are told are exact, their deviations 0.02
+TOLERANCE = 0.02  # m and rad; the published poses are exact, their standard deviations 0.02
 ODOMETRY = np.array([4.0, 5.0, -0.7])
 
 
@@ -41,7 +41,7 @@ class LandmarkMarkersTest(unittest.TestCase):
         cls.stamps = stamps()
         cls.mount = publish_mount()
         cls.diagnostics = Diagnostics()
-        cls.heard_tf = TransformRecorder()
+        cls.transforms = TransformRecorder()
         cls.poses = Recorder("pose", PoseWithCovarianceStamped)
         cls.entries = Recorder("landmark_map/entries", LandmarkMapEntries)
         cls.odometry = rospy.Publisher("odom", Odometry, queue_size=100)
@@ -77,8 +77,10 @@ class LandmarkMarkersTest(unittest.TestCase):
             self.assertIsNotNone(self.poses.at(stamp))
         T = matrix(self.poses.at(stamp).pose.pose)
         self.assertLess(max(deviation(T, T_MAP_BASE)), TOLERANCE)
-        transform = self.heard_tf.at("map", "base_link", stamp)
-        np.testing.assert_allclose(transform, T, atol=1e-3)  # told with odometry, before the sightings
+        transform = self.transforms.at("map", "base_link", stamp)
+        np.testing.assert_allclose(
+            transform, T, atol=1e-3
+        )  # published with odometry, before the observations
         self.assert_places_are_true()
         self.assert_without_a_size()
 

@@ -28,15 +28,15 @@ class LandmarkRoomTest(unittest.TestCase):
         stamps = [at for at in (each.header.stamp for each in truth.all()) if found <= at <= end]
         self.assertGreater(len(stamps), 300)
         for at in stamps:
-            told = filtered.at(at)
-            self.assertIsNotNone(told, f"lost {(at - found).to_sec():.1f} s after it was found")
-            off = planar(told.pose.pose) - planar(truth.at(at).pose.pose)
+            published = filtered.at(at)
+            self.assertIsNotNone(published, f"lost {(at - found).to_sec():.1f} s after it was found")
+            off = planar(published.pose.pose) - planar(truth.at(at).pose.pose)
             self.assertLess(np.hypot(*off[:2]), TOLERANCE)
             self.assertLess(abs(np.sin(off[2])), TOLERANCE)
         self.assertTrue(diagnostics.reaches(STATUS, "landmarks", 8))
         self.assertEqual(diagnostics.count(STATUS, "landmarks removed"), 0)
         T_map_base = tf.at("map", "odom", at) @ tf.at("odom", "base_link", at)
-        np.testing.assert_allclose(T_map_base[:2, 3], matrix(told.pose.pose)[:2, 3], atol=1e-6)
+        np.testing.assert_allclose(T_map_base[:2, 3], matrix(published.pose.pose)[:2, 3], atol=1e-6)
 
 
 if __name__ == "__main__":

@@ -12,11 +12,11 @@ import rostest
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from landmark_robot import (
     LandmarkRobot,
+    observations_msg,
     odometry_msg,
     planar,
     planar_covariance,
     seconds,
-    sightings_msg,
     squared_distance,
 )
 from ros_probe import Diagnostics, TransformRecorder, until
@@ -25,7 +25,7 @@ from visualization_msgs.msg import Marker as Shape
 from visualization_msgs.msg import MarkerArray as Shapes
 
 import sextant
-from sextant.simulation.landmark_world import SeenLandmark
+from sextant.simulation.landmark_world import SimulatedObservation
 from sextant.srv import LandmarkMapFile
 
 NEAR = 0.3  # m and rad, of a robot that has found itself
@@ -37,7 +37,7 @@ class LandmarkSlamTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.diagnostics = Diagnostics()
-        cls.heard_tf = TransformRecorder()
+        cls.transforms = TransformRecorder()
 
     def robot(self, name, **world):
         self.name = name
@@ -59,7 +59,7 @@ class LandmarkSlamTest(unittest.TestCase):
         return until(lambda: text in self.diagnostics.summary(self.status()))
 
     def assert_drives(self, robot, duration, done=lambda: False):
-        self.assertTrue(robot.drive(duration, done), "sightings were not used")
+        self.assertTrue(robot.drive(duration, done), "observations were not used")
 
     def assert_found(self, robot, least=0):
         """It is lost, and drives until it knows where it is."""
@@ -80,7 +80,7 @@ class LandmarkSlamTest(unittest.TestCase):
         self.assertGreater(np.mean(np.array(squares) < THREE_SIGMA), 0.97, squares)
         self.assert_places_are_true(robot)
         self.assert_same_offline(robot)
-        self.assert_transform_changes_with_sightings(robot)
+        self.assert_transform_changes_with_observations(robot)
         self.assert_diagnostics()
         self.assert_pictures(robot)
 
@@ -97,36 +97,39 @@ class LandmarkSlamTest(unittest.TestCase):
         self.assertEqual(len({entry.key for entry in found}), len(found))
 
     def assert_same_offline(self, robot):
-        """To the last bit, with one more odometry: it may be told before the sightings of its moment."""
+        """Bit by bit, with one more odometry: it may be published before the observations of its stamp."""
         entries = robot.entries.at(robot.stamp).landmarks
         self.assert_drives(robot, 0.05)
-        now, told = robot.timeline.now, robot.filtered.at(robot.stamp)
+        now, published = robot.timeline.now, robot.filtered.at(robot.stamp)
         self.assertEqual(now.stamp, seconds(robot.stamp))
-        self.assertEqual([told.pose.pose.position.x, told.pose.pose.position.y], list(now.pose[:2]))
-        self.assertAlmostEqual(planar(told.pose.pose)[2], now.pose[2], 12)
-        np.testing.assert_array_equal(planar_covariance(told.pose), now.covariance)
+        self.assertEqual([published.pose.pose.position.x, published.pose.pose.position.y], list(now.pose[:2]))
+        self.assertAlmostEqual(planar(published.pose.pose)[2], now.pose[2], 12)
+        np.testing.assert_array_equal(planar_covariance(published.pose), now.covariance)
         landmarks = robot.timeline.slam.filter.landmarks
         np.testing.assert_array_equal([each.position for each in landmarks], [[e.x, e.y] for e in entries])
         self.assertEqual([e.key for e in entries], robot.timeline.slam.keys)
-        self.assertEqual((told.header.frame_id, told.child_frame_id), ("map", "base_a"))
-        self.assertEqual(told.twist.twist.linear.x, 0.5)
+        self.assertEqual((published.header.frame_id, published.child_frame_id), ("map", "base_a"))
+        self.assertEqual(published.twist.twist.linear.x, 0.5)
 
-    def assert_transform_changes_with_sightings(self, robot):
-        heard = sorted(
-            (stamp, T) for (parent, child, stamp), T in self.heard_tf.seen.items() if child == "odom_a"
+    def assert_transform_changes_with_observations(self, robot):
+        received = sorted(
+            (stamp, T) for (parent, child, stamp), T in self.transforms.seen.items() if child == "odom_a"
         )
-        self.assertEqual({key[0] for key in self.heard_tf.seen if key[1] == "odom_a"}, {"map"})
-        self.assertGreater(len(heard), 700)  # 800 readings of odometry
-        moves = {False: [0.0], True: [0.0]}  # by whether there were sightings; they may come after odometry
-        for (last, before), (now, T) in zip(heard, heard[1:]):
+        self.assertEqual({key[0] for key in self.transforms.seen if key[1] == "odom_a"}, {"map"})
+        self.assertGreater(len(received), 700)  # 800 readings of odometry
+        moves = {
+            False: [0.0],
+            True: [0.0],
+        }  # by whether there were observations; they may come after odometry
+        for (last, before), (now, T) in zip(received, received[1:]):
             moves[last in robot.truth or now in robot.truth].append(np.abs(T - before).max())
         self.assertLess(max(moves[False]), 1e-9)
         self.assertGreater(max(moves[True]), 1e-4)
 
     def assert_diagnostics(self):
         self.assertTrue(self.summary("working"))
-        self.assertTrue(self.diagnostics.reaches(self.status(), "sightings of known landmarks", 400))
-        self.assertEqual(self.diagnostics.count(self.status(), "moments too late"), 0)
+        self.assertTrue(self.diagnostics.reaches(self.status(), "observations associated", 400))
+        self.assertEqual(self.diagnostics.count(self.status(), "scans too late"), 0)
         self.assertLess(float(self.diagnostics.row(self.status(), "NIS per degree of freedom")), 1.5)
 
     def assert_pictures(self, robot):
@@ -174,7 +177,7 @@ class LandmarkSlamTest(unittest.TestCase):
         self.assertIsNotNone(robot.poses.at(robot.stamp))
         self.assertGreaterEqual(len(robot.entries.at(robot.stamp).landmarks), before)
 
-    def tell_pose(self, robot, frame, pose, variance):
+    def publish_pose(self, robot, frame, pose, variance):
         msg = PoseWithCovarianceStamped(pose=odometry_msg(robot.stamp, pose, self.name).pose)
         msg.header.frame_id = frame
         msg.pose.covariance = np.diag([variance, variance, 0, 0, 0, variance]).ravel().tolist()
@@ -185,18 +188,18 @@ class LandmarkSlamTest(unittest.TestCase):
 
     def assert_initialpose(self, robot):
         for frame, variance, count in [("odom_b", 0.01, 1), ("map", 0.0, 2), ("map", math.nan, 3)]:
-            self.tell_pose(robot, frame, np.array([50.0, 50.0, 0.0]), variance)
+            self.publish_pose(robot, frame, np.array([50.0, 50.0, 0.0]), variance)
             self.assertTrue(self.diagnostics.reaches(self.status(), "not used: initialpose", count))
         self.assertTrue(self.call("relocalize").success)
         truth = robot.truth[robot.stamp]
-        self.tell_pose(robot, "map", truth, 0.01)
+        self.publish_pose(robot, "map", truth, 0.01)
 
-        def told():
+        def published():
             robot.stamp += rospy.Duration(0.001)
-            robot.tell(robot.pose)
+            robot.publish_odometry(robot.pose)
             return robot.filtered.at(robot.stamp, 0.2) is not None
 
-        self.assertTrue(until(told))
+        self.assertTrue(until(published))
         estimate = robot.filtered.at(robot.stamp).pose
         np.testing.assert_allclose(planar(estimate.pose), truth, atol=1e-6)
         np.testing.assert_allclose(planar_covariance(estimate), 0.01 * np.eye(3), atol=1e-4)
@@ -209,14 +212,14 @@ class LandmarkSlamTest(unittest.TestCase):
         self.assert_drives(robot, 0.3)
         seen = max(robot.truth)
         self.assertEqual(robot.entries.at(seen).landmarks, [])
-        self.assertLess(np.hypot(*planar(robot.poses.at(seen).pose.pose)[:2]), 0.2)  # 0.3 s of way
+        self.assertLess(np.hypot(*planar(robot.poses.at(seen).pose.pose)[:2]), 0.2)  # 0.3 s of motion
 
     def test_what_cannot_be_is_left_out(self):
         robot = self.robot("c")
         self.assert_drives(robot, 2)
-        for number, (kind, tell) in enumerate(bad_messages(robot)):
+        for number, (kind, publish) in enumerate(bad_messages(robot)):
             before = self.diagnostics.count(self.status(), "not used: " + kind)
-            tell()
+            publish()
             self.assertTrue(
                 self.diagnostics.reaches(self.status(), "not used: " + kind, before + 1), (number, kind)
             )
@@ -224,8 +227,8 @@ class LandmarkSlamTest(unittest.TestCase):
                 self.assertNotIn("no odometry", self.diagnostics.summary(self.status()))
         self.assert_drives(robot, 2)
         self.assertLess(squared_distance(robot.poses.at(robot.stamp).pose, robot.truth[robot.stamp]), 25)
-        robot.tell(robot.pose + [3, 0, 0], robot.stamp + rospy.Duration(0.05))
-        self.assertTrue(self.diagnostics.reaches(self.status(), "not used: leap of odometry", 1))
+        robot.publish_odometry(robot.pose + [3, 0, 0], robot.stamp + rospy.Duration(0.05))
+        self.assertTrue(self.diagnostics.reaches(self.status(), "not used: odometry jump", 1))
 
     def test_a_recording_that_is_played_twice(self):
         robot = self.robot("d")
@@ -233,7 +236,7 @@ class LandmarkSlamTest(unittest.TestCase):
         known = len(robot.entries.at(robot.stamp).landmarks)
         for recorder in (robot.poses, robot.filtered, robot.entries):
             recorder.forget()
-        robot.begin()  # sightings that come before odometry has jumped are too late
+        robot.begin()  # observations that come before odometry has jumped are too late
         self.assertTrue(self.diagnostics.reaches(self.status(), "not used: clock", 1))
         self.assert_found(robot)
         self.assertGreaterEqual(len(robot.entries.at(robot.stamp).landmarks), known)
@@ -249,13 +252,13 @@ def bad_messages(robot):
         change(msg)
         return "odometry", lambda: robot.odometry.publish(msg)
 
-    def sightings(kind, stamp=robot.stamp, **change):
-        seen = SeenLandmark(np.array([2.0, 0.0]), 0.01 * np.eye(2), "pillar", None)
-        msg = sightings_msg(stamp, [seen, seen], robot.name)
+    def observations(kind, stamp=robot.stamp, **change):
+        seen = SimulatedObservation(np.array([2.0, 0.0]), 0.01 * np.eye(2), "pillar", None)
+        msg = observations_msg(stamp, [seen, seen], robot.name)
         msg.header.frame_id = change.pop("frame", msg.header.frame_id)
         for name, value in change.items():
-            setattr(msg.sightings[1], name, value)
-        return kind, lambda: robot.sightings.publish(msg)
+            setattr(msg.observations[1], name, value)
+        return kind, lambda: robot.observations.publish(msg)
 
     return [
         odometry(lambda msg: setattr(msg.pose.pose.position, "x", math.nan)),
@@ -266,16 +269,16 @@ def bad_messages(robot):
         odometry(lambda msg: setattr(msg.header, "frame_id", "")),
         odometry(lambda msg: None, rospy.Time(0)),
         odometry(lambda msg: None, robot.stamp),  # again
-        sightings("sightings", x=math.nan),
-        sightings("sightings", heading=math.inf),
-        sightings("sightings", covariance=[0.0] * 9),
-        sightings("sightings", covariance=[-1.0, 0, 0, 0, -1.0, 0, 0, 0, 0]),
-        sightings("sightings", class_name=""),
-        sightings("sightings too late", stamp=robot.stamp - rospy.Duration(5)),
-        sightings("sightings ahead", stamp=robot.stamp + rospy.Duration(60)),
-        sightings("transform", frame="nowhere"),
-        sightings("transform", frame=""),
-        sightings("transform", stamp=rospy.Time(0)),
+        observations("observations", x=math.nan),
+        observations("observations", heading=math.inf),
+        observations("observations", covariance=[0.0] * 9),
+        observations("observations", covariance=[-1.0, 0, 0, 0, -1.0, 0, 0, 0, 0]),
+        observations("observations", class_name=""),
+        observations("observations too late", stamp=robot.stamp - rospy.Duration(5)),
+        observations("observations ahead", stamp=robot.stamp + rospy.Duration(60)),
+        observations("transform", frame="nowhere"),
+        observations("transform", frame=""),
+        observations("transform", stamp=rospy.Time(0)),
     ]
 
 

@@ -10,25 +10,25 @@
 #include <limits>
 
 #include "sextant/LandmarkMapFile.h"
-#include "sextant/LandmarkSightings.h"
+#include "sextant/LandmarkObservations.h"
 #include "sextant/MarkerMapEntries.h"
 #include "storm.hpp"
 
 namespace sextant {
 namespace {
 
-LandmarkSightings pillars() {
-  LandmarkSightings msg;
+LandmarkObservations pillars() {
+  LandmarkObservations msg;
   msg.header.frame_id = "base_link";
   for (const double y : {-0.8, 0.0, 1.0}) {
-    LandmarkSighting pillar;
+    LandmarkObservation pillar;
     pillar.class_name = "blue_pillar";
     pillar.id = -1;
     pillar.x = 2;
     pillar.y = y;
     pillar.heading = std::numeric_limits<double>::quiet_NaN();
     pillar.covariance = {1e-4, 0, 0, 0, 1e-4, 0, 0, 0, 0};
-    msg.sightings.push_back(pillar);
+    msg.observations.push_back(pillar);
   }
   return msg;
 }
@@ -44,7 +44,7 @@ class LandmarkStorm : public Storm {
     ros::param::set("/slam/cameras", std::vector<std::string>{"markers"});
     poses_sub_ = node_.subscribe("pose", 100, &LandmarkStorm::onPose, this);
     odometry_pub_ = node_.advertise<nav_msgs::Odometry>("odom", 100);
-    sightings_pub_ = node_.advertise<LandmarkSightings>("landmarks", 100);
+    observations_pub_ = node_.advertise<LandmarkObservations>("landmarks", 100);
     pictures_sub_ = node_.subscribe("landmark_map", 1, &LandmarkStorm::onPicture, this);
     places_pub_ = node_.advertise<geometry_msgs::PoseWithCovarianceStamped>("initialpose", 1);
     maps_pub_ = node_.advertise<MarkerMapEntries>("marker_map/entries", 1);
@@ -65,10 +65,10 @@ class LandmarkStorm : public Storm {
     odometry.header.frame_id = "odom";
     odometry.child_frame_id = "base_link";
     odometry.pose.pose.orientation.w = 1;
-    LandmarkSightings seen = pillars();
+    LandmarkObservations seen = pillars();
     odometry.header.stamp = seen.header.stamp = now;
     odometry_pub_.publish(odometry);
-    if (number % 4 == 0) sightings_pub_.publish(seen);
+    if (number % 4 == 0) observations_pub_.publish(seen);
   }
 
   void rage() {
@@ -101,12 +101,12 @@ class LandmarkStorm : public Storm {
   void onPicture(const visualization_msgs::MarkerArrayConstPtr&) { ++pictures_; }
 
   ros::Subscriber poses_sub_, pictures_sub_;
-  ros::Publisher odometry_pub_, sightings_pub_, places_pub_, maps_pub_;
+  ros::Publisher odometry_pub_, observations_pub_, places_pub_, maps_pub_;
   std::atomic<int> poses_{0}, answers_{0}, pictures_{0};
   std::atomic<double> x_{0};
 };
 
-TEST_F(LandmarkStorm, WorkGoesOnAndIsRightAfterwards) {
+TEST_F(LandmarkStorm, ContinuesAndIsCorrectAfterwards) {
   ASSERT_TRUE(load());
   ASSERT_TRUE(awaitPoses(1));
   rage();
@@ -120,7 +120,7 @@ TEST_F(LandmarkStorm, WorkGoesOnAndIsRightAfterwards) {
   EXPECT_NEAR(x_, 0.0, 0.03);
 }
 
-TEST_F(LandmarkStorm, ItIsUnloadedWhileItWorks) {
+TEST_F(LandmarkStorm, IsUnloadedWhileRunning) {
   rage();
   for (int i = 0; i < 5; ++i) {
     ASSERT_TRUE(load());
@@ -129,7 +129,7 @@ TEST_F(LandmarkStorm, ItIsUnloadedWhileItWorks) {
   }
 }
 
-TEST_F(LandmarkStorm, ItIsUnloadedWhileItStarts) {
+TEST_F(LandmarkStorm, IsUnloadedWhileStarting) {
   rage();
   for (int i = 0; i < 30; ++i) {
     ASSERT_TRUE(load());

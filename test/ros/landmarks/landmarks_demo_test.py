@@ -35,7 +35,7 @@ class LandmarksDemoTest(unittest.TestCase):
         pose = max(self.poses.all(), key=lambda message: message.header.stamp)
         return pose, self.truth.at(pose.header.stamp)
 
-    def is_where_it_says(self):
+    def is_near_the_truth(self):
         pose, truth = self.last()
         off = planar(pose.pose.pose)[:2] - planar(truth.pose.pose)[:2]
         return squared_distance(pose.pose, planar(truth.pose.pose)) < 20 and np.hypot(*off) < 1.0
@@ -45,7 +45,7 @@ class LandmarksDemoTest(unittest.TestCase):
 
     def test_the_world_is_mapped_and_the_robot_found_again(self):
         self.assertTrue(until(lambda: self.entries.all() and len(self.landmarks()) >= 15, PATIENCE))
-        self.assertTrue(self.is_where_it_says(), self.last())
+        self.assertTrue(self.is_near_the_truth(), self.last())
         self.assert_map()
         self.assert_transform()
         self.assertTrue(until(lambda: abs(self.scale() - 1 / 1.08) < 0.03), self.scale())
@@ -66,10 +66,10 @@ class LandmarksDemoTest(unittest.TestCase):
         self.assertEqual(len(set(distances.argmin(axis=1))), len(found))
 
     def assert_transform(self):
-        told = self.filtered.all()[-1]
-        stamp = told.header.stamp
+        published = self.filtered.all()[-1]
+        stamp = published.header.stamp
         T_map_base = self.tf.at("map", "odom", stamp) @ self.tf.at("odom", "base_link", stamp)
-        np.testing.assert_allclose(T_map_base, matrix(told.pose.pose), atol=1e-9)
+        np.testing.assert_allclose(T_map_base, matrix(published.pose.pose), atol=1e-9)
 
     def assert_found_again(self):
         for service in ("landmark_simulator/kidnap", "landmark_slam/relocalize"):
@@ -77,7 +77,7 @@ class LandmarksDemoTest(unittest.TestCase):
             self.assertTrue(answer.success, answer.message)
         self.poses.forget()
         self.assertTrue(until(lambda: self.poses.all(), PATIENCE), self.diagnostics.summary(STATUS))
-        self.assertTrue(until(self.is_where_it_says))
+        self.assertTrue(until(self.is_near_the_truth))
         self.assert_map()
 
 

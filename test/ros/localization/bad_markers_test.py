@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""The locator hears markers and maps that cannot be; what it then publishes is nothing, or still true."""
+"""The locator receives invalid markers and maps. It then publishes nothing, or correct poses."""
 
 import math
 

@@ -18,7 +18,7 @@ from roslib.packages import find_node
 from sextant.msg import MarkerArray
 
 AT_ONCE = 4  # processes
-# (parameter, value, what the log says)
+# (parameter, value, text in the log)
 DETECTOR = [
     ("siez", 0.2, "unknown parameter /{node}/siez"),
     ("threads", "many", "parameter /{node}/threads must be a whole number"),
@@ -34,7 +34,7 @@ DETECTOR = [
     ("families", ["tag99h99"], "parameter /{node}/families: unknown marker family 'tag99h99'"),
     ("marker_size", -0.1, "parameter /{node}/marker_size is -0.1"),
     ("marker_sizes", {"5": "large"}, "parameter /{node}/marker_sizes must be a table of names and numbers"),
-    ("marker_sizes", {"five": 0.1}, "parameter /{node}/marker_sizes: 'five' names no marker"),
+    ("marker_sizes", {"five": 0.1}, "parameter /{node}/marker_sizes: 'five' is not a marker"),
     ("debug_quality", 0, "parameter /{node}/debug_quality is 0, allowed is [1, 100]"),
 ]
 LOCATOR = [
@@ -45,28 +45,28 @@ LOCATOR = [
     ("max_reprojection_error", 0, "parameter /{node}/max_reprojection_error is 0"),
     ("transform_timeout", 11, "parameter /{node}/transform_timeout is 11, allowed is [0, 10] s"),
     ("cameras", [], "parameter /{node}/cameras is empty"),
-    ("cameras", ["front markers"], "parameter /{node}/cameras: 'front markers' is no topic"),
-    ("sizes", {"five": 0.1}, "sizes: 'five' is no marker id"),
+    ("cameras", ["front markers"], "parameter /{node}/cameras: 'front markers' is not a topic name"),
+    ("sizes", {"five": 0.1}, "sizes: 'five' is not a marker id"),
     ("map_file", "/nowhere/map.txt", "/nowhere/map.txt"),
 ]
 SLAM = [
     ("mode", "joint", "unknown parameter /{node}/mode"),
     ("gate", 1.0, "parameter /{node}/gate is 1, allowed is [0.5, 1"),
-    ("doubt", 0.9, "parameter /{node}/doubt is 0.9"),
+    ("new_landmark_gate", 0.9, "parameter /{node}/new_landmark_gate is 0.9"),
     ("scale_sigma", 2, "parameter /{node}/scale_sigma is 2, allowed is [0, 1]"),
-    ("candidate_sightings", 2.5, "parameter /{node}/candidate_sightings must be a whole number"),
-    ("candidate_memory", 0, "parameter /{node}/candidate_memory is 0, allowed is (0, 3600] s"),
-    ("match_present", 1, "parameter /{node}/match_present is 1"),
+    ("candidate_observations", 2.5, "parameter /{node}/candidate_observations must be a whole number"),
+    ("candidate_max_age", 0, "parameter /{node}/candidate_max_age is 0, allowed is (0, 3600] s"),
+    ("match_inlier_probability", 1, "parameter /{node}/match_inlier_probability is 1"),
     ("max_range", -1, "parameter /{node}/max_range is -1, allowed is (0, 1000] m"),
-    ("turn_by_turn", 11, "parameter /{node}/turn_by_turn is 11, allowed is [0, 10] rad"),
+    ("rotation_from_rotation", 11, "parameter /{node}/rotation_from_rotation is 11, allowed is [0, 10] rad"),
     ("lag", 0, "parameter /{node}/lag is 0, allowed is (0, 60] s"),
     ("tilt_sigma", math.nan, "parameter /{node}/tilt_sigma is nan"),
     ("lost_after", -1, "parameter /{node}/lost_after is -1"),
-    ("cameras", ["front markers"], "parameter /{node}/cameras: 'front markers' is no topic"),
+    ("cameras", ["front markers"], "parameter /{node}/cameras: 'front markers' is not a topic name"),
     ("start", "here", "parameter /{node}/start is 'here', allowed"),
     ("start_pose", [1.0, 2.0], "parameter /{node}/start_pose has 2 numbers"),
     ("pose_sigma", [0.1, 0.1, 0.0], "parameter /{node}/pose_sigma is 0, allowed is (0, 1000]"),
-    ("odom_frame", "map", "parameter /{node}/map_frame is 'map', and so is"),
+    ("odom_frame", "map", "parameter /{node}/map_frame is 'map', the same as"),
     ("tf_output", "odom", "parameter /{node}/tf_output is 'odom'"),
     ("marker_map_file", "/nowhere/map.txt", "/nowhere/map.txt"),
     ("map_file", "/dev/null", "/dev/null"),
@@ -85,9 +85,9 @@ MAPS = [
     ("map.txt", "3 0 0 1 0 0 0 extra\n", 1, "has 8 fields"),
     ("map.txt", "# comment\n\n3 0 0 one 0 0 0\n", 3, "'one' is not a number"),
     ("map.txt", "3 0 0 nan 0 0 0\n", 1, "'nan' is not finite"),
-    ("map.txt", "3 0 0 1 0 0 0\nid3 1 0 1 0 0 0\n", 2, "marker 3 (tag36h11): it is there twice"),
-    ("map.txt", "587 0 0 1 0 0 0\n", 1, "marker 587 (tag36h11): the family's ids are 0 to 586"),
-    ("map.txt", "map 0 0 0 0 0 0\n", 1, "'map' is the map's own frame"),
+    ("map.txt", "3 0 0 1 0 0 0\nid3 1 0 1 0 0 0\n", 2, "marker 3 (tag36h11): it is listed twice"),
+    ("map.txt", "587 0 0 1 0 0 0\n", 1, "marker 587 (tag36h11): the ids of this family are 0 to 586"),
+    ("map.txt", "map 0 0 0 0 0 0\n", 1, "'map' is the frame of the map"),
     ("map.yaml", "frame: map\nmarkers:\n  - {id: 3, family: tag36h11, size: 0.2, position: [0, 0]", 3, ""),
     (
         "map.yaml",
@@ -95,7 +95,7 @@ MAPS = [
         "  - {id: 3, family: tag36h11, size: 0.2, position: [0, 0, 0], rpy: [0, 0, 0]}\n"
         "  - {id: 3, family: tag36h11, size: 0.2, position: [1, 0, 0], rpy: [0, 0, 0]}\n",
         4,
-        "marker 3 (tag36h11): it is there twice",
+        "marker 3 (tag36h11): it is listed twice",
     ),
 ]
 
@@ -172,7 +172,7 @@ class BadParametersTest(unittest.TestCase):
         self.addCleanup(manager.kill)
         self.assert_not_loaded("refusing")
         manager.send_signal(signal.SIGINT)
-        self.assert_ended(manager, "'front markers' is no topic", status=0)
+        self.assert_ended(manager, "'front markers' is not a topic name", status=0)
 
 
 if __name__ == "__main__":

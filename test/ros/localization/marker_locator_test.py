@@ -47,7 +47,7 @@ class MarkerLocatorTest(LocatedRobotTest):
         self.robot("b")
         stamp = self.locate()
         self.assert_located(stamp)
-        self.assert_pose(self.heard_tf.at("map", "base_b", stamp), T_MAP_BASE)
+        self.assert_pose(self.transforms.at("map", "base_b", stamp), T_MAP_BASE)
 
     def test_a_base_that_has_a_parent_is_not_taken_from_it(self):
         self.robot("c")
@@ -55,12 +55,14 @@ class MarkerLocatorTest(LocatedRobotTest):
         for lag in [0.0, 0.1, 0.2]:  # odometry comes after the image, so that at its stamp there is none yet
             self.drive(first - rospy.Duration(lag + 0.1), "c")
         self.assertTrue(
-            until(lambda: self.heard_tf.at("odom_c", "base_c", first - rospy.Duration(0.1), 0.1) is not None)
+            until(
+                lambda: self.transforms.at("odom_c", "base_c", first - rospy.Duration(0.1), 0.1) is not None
+            )
         )
         for _ in range(3):
             self.assert_located(self.locate())
         self.assertTrue(self.diagnostics.reaches("c/locator: localization", "not used: tf", 3))
-        self.assertFalse([key for key in self.heard_tf.seen if key[:2] == ("map", "base_c")])
+        self.assertFalse([key for key in self.transforms.seen if key[:2] == ("map", "base_c")])
 
     def test_map_to_odom_waits_for_odometry_and_never_uses_an_old_one(self):
         self.robot("d")
@@ -69,13 +71,13 @@ class MarkerLocatorTest(LocatedRobotTest):
         self.assertIsNone(self.poses.at(stamp, 0.2))
         self.drive(stamp, "d")
         self.assert_located(stamp)
-        self.assert_pose(self.heard_tf.at("map", "odom_d", stamp), T_MAP_BASE @ np.linalg.inv(T_ODOM_BASE))
+        self.assert_pose(self.transforms.at("map", "odom_d", stamp), T_MAP_BASE @ np.linalg.inv(T_ODOM_BASE))
         without = self.show()
         self.assertIsNone(self.poses.at(without, 1.2))
         self.drive(without + rospy.Duration(0.005), "d")
         self.assertTrue(self.diagnostics.reaches("d/locator: localization", "not used: transform", 1))
         self.assertFalse(self.poses.has(without))
-        self.assertFalse([key for key in self.heard_tf.seen if key[1:] == ("odom_d", without)])
+        self.assertFalse([key for key in self.transforms.seen if key[1:] == ("odom_d", without)])
 
     def test_odometry_that_lags_by_more_than_an_image(self):
         self.robot("d")

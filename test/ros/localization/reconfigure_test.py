@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Parameters that change while the nodelets run, by dynamic_reconfigure; and what they tell of their work."""
+"""Parameters that change while the nodelets run, by dynamic_reconfigure; and their diagnostics."""
 
 import threading
 import unittest
@@ -86,8 +86,8 @@ class ReconfigureTest(unittest.TestCase):
 
     def test_size_of_the_markers_changes(self):
         seen = [marker.pose.pose.position.z for marker in self.answer(self.markers).markers]
-        told = self.change(self.detector, marker_size=0.5)
-        self.assertEqual(told["marker_size"], 0.5)
+        changed = self.change(self.detector, marker_size=0.5)
+        self.assertEqual(changed["marker_size"], 0.5)
         self.assertEqual(rospy.get_param("detector/marker_size"), 0.5)
         now = [marker.pose.pose.position.z for marker in self.answer(self.markers).markers]
         np.testing.assert_allclose(now, 2 * np.array(seen), rtol=1e-3)
@@ -135,18 +135,18 @@ class ReconfigureTest(unittest.TestCase):
     def test_nothing_is_drawn_or_encoded_without_a_listener(self):
         self.answer(self.markers)
         self.assertTrue(self.runs_reach("detection"))
-        self.assertEqual(self.runs("picture"), 0)
+        self.assertEqual(self.runs("debug image"), 0)
         pictures = Recorder("markers/image", Image)
         self.addCleanup(pictures.close)
         self.assertTrue(pictures.connected())
         self.assertEqual(self.answer(pictures).width, 160)
-        self.assertTrue(self.runs_reach("picture"))
-        self.assertEqual(self.runs("picture as JPEG"), 0)
+        self.assertTrue(self.runs_reach("debug image"))
+        self.assertEqual(self.runs("debug image as JPEG"), 0)
         jpegs = Recorder("markers/image/compressed", CompressedImage)
         self.addCleanup(jpegs.close)
         self.assertTrue(jpegs.connected())
         self.answer(jpegs)
-        self.assertTrue(self.runs_reach("picture as JPEG"))
+        self.assertTrue(self.runs_reach("debug image as JPEG"))
 
     def runs(self, stage):
         return self.diagnostics.count(DETECTOR, stage + ": runs")
@@ -154,10 +154,10 @@ class ReconfigureTest(unittest.TestCase):
     def runs_reach(self, stage):
         return until(lambda: self.show() and self.runs(stage) > 0)
 
-    def test_detector_tells_of_its_work(self):
+    def test_diagnostics_of_the_detector(self):
         self.answer(self.markers)
         self.assertTrue(until(lambda: self.show() and float(self.row("rate (Hz)") or 0) > 0))
-        self.assertEqual(self.row("markers an image: mean"), "2.00")
+        self.assertEqual(self.row("markers per image: mean"), "2.00")
         self.assertEqual(self.row("images without a marker (%)"), "0.0")
         self.assertLess(float(self.row("reprojection error of single markers (px)")), 0.1)
         # The stamps here are made up, up to seconds ahead of the clock.

@@ -19,6 +19,7 @@ from marker_scene import (
 from ros_probe import until
 
 T_MAP_ODOM = T_MAP_BASE @ np.linalg.inv(T_ODOM_BASE)
+RESIDUAL = "residual against the map (standard deviations)"
 
 
 class TrustedPoseTest(LocatedRobotTest):
@@ -37,7 +38,8 @@ class TrustedPoseTest(LocatedRobotTest):
         self.assertTrue(until(lambda: self.poses.at(show(), 0.3) is not None))
         together = show()
         self.assert_located(together)
-        self.assertTrue(self.diagnostics.reaches("a/locator: localization", "of these used", 2))
+        used = "mapped markers used in the last image"
+        self.assertTrue(self.diagnostics.reaches("a/locator: localization", used, 2))
         alone = next(self.stamps)
         left.publish(markers_msg(alone, [marker_msg(3)], "camera_left"))
         variance = [self.poses.at(stamp).pose.covariance[7] for stamp in (together, alone)]
@@ -56,13 +58,13 @@ class TrustedPoseTest(LocatedRobotTest):
         stamps_sent = [self.stamp + rospy.Duration(0.1 * i) for i in range(1, 4)]
         for stamp in stamps_sent:
             self.drive(stamp, "b")
-            self.assert_pose(self.heard_tf.at("map", "odom_b", stamp), T_MAP_ODOM)
-        sent = [key[2] for key in self.heard_tf.seen if key[:2] == ("map", "odom_b")]
+            self.assert_pose(self.transforms.at("map", "odom_b", stamp), T_MAP_ODOM)
+        sent = [key[2] for key in self.transforms.seen if key[:2] == ("map", "odom_b")]
         self.assertEqual(sent, sorted(set(sent)))  # never back in time, never twice
 
     def test_what_contradicts_the_odometry_is_refused_until_it_lasts(self):
         (markers,) = self.connect("b", "markers")
-        slid = pose(np.eye(3), [0, 2.0, 0]) @ T_ODOM_BASE  # the wheels say so, the markers do not
+        slid = pose(np.eye(3), [0, 2.0, 0]) @ T_ODOM_BASE  # odometry only, the markers do not agree
 
         def show(T_odom_base):
             stamp = next(self.stamps)
@@ -73,13 +75,11 @@ class TrustedPoseTest(LocatedRobotTest):
         self.assertTrue(until(lambda: show(T_ODOM_BASE)))
         self.assertEqual([show(slid) for _ in range(4)], [False, False, True, True])
         status = "b/locator: localization"
-        self.assertTrue(
-            self.diagnostics.reaches(status, "no pose: the markers contradict the odometry", 2)
-        )
+        self.assertTrue(self.diagnostics.reaches(status, "no pose: the markers contradict the odometry", 2))
         T_moved = pose(np.eye(3), [0, 2.0, 0])
         stamp = next(self.stamps)
         self.drive(stamp, "b", slid)
-        T = self.heard_tf.at("map", "odom_b", stamp)
+        T = self.transforms.at("map", "odom_b", stamp)
         self.assert_pose(T, T_MAP_ODOM @ np.linalg.inv(T_moved), 1e-3)
 
     def test_a_moved_marker_is_named(self):
@@ -91,7 +91,7 @@ class TrustedPoseTest(LocatedRobotTest):
         T_camera_map = np.linalg.inv(T_MAP_CAMERA)
         seen = [marker_msg(id, corners=corners_at(T_camera_map @ T)) for id, T in stands.items()]
         status = "c/locator: localization"
-        text = f"marker 8 ({FAMILY}) stands 8 cm from where the map has it"
+        text = f"marker 8 ({FAMILY}) is 8 cm from its position in the map"
 
         def named():
             stamp = next(self.stamps)
@@ -100,10 +100,7 @@ class TrustedPoseTest(LocatedRobotTest):
             return text in (self.diagnostics.summary(status) or "")
 
         self.assertTrue(until(named))
-        residual = {
-            id: float(self.diagnostics.row(status, f"residual against the map (deviations): {FAMILY}/{id}"))
-            for id in stands
-        }
+        residual = {id: float(self.diagnostics.row(status, f"{RESIDUAL}: {FAMILY}/{id}")) for id in stands}
         self.assertGreater(residual.pop(8), 2.5)  # beyond the gate: the root of 50 / 8
         self.assertLess(max(residual.values()), 0.1)
         last = next(self.stamps)

@@ -20,7 +20,7 @@ from sextant.msg import Objects
 from sextant.simulation.ball_ground import Pillar
 from sextant.simulation.ball_simulation import BallSimulation, BallSimulationParams
 from sextant.simulation.ball_world import BallWorld
-from sextant.training.mean_precision import overlaps
+from sextant.training.average_precision import overlaps
 
 STATUS = "object_detector: objects"
 STAMP = stamps()
@@ -35,7 +35,7 @@ WORLD = BallWorld(
 
 
 class Camera:
-    """Tells pictures to whoever hears `image`."""
+    """Publishes images on `image` while it has subscribers."""
 
     def __init__(self):
         self.simulation = BallSimulation(WORLD, BallSimulationParams(seed=5))
@@ -43,10 +43,10 @@ class Camera:
 
     def take(self):
         self.simulation.ground.advance(0.1)
-        return self.simulation.take_picture()
+        return self.simulation.take_images()
 
-    def tell(self, pixels, encoding="rgb8", cut=0):
-        """The stamp. :param cut: bytes that are lacking"""
+    def publish(self, pixels, encoding="rgb8", cut=0):
+        """Returns the stamp. :param cut: bytes that are lacking"""
         stamp, (height, width) = next(STAMP), pixels.shape[:2]
         data = pixels.tobytes()
         step = len(data) // max(1, height)
@@ -54,7 +54,7 @@ class Camera:
         self._publisher.publish(Image(header, height, width, encoding, 0, step, data[: len(data) - cut]))
         return stamp
 
-    def hearers(self):
+    def number_of_subscribers(self):
         return self._publisher.get_num_connections()
 
 
@@ -65,7 +65,7 @@ def boxes_of(message):
 
 
 def started(name, **params):
-    """A node of its own, which says NAME/objects."""
+    """A separate node that publishes NAME/objects."""
     given = [f"_{key}:={value}" for key, value in params.items()]
     return subprocess.Popen([*NODE, f"__name:={name}", f"objects:={name}/objects", *given])
 
@@ -75,13 +75,13 @@ class ObjectDetectorTest(unittest.TestCase):
     def setUpClass(cls):
         cls.camera, cls.diagnostics = Camera(), Diagnostics()
         cls.objects = Recorder("objects", Objects)
-        assert cls.objects.connected() and until(cls.camera.hearers)
+        assert cls.objects.connected() and until(cls.camera.number_of_subscribers)
 
     def test_objects_are_where_the_simulation_has_them(self):
         names = self.camera.simulation.class_names
         for _ in range(5):
             picture = self.camera.take()
-            message = self.objects.at(self.camera.tell(picture.colour))
+            message = self.objects.at(self.camera.publish(picture.colour))
             self.assertEqual((message.header.frame_id, message.width, message.height), ("lens", 640, 480))
             self.assertEqual(len(picture.seen), 3)
             left = overlaps(boxes_of(message), np.array([[*each.low, *each.high] for each in picture.seen]))
@@ -95,27 +95,27 @@ class ObjectDetectorTest(unittest.TestCase):
     def test_either_order_of_colours_gives_the_same(self):
         colour = self.camera.take().colour
         one, other = (
-            self.objects.at(self.camera.tell(pixels, encoding))
+            self.objects.at(self.camera.publish(pixels, encoding))
             for pixels, encoding in ((colour, "rgb8"), (np.ascontiguousarray(colour[..., ::-1]), "bgr8"))
         )
         self.assertEqual(one.objects, other.objects)
 
     def test_an_empty_picture_gives_an_empty_list(self):
-        message = self.objects.at(self.camera.tell(np.full((240, 320, 3), 128, np.uint8)))
+        message = self.objects.at(self.camera.publish(np.full((240, 320, 3), 128, np.uint8)))
         self.assertEqual((message.objects, message.width, message.height), ([], 320, 240))
 
     def test_of_many_pictures_at_once_the_newest_is_looked_at(self):
         colour = self.camera.take().colour
-        told = [self.camera.tell(colour) for _ in range(20)]
-        self.assertIsNotNone(self.objects.at(told[-1]))
-        found = [each.header.stamp for each in self.objects.all() if each.header.stamp in told]
+        published = [self.camera.publish(colour) for _ in range(20)]
+        self.assertIsNotNone(self.objects.at(published[-1]))
+        found = [each.header.stamp for each in self.objects.all() if each.header.stamp in published]
         self.assertEqual(found, sorted(found))
 
     def test_boxes_are_drawn_for_who_looks(self):
         pictures = Recorder("objects/image", Image)
         self.assertTrue(pictures.connected())
         colour = self.camera.take().colour
-        stamp = self.camera.tell(colour)
+        stamp = self.camera.publish(colour)
         shown, message = pictures.at(stamp), self.objects.at(stamp)
         self.assertEqual((shown.encoding, shown.header.frame_id), ("rgb8", "lens"))
         changed = np.any(np.frombuffer(shown.data, np.uint8).reshape(colour.shape) != colour, axis=2)
@@ -136,32 +136,37 @@ class ObjectDetectorTest(unittest.TestCase):
                 ),
                 (colour, "rgb8", 1000, "/image: the image is cut short: 920600 bytes of 921600"),
                 (colour[:0], "rgb8", 0, "/image: the image is empty (640 x 0)"),
-                (np.zeros((48, 64), np.float32), "32FC1", 0, "/image: the encoding '32FC1' holds no picture"),
-                (colour, "rgb9", 0, "/image: the encoding 'rgb9' holds no picture"),
+                (
+                    np.zeros((48, 64), np.float32),
+                    "32FC1",
+                    0,
+                    "/image: the encoding '32FC1' is not an image of a camera",
+                ),
+                (colour, "rgb9", 0, "/image: the encoding 'rgb9' is not an image of a camera"),
             ]
         ):
-            stamp = self.camera.tell(np.ascontiguousarray(pixels), encoding, cut)
+            stamp = self.camera.publish(np.ascontiguousarray(pixels), encoding, cut)
             self.assertTrue(until(lambda text=reason: text in seen.summary(STATUS)), seen.summary(STATUS))
-            self.assertEqual(seen.count(STATUS, "refused pictures"), number + 1)
-            self.assertIsNotNone(self.objects.at(self.camera.tell(colour)))
+            self.assertEqual(seen.count(STATUS, "rejected images"), number + 1)
+            self.assertIsNotNone(self.objects.at(self.camera.publish(colour)))
             self.assertFalse(self.objects.has(stamp))
         self.assertTrue(until(lambda: seen.summary(STATUS) == "objects are detected"))
         self.assertGreater(seen.count(STATUS, "objects"), 0)
         self.assertRegex(seen.row(STATUS, "colours"), r"^\d+\.\d ms$")
 
-    def test_a_network_says_what_it_was_made_to_say_and_only_when_somebody_listens(self):
+    def test_a_made_network_detects_its_objects_and_only_with_a_subscriber(self):
         answer = np.zeros((1, 6, 84), np.float32)
         answer[0, :, 3] = [32, 32, 16, 8, 0, 0.75]
         answer[0, :, 5] = [10, 12, 4, 4, 0.5, 0]
         model = constant_network(Path(tempfile.mkdtemp()) / "net.onnx", [answer], names=NAMES)
         node = started("made", model=model, backend="opencv")
         try:
-            self.assertTrue(until(lambda: "nobody listens" in self.diagnostics.summary("made: objects")))
+            self.assertTrue(until(lambda: "no subscribers" in self.diagnostics.summary("made: objects")))
             self.assertNotIn("/made", subscribers_of("/image"))
             objects = Recorder("made/objects", Objects)
-            self.assertTrue(until(lambda: self.camera.hearers() == 2))
+            self.assertTrue(until(lambda: self.camera.number_of_subscribers() == 2))
             self.assertTrue(objects.connected())
-            message = objects.at(self.camera.tell(self.camera.take().colour))
+            message = objects.at(self.camera.publish(self.camera.take().colour))
             self.assertEqual([each.class_name for each in message.objects], ["fork", "cup"])
             np.testing.assert_allclose([each.score for each in message.objects], [0.75, 0.5], atol=1e-6)
             # 640 × 480 lie in the middle of 64 × 64
@@ -169,7 +174,7 @@ class ObjectDetectorTest(unittest.TestCase):
                 boxes_of(message), [[240, 200, 400, 280], [80, 20, 120, 60]], atol=1e-3
             )
             status = "made: objects"
-            self.assertTrue(self.diagnostics.reaches(status, "pictures", 1))
+            self.assertTrue(self.diagnostics.reaches(status, "images", 1))
             for stage in ("letter box", "network", "decoding"):
                 self.assertRegex(self.diagnostics.row(status, stage), r"^\d+\.\d ms$")
             objects.close()
@@ -186,7 +191,7 @@ class ObjectDetectorTest(unittest.TestCase):
             ("no_such_parameter", "1", "/bad/no_such_parameter: unknown"),
             ("detector", "nose", "/bad/detector: must be one of network, colour"),
             ("confidence", "2.0", "/bad/confidence: must be within"),
-            ("ranges", "{cup: {hue: 3}}", "/bad/ranges: ranges/cup: must be {hue"),
+            ("ranges", "{cup: {hue: 3}}", "/bad/ranges: ranges/cup/hue_tolerance: required"),
             ("model", str(folder / "none.onnx"), "none.onnx"),
             ("model", str(folder / "text.onnx"), "text.onnx: is no ONNX file"),
             ("classes", "[a, b, c]", "classes are 3 names, but"),

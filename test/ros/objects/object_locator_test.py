@@ -14,21 +14,21 @@ from start_up import assert_refused
 from std_msgs.msg import Header
 from visualization_msgs.msg import Marker, MarkerArray
 
-from sextant.msg import LandmarkSightings, ObjectBox, Objects
+from sextant.msg import LandmarkObservations, ObjectBox, Objects
 from sextant.nodes.base.conversions import pose_to_message
 from sextant.nodes.simulation.simulator_messages import calibration_to_message
 from sextant.simulation.ball_ground import Pillar
 from sextant.simulation.ball_simulation import BallSimulation, BallSimulationParams
 from sextant.simulation.ball_world import BallWorld
 
-RATE = 15  # pictures a simulated second
+RATE = 15  # images per simulated second
 STATUS = "object_locator: objects"
 PILLARS = [Pillar(1.0, 0.5, 0.05, "blue_pillar"), Pillar(1.8, -0.3, 0.05, "red_pillar")]
 ENCODINGS = {"32FC1": lambda metres: metres, "16UC1": lambda metres: np.round(1e3 * metres).astype(np.uint16)}
 
 
 class Camera:
-    """Takes pictures of a ball that rolls past pillars and tells them to the node, with what is in them."""
+    """Publishes images of a ball that rolls past pillars, with their true boxes."""
 
     def __init__(self):
         world = BallWorld((8.0, 6.0), PILLARS, np.array([1.6, 0.2]), np.array([-0.5, 0.1, 0.0]))
@@ -44,26 +44,26 @@ class Camera:
         self._static = tf2_ros.StaticTransformBroadcaster()
         assert all(until(lambda p=each: p.get_num_connections() > 0) for each in self._publishers.values())
 
-    def tell_frames(self):
+    def publish_frames(self):
         stamp = rospy.Time.now()
         mounts = {"colour": self.camera.T_base_colour, "depth": self.camera.T_base_depth}
         self._static.sendTransform([transform(T, "base_link", name, stamp) for name, T in mounts.items()])
 
     def take(self, depth=None, encoding="32FC1", size=None):
-        """One picture; a depth image can be put in place of its own. Its stamp."""
+        """Publish one image, optionally with another depth image; returns its stamp."""
         self.simulation.ground.advance(1.0 / RATE)
-        picture = self.simulation.take_picture()
+        picture = self.simulation.take_images()
         self._stamp += rospy.Duration(1.0 / RATE)
-        self.tell("camera_info", calibration_to_message(self.camera.colour, self._header("colour")))
-        self.tell("depth/camera_info", calibration_to_message(self.camera.depth, self._header("depth")))
-        self.tell("depth/image", self._depth(picture.depth if depth is None else depth, encoding))
-        self.tell("objects", self._objects(picture.seen, size or (640, 480)))
+        self.publish("camera_info", calibration_to_message(self.camera.colour, self._header("colour")))
+        self.publish("depth/camera_info", calibration_to_message(self.camera.depth, self._header("depth")))
+        self.publish("depth/image", self._depth(picture.depth if depth is None else depth, encoding))
+        self.publish("objects", self._objects(picture.seen, size or (640, 480)))
         odometry = Odometry(header=self._header("odom"), child_frame_id="base_link")
         odometry.pose.pose = pose_to_message(self.simulation.ground.robot.pose)
-        self.tell("odom", odometry)
+        self.publish("odom", odometry)
         return self._stamp
 
-    def tell(self, topic, message):
+    def publish(self, topic, message):
         self._publishers[topic].publish(message)
 
     def _header(self, frame):
@@ -86,26 +86,26 @@ class ObjectLocatorTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.camera, cls.diagnostics = Camera(), Diagnostics()
-        cls.landmarks, cls.balls = Recorder("landmarks", LandmarkSightings), Recorder("ball", Odometry)
+        cls.landmarks, cls.balls = Recorder("landmarks", LandmarkObservations), Recorder("ball", Odometry)
         cls.drawn = []
         cls.markers = rospy.Subscriber("visualization", MarkerArray, cls.drawn.append)
         assert cls.landmarks.connected() and cls.balls.connected()
         cls.camera.take()
         cls.without_frames = until(lambda: "no transform" in cls.diagnostics.summary(STATUS))
         cls.reason = cls.diagnostics.summary(STATUS)
-        cls.camera.tell_frames()
+        cls.camera.publish_frames()
         assert until(lambda: cls.landmarks.at(cls.camera.take(), 0.5) is not None)
 
     def test_without_a_transform_it_names_both_frames(self):
         self.assertTrue(self.without_frames)
         self.assertRegex(self.reason, "no transform from 'colour' to 'base_link'")
 
-    def test_pillars_are_told_where_they_are_in_either_encoding(self):
+    def test_pillars_are_located_in_either_encoding(self):
         for encoding in ENCODINGS:
             message = self.landmarks.at(self.camera.take(encoding=encoding))
             self.assertEqual(message.header.frame_id, "base_link")
             robot = self.camera.simulation.ground.robot
-            found = {each.class_name: each for each in message.sightings}
+            found = {each.class_name: each for each in message.observations}
             self.assertEqual(sorted(found), ["blue_pillar", "red_pillar"])
             for pillar in PILLARS:
                 each = found[pillar.class_name]
@@ -121,25 +121,25 @@ class ObjectLocatorTest(unittest.TestCase):
         ground.ball, ground.ball_velocity = np.array([1.6, 0.0]), np.array([0.0, 0.4])
         for _ in range(12):
             stamp = self.camera.take()
-            told = self.balls.at(stamp)
-        self.assertEqual((told.header.frame_id, told.child_frame_id), ("odom", "ball"))
-        place, speed = told.pose.pose.position, told.twist.twist.linear
+            ball = self.balls.at(stamp)
+        self.assertEqual((ball.header.frame_id, ball.child_frame_id), ("odom", "ball"))
+        place, speed = ball.pose.pose.position, ball.twist.twist.linear
         np.testing.assert_allclose([place.x, place.y], ground.ball, atol=0.03)
         np.testing.assert_allclose([speed.x, speed.y], ground.ball_velocity, atol=0.1)
-        self.assertGreater(told.pose.covariance[0], 0.0)
-        self.assertGreater(told.twist.covariance[7], 0.0)
+        self.assertGreater(ball.pose.covariance[0], 0.0)
+        self.assertGreater(ball.twist.covariance[7], 0.0)
 
     def test_bad_depth_is_named_and_the_next_is_used(self):
         camera, count = self.camera, self.diagnostics
-        self.assertTrue(count.reaches(STATUS, "pictures", 1))
+        self.assertTrue(count.reaches(STATUS, "images", 1))
         nothing = np.zeros((480, 640), np.float32)
         for depth, encoding, size, reason in (
             (nothing, "32FC1", None, "/depth/image: no pixel has a depth"),
             (nothing + np.nan, "32FC1", None, "/depth/image: no pixel has a depth"),
             (nothing[::2, ::2] + 1, "32FC1", None, "the depth image is 320×240, its camera 640×480"),
             (nothing, "16UC1", None, "no pixel has a depth"),
-            (np.zeros((480, 640), np.uint8), "mono8", None, "the encoding 'mono8' holds no depth"),
-            (nothing + 1, "32FC1", (320, 240), "the picture is 320×240, its camera 640×480"),
+            (np.zeros((480, 640), np.uint8), "mono8", None, "the encoding 'mono8' is not depth"),
+            (nothing + 1, "32FC1", (320, 240), "the image is 320×240, its camera 640×480"),
         ):
             stamp = camera.take(depth, encoding, size)
             self.assertTrue(until(lambda text=reason: text in count.summary(STATUS)), count.summary(STATUS))
@@ -157,7 +157,7 @@ class ObjectLocatorTest(unittest.TestCase):
     def test_mistakes_stop_the_start_with_the_full_name(self):
         mistakes = (
             ("no_such_parameter", "1", "/bad/no_such_parameter: unknown"),
-            ("scale", "3.0", "/bad/scale: must be within"),
+            ("depth_scale", "3.0", "/bad/depth_scale: must be within"),
             ("kinds", "{cat: {shape: cat, radius: 0.1}}", "/bad/kinds: kinds/cat/shape: must be one of"),
         )
         assert_refused(self, "objects.object_locator", mistakes)

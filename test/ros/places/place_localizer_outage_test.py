@@ -42,8 +42,8 @@ class PlaceLocalizerOutageTest(unittest.TestCase):
         time.sleep(2.0)  # in which the diagnostics are due
         self.assertIsNone(node.poll())
         node.terminate()
-        said, _ = node.communicate(timeout=WAIT)
-        self.assertNotIn("Traceback", said)
+        output, _ = node.communicate(timeout=WAIT)
+        self.assertNotIn("Traceback", output)
 
 
 if __name__ == "__main__":

@@ -44,19 +44,19 @@ class PlaceLocalizerStartTest(unittest.TestCase):
             self.write("outside.txt", "3;../out.png;1;1"),
         )
         refused = [
-            ([broken], "broken.txt:1: after the size come all of frame, resolution, origin"),
-            ([lacking], "lacking.txt: photos that are not there: 13.png, 14.png"),
-            ([spoilt], "text.png: is no picture"),
-            ([outside], "outside.txt:5: image '../out.png' lies outside the map's folder"),
+            ([broken], "broken.txt:1: the fields after the size must be all of frame, resolution, origin"),
+            ([lacking], "lacking.txt: missing photos: 13.png, 14.png"),
+            ([spoilt], "text.png: is not an image"),
+            ([outside], "outside.txt:5: image '../out.png' is outside of the map's folder"),
             ([good, "_modus:=votes"], "/refused4/modus: unknown parameter; did you mean mode?"),
             ([good, "_matcher:=BruteForce-Hamming"], "/refused5: matcher"),
         ]
         nodes = [self.start(f"refused{i}", given) for i, (given, _) in enumerate(refused)]
         for node, (_, reason) in zip(nodes, refused):
-            said, _ = node.communicate(timeout=WAIT)
-            self.assertEqual(node.returncode, 1, said)
-            self.assertIn(reason, said)
-            self.assertNotIn("Traceback", said)
+            output, _ = node.communicate(timeout=WAIT)
+            self.assertEqual(node.returncode, 1, output)
+            self.assertIn(reason, output)
+            self.assertNotIn("Traceback", output)
 
 
 if __name__ == "__main__":

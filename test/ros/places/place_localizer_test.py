@@ -41,11 +41,11 @@ class PlaceLocalizerTest(unittest.TestCase):
         cls.jpegs = rospy.Publisher("/walker/image/compressed", CompressedImage, queue_size=10)
         cls.odometry = rospy.Publisher("/robot/odom", Odometry, queue_size=100)
         cls.diagnostics = Diagnostics()
-        cls.start("robot", cls.write("town.txt", METRIC), "_use_odometry:=true", "_initialpose:=found_again")
+        cls.start("robot", cls.write("town.txt", METRIC), "_use_odometry:=true", "_initialpose:=relocalized")
         (cls.folder / "earth.txt.index").write_bytes(b"SEXTANT PLACES\n\0\1\0\0\0 of long ago")
         cls.start("walker", cls.write("earth.txt", CORNERS), "_mode:=single", "_compressed:=true")
         for name in ("robot", "walker"):
-            rospy.wait_for_service(f"/{name}/{name}/tell_initialpose", WAIT)  # the last that it offers
+            rospy.wait_for_service(f"/{name}/{name}/publish_initialpose", WAIT)  # the last that it offers
 
     @classmethod
     def write(cls, name, *fields, count=COUNT):
@@ -69,22 +69,22 @@ class PlaceLocalizerTest(unittest.TestCase):
         log.close()
 
     def setUp(self):
-        self.call("/robot/reset")
+        self.call("/robot/robot/reset")
 
     def call(self, service):
         return rospy.ServiceProxy(service, Trigger)()
 
-    def hear(self, topic, kind):
-        """What is said from now on; pictures reach the node."""
-        heard = Recorder(topic, kind)
-        self.addCleanup(heard.close)
-        self.assertTrue(heard.connected())
+    def recorder(self, topic, kind):
+        """A recorder that is connected; images reach the node."""
+        received = Recorder(topic, kind)
+        self.addCleanup(received.close)
+        self.assertTrue(received.connected())
         publisher = self.jpegs if topic.startswith("/walker") else self.images
         self.assertTrue(until(lambda: publisher.get_num_connections() == 1))
-        return heard
+        return received
 
-    def said(self, words, name="robot"):
-        """Whether the log of a node says what is searched, soon."""
+    def has_logged(self, words, name="robot"):
+        """Whether the words are in the log of a node, soon."""
         return until(lambda: re.search(words, (self.folder / f"{name}.log").read_text()))
 
     def show(self, pixels, stamp=None, height=None):
@@ -94,23 +94,23 @@ class PlaceLocalizerTest(unittest.TestCase):
         self.images.publish(Image(header, height or rows, columns, "mono8", 0, columns, pixels.tobytes()))
         return stamp
 
-    def walk(self, heard, places):
+    def walk(self, received, places):
         """Messages about pictures of places, one after another."""
-        return [heard.at(self.show(shifted(picture(place), 6, 2))) for place in places]
+        return [received.at(self.show(shifted(picture(place), 6, 2))) for place in places]
 
-    def test_a_picture_is_told_as_place_hypotheses_and_pose(self):
+    def test_an_image_results_in_places_hypotheses_and_a_pose(self):
         places, hypotheses = (
-            self.hear("/robot/places", Places),
-            self.hear("/robot/hypotheses", PlaceHypotheses),
+            self.recorder("/robot/places", Places),
+            self.recorder("/robot/hypotheses", PlaceHypotheses),
         )
-        poses = self.hear("/robot/pose", PoseWithCovarianceStamped)
+        poses = self.recorder("/robot/pose", PoseWithCovarianceStamped)
         self.walk(places, (3, 4, 5))
         stamp = self.show(shifted(picture(6), 6, 2))
-        told, full, pose = places.at(stamp), hypotheses.at(stamp), poses.at(stamp)
-        self.assertEqual((told.header.frame_id, told.poses[0]), ("camera", 6))
-        self.assertEqual([each.id for each in full.places], list(told.poses))
+        answer, full, pose = places.at(stamp), hypotheses.at(stamp), poses.at(stamp)
+        self.assertEqual((answer.header.frame_id, answer.poses[0]), ("camera", 6))
+        self.assertEqual([each.id for each in full.places], list(answer.poses))
         self.assertEqual((full.status, full.frame), (PlaceHypotheses.LOCALIZED, "town"))
-        self.assertLess(sum(told.probabilities) + full.nowhere, 1 + 1e-5)
+        self.assertLess(sum(answer.probabilities) + full.unknown_probability, 1 + 1e-5)
         best = full.places[0]
         self.assertEqual((best.image, best.x, best.y), ("6.png", 60, 50))
         # 6 m to the right and 5 m up, turned by a quarter
@@ -126,37 +126,37 @@ class PlaceLocalizerTest(unittest.TestCase):
         self.assertTrue(self.diagnostics.row(DIAGNOSTICS, "time").endswith(" ms"))
 
     def test_elsewhere_is_nowhere(self):
-        full = self.hear("/robot/hypotheses", PlaceHypotheses)
-        poses = self.hear("/robot/pose", PoseWithCovarianceStamped)
-        stamps_told = [self.show_heard(full, picture(300 + i)) for i in range(3)]
-        self.assertEqual(full.at(stamps_told[-1]).status, PlaceHypotheses.NOWHERE)
-        self.assertGreater(full.at(stamps_told[-1]).nowhere, 0.5)
-        self.assertFalse(any(poses.has(stamp) for stamp in stamps_told))
+        full = self.recorder("/robot/hypotheses", PlaceHypotheses)
+        poses = self.recorder("/robot/pose", PoseWithCovarianceStamped)
+        published_stamps = [self.show_and_receive(full, picture(300 + i)) for i in range(3)]
+        self.assertEqual(full.at(published_stamps[-1]).status, PlaceHypotheses.UNKNOWN_PLACE)
+        self.assertGreater(full.at(published_stamps[-1]).unknown_probability, 0.5)
+        self.assertFalse(any(poses.has(stamp) for stamp in published_stamps))
 
-    def show_heard(self, heard, pixels):
+    def show_and_receive(self, received, pixels):
         stamp = self.show(pixels)
-        self.assertIsNotNone(heard.at(stamp))
+        self.assertIsNotNone(received.at(stamp))
         return stamp
 
-    def test_a_damaged_picture_is_counted_and_an_empty_one_told(self):
-        places = self.hear("/robot/places", Places)
-        before = self.diagnostics.count(DIAGNOSTICS, "damaged pictures")
+    def test_a_damaged_image_is_counted_and_an_empty_one_logged(self):
+        places = self.recorder("/robot/places", Places)
+        before = self.diagnostics.count(DIAGNOSTICS, "damaged images")
         damaged = self.show(picture(3), height=999)
         # a picture that follows at once could take its place
-        self.assertTrue(self.diagnostics.reaches(DIAGNOSTICS, "damaged pictures", before + 1))
+        self.assertTrue(self.diagnostics.reaches(DIAGNOSTICS, "damaged images", before + 1))
         empty = places.at(self.show(np.full((240, 320), 80, np.uint8)))
         self.assertEqual((list(empty.poses), list(empty.probabilities)), ([0], [0.0]))
         self.assertFalse(places.has(damaged))
-        self.assertTrue(self.said("a picture of /robot/image is left out: the image is cut short"))
+        self.assertTrue(self.has_logged("image on /robot/image is skipped: the image is cut short"))
         self.assertEqual(self.walk(places, (3,))[0].poses[0], 3)
 
     def test_compressed_pictures_in_a_georeferenced_map_are_a_fix(self):
-        fixes, places = self.hear("/walker/fix", NavSatFix), self.hear("/walker/places", Places)
+        fixes, places = self.recorder("/walker/fix", NavSatFix), self.recorder("/walker/places", Places)
         stamp = next(self.stamps)
         header = Header(stamp=stamp, frame_id="camera")
         self.jpegs.publish(CompressedImage(header, "jpeg", b"\xff\xd8\xff"))
         jpeg = cv2.imencode(".jpg", shifted(picture(8), 6, 2))[1].tobytes()
-        self.assertTrue(self.said("cannot be decoded", "walker"))
+        self.assertTrue(self.has_logged("cannot be decoded", "walker"))
         self.jpegs.publish(CompressedImage(header, "jpeg", jpeg))
         self.assertEqual(places.at(stamp).poses[0], 8)
         fix = fixes.at(stamp)
@@ -168,26 +168,26 @@ class PlaceLocalizerTest(unittest.TestCase):
         self.assertTrue(math.isnan(fix.altitude))
 
     def test_a_clock_that_is_set_back_is_a_new_beginning(self):
-        places = self.hear("/robot/places", Places)
+        places = self.recorder("/robot/places", Places)
         self.walk(places, (2, 3, 4))
-        told = places.at(self.show(shifted(picture(9), 6, 2), rospy.Time(100)))
-        self.assertEqual(told.poses[0], 9)
-        self.assertTrue(self.said("the pictures' clock was set back"))
+        answer = places.at(self.show(shifted(picture(9), 6, 2), rospy.Time(100)))
+        self.assertEqual(answer.poses[0], 9)
+        self.assertTrue(self.has_logged("the images' clock was set back"))
 
     def test_a_picture_that_comes_late_is_left_out(self):
-        places = self.hear("/robot/places", Places)
+        places = self.recorder("/robot/places", Places)
         first, *_, last = self.walk(places, (2, 3, 4))
-        before = self.diagnostics.count(DIAGNOSTICS, "late pictures")
+        before = self.diagnostics.count(DIAGNOSTICS, "late images")
         late = self.show(shifted(picture(9), 6, 2), last.header.stamp - rospy.Duration(0.9))
-        self.assertTrue(self.diagnostics.reaches(DIAGNOSTICS, "late pictures", before + 1))
-        told = self.walk(places, (5,))[0]
+        self.assertTrue(self.diagnostics.reaches(DIAGNOSTICS, "late images", before + 1))
+        answer = self.walk(places, (5,))[0]
         self.assertFalse(places.has(late))
-        self.assertEqual(told.poses[0], 5)
-        self.assertGreater(told.probabilities[0], first.probabilities[0])  # nothing was forgotten
+        self.assertEqual(answer.poses[0], 5)
+        self.assertGreater(answer.probabilities[0], first.probabilities[0])  # nothing was forgotten
 
     def test_odometry_carries_the_robot_on(self):
-        """4 m on, the picture alone says nothing."""
-        full = self.hear("/robot/hypotheses", PlaceHypotheses)
+        """4 m on, an image that alone is of no use."""
+        full = self.recorder("/robot/hypotheses", PlaceHypotheses)
         self.assertTrue(until(lambda: self.odometry.get_num_connections() == 1))
         before = self.diagnostics.count(DIAGNOSTICS, "odometry messages")
         way = [(next(self.stamps), x) for x in (0.0, 1.0, 2.0, 6.0)]
@@ -199,43 +199,43 @@ class PlaceLocalizerTest(unittest.TestCase):
         self.assertTrue(self.diagnostics.reaches(DIAGNOSTICS, "odometry messages", before + len(way)))
         pixels = [*(shifted(picture(place), 6, 2) for place in range(3)), np.full((240, 320), 80, np.uint8)]
         for (stamp, _), seen in zip(way, pixels):
-            told = full.at(self.show(seen, stamp))
-        self.assertEqual(told.status, PlaceHypotheses.UNUSABLE)
-        self.assertLessEqual(abs(told.places[0].id - 6), 1)
-        self.assertGreater(told.places[0].probability, 0.5)
-        self.assertTrue(until(lambda: self.diagnostics.row(DIAGNOSTICS, "gone by odometry") == "4.00 m"))
+            answer = full.at(self.show(seen, stamp))
+        self.assertEqual(answer.status, PlaceHypotheses.UNUSABLE)
+        self.assertLessEqual(abs(answer.places[0].id - 6), 1)
+        self.assertGreater(answer.places[0].probability, 0.5)
+        self.assertTrue(until(lambda: self.diagnostics.row(DIAGNOSTICS, "odometry distance") == "4.00 m"))
 
     def test_initialpose_comes_when_found_again_and_on_request(self):
-        places = self.hear("/robot/places", Places)
-        poses = self.hear("/robot/initialpose", PoseWithCovarianceStamped)
-        answer = self.call("/robot/robot/tell_initialpose")
+        places = self.recorder("/robot/places", Places)
+        poses = self.recorder("/robot/initialpose", PoseWithCovarianceStamped)
+        answer = self.call("/robot/robot/publish_initialpose")
         self.assertFalse(answer.success)
         self.assertIn("not localized", answer.message)
         last = self.walk(places, (0, 1, 2, 3))[-1].header.stamp
         self.assertTrue(until(lambda: len(poses.all()) == 1))
-        self.assertTrue(self.call("/robot/robot/tell_initialpose").success)
+        self.assertTrue(self.call("/robot/robot/publish_initialpose").success)
         self.assertIsNotNone(poses.at(last))
         self.assertEqual(len(poses.all()), 2)
 
     def test_a_changed_map_is_read_again_but_not_a_broken_one(self):
-        places = self.hear("/robot/places", Places)
-        self.addCleanup(self.call, "/robot/reload")
+        places = self.recorder("/robot/places", Places)
+        self.addCleanup(self.call, "/robot/robot/reload")
         self.addCleanup(self.write, "town.txt", METRIC)
         self.write("town.txt", METRIC, count=COUNT + 1)
-        answer = self.call("/robot/reload")
+        answer = self.call("/robot/robot/reload")
         self.assertTrue(answer.success)
         self.assertIn("13 photos of 13 places", answer.message)
         self.assertEqual(self.walk(places, (COUNT - 1, COUNT))[-1].poses[0], COUNT)
         self.write("town.txt", METRIC + ";origin=3")
-        answer = self.call("/robot/reload")
+        answer = self.call("/robot/robot/reload")
         self.assertFalse(answer.success)
-        self.assertIn("town.txt:1: origin is there twice", answer.message)
+        self.assertIn("town.txt:1: duplicate field origin", answer.message)
         self.assertEqual(self.walk(places, (COUNT,))[-1].poses[0], COUNT)
 
     def test_matches_are_drawn_while_somebody_looks(self):
-        places = self.hear("/robot/places", Places)
+        places = self.recorder("/robot/places", Places)
         self.walk(places, (4,))
-        matches = self.hear("/robot/matches/image", Image)
+        matches = self.recorder("/robot/matches/image", Image)
         stamp = self.show(shifted(picture(4), 6, 2))
         drawn = matches.at(stamp)
         self.assertEqual((drawn.encoding, drawn.width, drawn.height), ("rgb8", 2 * 640 + 8, 480 + 36))
@@ -246,29 +246,29 @@ class PlaceLocalizerTest(unittest.TestCase):
 
     def test_a_cache_of_another_version_is_built_anew(self):
         """walker's; the other tests show that it works."""
-        line = "earth.txt.index: is of version 1, this program's is "
-        self.assertTrue(self.said(f"{line}.; building it anew", "walker"))
+        line = "earth.txt.index: has version 1, expected "
+        self.assertTrue(self.has_logged(f"{line}.; the index is rebuilt", "walker"))
 
     def test_a_photo_that_is_changed_behind_its_back_harms_nothing(self):
-        places, matches = self.hear("/robot/places", Places), self.hear("/robot/matches/image", Image)
+        places, matches = self.recorder("/robot/places", Places), self.recorder("/robot/matches/image", Image)
         photo = self.folder / "5.png"
-        self.addCleanup(self.call, "/robot/reload")
+        self.addCleanup(self.call, "/robot/robot/reload")
         self.addCleanup(photo.write_bytes, photo.read_bytes())
         self.walk(places, (4, 5))
         cv2.imwrite(str(photo), picture(99, (200, 320)))
         self.assertIsNotNone(matches.at(self.show(shifted(picture(5), 6, 2))))
         for change, reason in (
-            (lambda: photo.write_bytes(photo.read_bytes()[:2000]), "5.png: the picture is damaged"),
-            (lambda: photo.write_text("text"), "5.png: is no picture"),
-            (photo.unlink, "town.txt: photos that are not there: 5.png"),
+            (lambda: photo.write_bytes(photo.read_bytes()[:2000]), "5.png: the image is damaged"),
+            (lambda: photo.write_text("text"), "5.png: is not an image"),
+            (photo.unlink, "town.txt: missing photos: 5.png"),
         ):
             change()
             self.assertEqual(self.walk(places, (5,))[0].poses[0], 5)
-            answer = self.call("/robot/reload")
+            answer = self.call("/robot/robot/reload")
             self.assertFalse(answer.success)
             self.assertIn(reason, answer.message)
             self.assertEqual(self.walk(places, (5,))[0].poses[0], 5)
-        self.assertTrue(self.said("no picture of matches: "))
+        self.assertTrue(self.has_logged("no match image: "))
 
 
 if __name__ == "__main__":

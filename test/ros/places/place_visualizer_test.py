@@ -20,7 +20,7 @@ from std_srvs.srv import Trigger
 from visualization_msgs.msg import Marker, MarkerArray
 
 from sextant.msg import Places
-from sextant.places.place_picture import PLACE
+from sextant.places.place_renderer import PLACE
 from sextant.places.probability_scale import probability_colour
 
 WAIT = 20.0
@@ -71,7 +71,7 @@ class PlaceVisualizerTest(unittest.TestCase):
         log.close()
 
     def images(self, name):
-        """What one of them says from now on."""
+        """A recorder of the images of one node."""
         images = Recorder(f"/{name}/places/image", Image)
         self.addCleanup(images.close)
         self.assertTrue(images.connected())
@@ -80,7 +80,7 @@ class PlaceVisualizerTest(unittest.TestCase):
     def log(self, name):
         return (self.folder / f"{name}.log").read_text()
 
-    def say(self, *answer, stamp=None):
+    def publish(self, *answer, stamp=None):
         stamp = stamp or next(self.stamps)
         ids, probabilities = zip(*answer) if answer else ((), ())
         self.places.publish(Places(Header(stamp=stamp, frame_id="camera"), ids, probabilities))
@@ -95,34 +95,34 @@ class PlaceVisualizerTest(unittest.TestCase):
         return tuple(self.picture(message)[2 * position[1], 2 * position[0]].tolist())
 
     def test_whoever_looks_sees_the_places_at_once_and_the_newest_answer(self):
-        nowhere = self.say((0, 0.0), stamp=rospy.Time(5))  # a bag begins: without a trail
+        nowhere = self.publish((0, 0.0), stamp=rospy.Time(5))  # a bag begins: without a trail
         first = self.images("exact")
         for position in EXACT.values():
             self.assertEqual(self.colour(first.at(nowhere), position), PLACE)
-        said = [self.say((1 + i % 4, 0.75)) for i in range(200)]
-        self.assertEqual(self.colour(first.at(said[-1]), EXACT[4]), probability_colour(0.75))
+        published = [self.publish((1 + i % 4, 0.75)) for i in range(200)]
+        self.assertEqual(self.colour(first.at(published[-1]), EXACT[4]), probability_colour(0.75))
         self.assertLess(len(first.all()), 100)
         first.close()
-        late = self.images("exact").at(said[-1])
+        late = self.images("exact").at(published[-1])
         self.assertEqual(self.colour(late, EXACT[4]), probability_colour(0.75))
 
     def test_several_maps_show_the_same_answers(self):
         exact, clusters = self.images("exact"), self.images("clusters")
-        stamp = self.say((2, 0.625), (3, 0.25))
+        stamp = self.publish((2, 0.625), (3, 0.25))
         for images, positions in ((exact, EXACT), (clusters, CLUSTERS)):
             message = images.at(stamp)
             self.assertEqual(message.header.frame_id, "camera")
             self.assertEqual(self.colour(message, positions[2]), probability_colour(0.625))
             self.assertEqual(self.colour(message, positions[3]), probability_colour(0.25))
 
-    def test_what_cannot_be_shown_is_said_and_the_next_answer_is_shown(self):
+    def test_what_cannot_be_shown_is_logged_and_the_next_answer_is_shown(self):
         images = self.images("clusters")
-        unknown = self.say((77, 0.5), (1, 0.375))
+        unknown = self.publish((77, 0.5), (1, 0.375))
         self.assertEqual(self.colour(images.at(unknown), CLUSTERS[1]), probability_colour(0.375))
-        self.assertTrue(until(lambda: "does not have, they are not shown: 77" in self.log("clusters")))
+        self.assertTrue(until(lambda: "are not shown: 77" in self.log("clusters")))
         self.places.publish(Places(Header(stamp=next(self.stamps)), [1, 2], [0.5]))
         self.assertTrue(until(lambda: "2 places with 1 probabilities" in self.log("clusters")))
-        nowhere = self.say((0, 0.0))
+        nowhere = self.publish((0, 0.0))
         self.assertEqual(self.colour(images.at(nowhere), CLUSTERS[3]), PLACE)
 
     def test_rviz_gets_the_overview_and_dots_in_the_metric_frame(self):
@@ -136,13 +136,13 @@ class PlaceVisualizerTest(unittest.TestCase):
         # right in the overview is y of the town, up is against its x
         points = [(point.x, point.y) for point in dots.points]
         np.testing.assert_allclose(points, [(-8, 8), (-8, 18), (2, 28), (2, 38)], atol=1e-9)
-        heard = []
-        listener = rospy.Subscriber("/metric/places/visualization", MarkerArray, heard.append)
+        received = []
+        listener = rospy.Subscriber("/metric/places/visualization", MarkerArray, received.append)
         self.addCleanup(listener.unregister)
-        self.say((2, 0.75), (1, 0.25))
-        self.assertTrue(until(lambda: any(points[1] == self.best(each)[0] for each in heard)))
+        self.publish((2, 0.75), (1, 0.25))
+        self.assertTrue(until(lambda: any(points[1] == self.best(each)[0] for each in received)))
         expected = np.divide(probability_colour(0.75), 255)
-        np.testing.assert_allclose(self.best(heard[-1])[1], expected, atol=1e-6)
+        np.testing.assert_allclose(self.best(received[-1])[1], expected, atol=1e-6)
 
     def best(self, array):
         """Where the best hypothesis stands, and its colour."""
@@ -157,7 +157,7 @@ class PlaceVisualizerTest(unittest.TestCase):
         self.write("metric.txt", CLUSTERS)
         self.assertEqual(reload_map().message, "4 photos")
         images = self.images("metric")
-        stamp = self.say((1, 0.5))
+        stamp = self.publish((1, 0.5))
         self.assertEqual(self.colour(images.at(stamp), CLUSTERS[3]), PLACE)
         self.assertTrue(until(lambda: "no metric frame" in self.log("metric")))
         markers = rospy.wait_for_message("/metric/places/map", MarkerArray, WAIT).markers

@@ -50,8 +50,8 @@ class PlacesDemoTest(unittest.TestCase):
     def stop(cls):
         cls.demo.send_signal(signal.SIGINT)
         cls.demo.wait(40)
-        said = cls.log.read_text()
-        assert "SIGKILL" not in said and "Traceback" not in said, said
+        log = cls.log.read_text()
+        assert "SIGKILL" not in log and "Traceback" not in log, log
 
     def errors(self, count):
         """Metres from the truth, of so many further poses."""
@@ -61,10 +61,10 @@ class PlacesDemoTest(unittest.TestCase):
         return np.array([self.error(stamp) for stamp in stamps])
 
     def error(self, stamp):
-        told, true = self.poses.at(stamp), self.truth.at(stamp)
-        self.assertEqual(told.header.frame_id, true.header.frame_id)
-        told, true = told.pose.pose.position, true.pose.pose.position
-        return np.hypot(told.x - true.x, told.y - true.y)
+        estimate, true = self.poses.at(stamp), self.truth.at(stamp)
+        self.assertEqual(estimate.header.frame_id, true.header.frame_id)
+        estimate, true = estimate.pose.pose.position, true.pose.pose.position
+        return np.hypot(estimate.x - true.x, estimate.y - true.y)
 
     def test_the_walker_is_followed_and_found_again_after_it_was_carried_away(self):
         self.assertLess(np.median(self.errors(12)), SPACING, self.log.read_text())
@@ -90,7 +90,7 @@ class PlacesDemoTest(unittest.TestCase):
             command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=PATIENCE
         )
         self.assertEqual(ended.returncode, 1, ended.stdout)
-        self.assertIn("seasons is 'spring', allowed are summer, evening, autumn", ended.stdout)
+        self.assertIn("seasons: each must be one of summer, evening, autumn", ended.stdout)
 
 
 if __name__ == "__main__":

@@ -19,7 +19,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from sextant.geometry.plane_poses import in_frame
 from sextant.msg import Objects
-from sextant.simulation.ball_world import drawn_world
+from sextant.simulation.ball_world import random_world
 
 SEED, LATENCY = 37, 0.2  # as in the .test file
 RADIUS, HEIGHT = 0.05, 0.4  # of pillars, metres
@@ -43,14 +43,14 @@ def pixels_of(message):
 
 
 class Watch(Recorder):
-    """What is heard, and when by the clock."""
+    """Stamps of received messages, and when they came by the clock."""
 
     def __init__(self, topic, type_):
-        self.heard = {}
+        self.received = {}
         super().__init__(topic, type_)
 
     def _on_message(self, msg):
-        self.heard[msg.header.stamp] = rospy.Time.now()
+        self.received[msg.header.stamp] = rospy.Time.now()
         super()._on_message(msg)
 
 
@@ -68,8 +68,8 @@ class PictureTest(unittest.TestCase):
         cls.listener = tf2_ros.TransformListener(cls.buffer)
         cls.colour = Watch("colour/image", Image)  # the robot waits for it
         assert until(lambda: len(cls.colour.all()) > 12, 60)
-        cls.stamps = sorted(cls.colour.heard)[1:10]
-        cls.world = drawn_world(3, SEED)
+        cls.stamps = sorted(cls.colour.received)[1:10]
+        cls.world = random_world(3, SEED)
         cls.pillars = in_frame(cls.world.robot, np.array([[each.x, each.y] for each in cls.world.pillars]))
 
     def mount(self, frame):
@@ -140,7 +140,7 @@ class PictureTest(unittest.TestCase):
         stamps = [stamp.to_nsec() for stamp in self.stamps]
         np.testing.assert_array_equal(np.diff(stamps), 100_000_000)
         self.assertGreaterEqual(stamps[0], START)
-        late = [(heard - stamp).to_sec() for stamp, heard in self.colour.heard.items()]
+        late = [(received - stamp).to_sec() for stamp, received in self.colour.received.items()]
         self.assertGreaterEqual(min(late), 0.0)
         self.assertGreater(max(late), LATENCY - 0.05)  # the clock's ticks come another way, some late
         for stamp in self.stamps:
@@ -163,13 +163,15 @@ class PictureTest(unittest.TestCase):
         np.testing.assert_allclose([ball.pose.position.x, ball.pose.position.y], expected, atol=1e-9)
 
 
-class ToldTest(unittest.TestCase):
+class DrivenTest(unittest.TestCase):
     """A robot that drives."""
 
     def setUp(self):
-        self.truth, self.odometry = (Recorder("told/" + name, Odometry) for name in ("ground_truth", "odom"))
-        self.commands, self.bumps = rospy.Publisher("told/cmd_vel", Twist, queue_size=1), []
-        self.bumper = rospy.Subscriber("told/bumper", Bool, lambda message: self.bumps.append(message.data))
+        self.truth, self.odometry = (
+            Recorder("driven/" + name, Odometry) for name in ("ground_truth", "odom")
+        )
+        self.commands, self.bumps = rospy.Publisher("driven/cmd_vel", Twist, queue_size=1), []
+        self.bumper = rospy.Subscriber("driven/bumper", Bool, lambda message: self.bumps.append(message.data))
         self.assertTrue(self.odometry.connected() and self.truth.connected())
         self.assertTrue(until(lambda: self.commands.get_num_connections() > 0 and self.bumps))
 
@@ -186,22 +188,22 @@ class ToldTest(unittest.TestCase):
 
         self.assertTrue(until(is_there, timeout))
 
-    def test_1_it_drives_as_it_is_told_and_odometry_is_near_the_truth(self):
+    def test_1_it_follows_cmd_vel_and_odometry_is_near_the_truth(self):
         self.assertTrue(until(self.truth.all))
         np.testing.assert_allclose(planar(self.last()), 0.0, atol=1e-9)  # the map begins where it does
         self.drive(0.0, 1.0, lambda: abs(planar(self.last())[2]) > 1.0)
         self.drive(-0.3, 0.2, lambda: np.hypot(*planar(self.last())[:2]) > 0.3)
-        self.assertTrue(until(lambda: self.last().twist.twist.linear.x == 0.0))  # nobody commands any more
+        self.assertTrue(until(lambda: self.last().twist.twist.linear.x == 0.0))  # without new commands
         rested = self.last()
         self.truth.forget()
         self.assertTrue(until(lambda: len(self.truth.all()) > 10))
         self.assertEqual(self.last().pose.pose, rested.pose.pose)
-        told = self.odometry.at(rested.header.stamp)
-        np.testing.assert_allclose(planar(told), planar(rested), atol=0.1)
-        self.assertFalse(np.allclose(planar(told), planar(rested), atol=1e-4))  # wheels slip
-        for covariance in (told.pose.covariance, told.twist.covariance):
+        odometry = self.odometry.at(rested.header.stamp)
+        np.testing.assert_allclose(planar(odometry), planar(rested), atol=0.1)
+        self.assertFalse(np.allclose(planar(odometry), planar(rested), atol=1e-4))  # wheels slip
+        for covariance in (odometry.pose.covariance, odometry.twist.covariance):
             self.assertGreater(np.linalg.eigvalsh(np.reshape(covariance, (6, 6))).min(), 1e-9)
-        self.assertEqual((told.header.frame_id, told.child_frame_id), ("odom", "base_link"))
+        self.assertEqual((odometry.header.frame_id, odometry.child_frame_id), ("odom", "base_link"))
         self.assertEqual((rested.header.frame_id, rested.child_frame_id), ("map", "base_link"))
 
     def test_2_a_wall_presses_the_bumper_until_it_goes_back(self):
@@ -212,21 +214,21 @@ class ToldTest(unittest.TestCase):
         self.assertEqual(self.bumps, [False, True, False])
 
     def test_3_after_a_reset_it_is_in_the_next_world(self):
-        ball = Recorder("told/ground_truth/ball", Odometry)
+        ball = Recorder("driven/ground_truth/ball", Odometry)
         self.assertTrue(until(ball.all))
-        answer = rospy.ServiceProxy("told/ball_simulator/reset", Trigger)()
+        answer = rospy.ServiceProxy("driven/ball_simulator/reset", Trigger)()
         self.assertTrue(answer.success)
         self.assertIn("seed 8", answer.message)
         self.assertTrue(until(lambda: np.allclose(planar(self.last()), 0.0, atol=1e-9)))
         stamp = self.last().header.stamp
         np.testing.assert_allclose(planar(self.odometry.at(stamp)), 0.0, atol=1e-9)
-        world, at = drawn_world(2, 8), ball.at(stamp).pose.pose.position
+        world, at = random_world(2, 8), ball.at(stamp).pose.pose.position
         np.testing.assert_allclose([at.x, at.y], in_frame(world.robot, world.ball), atol=1e-9)
 
     def test_depth_in_metres_and_calibrations_that_need_no_picture(self):
-        info = rospy.wait_for_message("told/depth/camera_info", CameraInfo, 15.0)
+        info = rospy.wait_for_message("driven/depth/camera_info", CameraInfo, 15.0)
         self.assertEqual((info.width, info.height), (160, 120))
-        message = rospy.wait_for_message("told/depth/image", Image, 15.0)
+        message = rospy.wait_for_message("driven/depth/image", Image, 15.0)
         depth = pixels_of(message)
         self.assertEqual(message.encoding, "32FC1")
         self.assertTrue(0.2 < np.nanmedian(depth) < 7.0)
@@ -234,7 +236,7 @@ class ToldTest(unittest.TestCase):
         self.assertGreater(np.nanmin(depth), 0.25)
 
     def test_transforms_are_left_to_others_when_asked(self):
-        transforms = Recorder("told/tf", TFMessage)
+        transforms = Recorder("driven/tf", TFMessage)
         self.truth.forget()
         self.assertTrue(until(lambda: len(self.truth.all()) > 20))
         self.assertEqual(transforms.all(), [])
@@ -255,14 +257,14 @@ class StartUpTest(unittest.TestCase):
             ("no_such_parameter", "1", "/bad/no_such_parameter: unknown"),
             ("task", "4", "/bad/task: must be one of 2, 3"),
             ("depth_encoding", "mono16", "/bad/depth_encoding: must be one of 16UC1, 32FC1"),
-            ("bounce", "1.5", "/bad/bounce: must be within [0.0, 1.0]"),
+            ("ball_restitution", "1.5", "/bad/ball_restitution: must be within [0, 1]"),
         )
         assert_refused(self, "simulation.ball_simulator", mistakes)
 
 
 def suite():
     loader = unittest.TestLoader()
-    return unittest.TestSuite(map(loader.loadTestsFromTestCase, (PictureTest, ToldTest, StartUpTest)))
+    return unittest.TestSuite(map(loader.loadTestsFromTestCase, (PictureTest, DrivenTest, StartUpTest)))
 
 
 if __name__ == "__main__":

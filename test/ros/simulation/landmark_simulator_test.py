@@ -15,7 +15,7 @@ from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
 
 from sextant.geometry.plane_poses import composed, in_frame, relative
-from sextant.msg import LandmarkSightings
+from sextant.msg import LandmarkObservations
 from sextant.simulation.landmark_world import LandmarkWorld, LandmarkWorldParams
 
 DURATION, RATE, DELAY = 6.0, 20, 0.3  # as in the .test file
@@ -37,14 +37,14 @@ def planar(message):
 
 
 class Watch(Recorder):
-    """What is heard, and when by the clock."""
+    """Stamps of received messages, and when they came by the clock."""
 
     def __init__(self, topic, type_):
-        self.heard = {}
+        self.received = {}
         super().__init__(topic, type_)
 
     def _on_message(self, msg):
-        self.heard[msg.header.stamp] = rospy.Time.now()
+        self.received[msg.header.stamp] = rospy.Time.now()
         super()._on_message(msg)
 
 
@@ -56,7 +56,7 @@ class DriveTest(unittest.TestCase):
         cls.odometry, cls.truth = Recorder("odom", Odometry), Recorder("ground_truth", Odometry)
         cls.tf = TransformRecorder()
         assert cls.odometry.connected() and cls.truth.connected()
-        cls.sightings = Watch("landmarks", LandmarkSightings)  # the drive waits for it
+        cls.observations = Watch("landmarks", LandmarkObservations)  # the drive waits for it
         cls.moments = list(LandmarkWorld(PARAMS).moments())
         assert until(lambda: cls.odometry.has(stamp_of(DURATION)), 60)
 
@@ -64,29 +64,31 @@ class DriveTest(unittest.TestCase):
         pose, start = np.zeros(3), LandmarkWorld(PARAMS).start
         for moment in self.moments:
             stamp, pose = stamp_of(moment.stamp), composed(pose, moment.step)
-            told, true = self.odometry.at(stamp), self.truth.at(stamp)
-            np.testing.assert_allclose(planar(told), pose, atol=1e-9)
+            published, true = self.odometry.at(stamp), self.truth.at(stamp)
+            np.testing.assert_allclose(planar(published), pose, atol=1e-9)
             np.testing.assert_allclose(planar(true), relative(start, moment.pose), atol=1e-9)
-            self.assertEqual((told.header.frame_id, told.child_frame_id), ("odom", "base_link"))
+            self.assertEqual((published.header.frame_id, published.child_frame_id), ("odom", "base_link"))
             self.assertEqual((true.header.frame_id, true.child_frame_id), ("map", "base_link"))
-            self.assertAlmostEqual(told.twist.twist.linear.x, moment.step[0] * RATE)
+            self.assertAlmostEqual(published.twist.twist.linear.x, moment.step[0] * RATE)
             self.assertAlmostEqual(true.twist.twist.angular.z, moment.turn_rate)
             T = self.tf.at("odom", "base_link", stamp)
-            np.testing.assert_allclose(T, matrix(told.pose.pose), atol=1e-12)
+            np.testing.assert_allclose(T, matrix(published.pose.pose), atol=1e-12)
 
-    def test_sightings_come_late_with_the_stamp_of_their_moment(self):
-        looks = [moment.look for moment in self.moments if moment.look]
-        stamps = [stamp_of(look.stamp) for look in looks]
-        self.assertEqual(sorted(message.header.stamp for message in self.sightings.all()), stamps)
-        for stamp, look in zip(stamps, looks):
-            message = self.sightings.at(stamp)
+    def test_observations_come_late_with_the_stamp_of_their_moment(self):
+        scans = [moment.scan for moment in self.moments if moment.scan]
+        stamps = [stamp_of(scan.stamp) for scan in scans]
+        self.assertEqual(sorted(message.header.stamp for message in self.observations.all()), stamps)
+        for stamp, scan in zip(stamps, scans):
+            message = self.observations.at(stamp)
             self.assertEqual(message.header.frame_id, "base_link")
-            told = [(each.class_name, each.id, [each.x, each.y]) for each in message.sightings]
-            self.assertEqual(told, [(seen.class_name, -1, list(seen.position)) for seen in look.sightings])
-            for each, seen in zip(message.sightings, look.sightings):
+            published = [(each.class_name, each.id, [each.x, each.y]) for each in message.observations]
+            self.assertEqual(
+                published, [(seen.class_name, -1, list(seen.position)) for seen in scan.observations]
+            )
+            for each, seen in zip(message.observations, scan.observations):
                 np.testing.assert_array_equal(np.reshape(each.covariance, (3, 3))[:2, :2], seen.covariance)
                 self.assertTrue(np.isnan(each.heading))
-        late = [(self.sightings.heard[stamp] - stamp).to_sec() for stamp in stamps]
+        late = [(self.observations.received[stamp] - stamp).to_sec() for stamp in stamps]
         self.assertGreater(max(late), DELAY - 0.05)  # the clock's ticks come another way, some late
 
     def test_the_true_landmarks_are_outlined(self):
@@ -98,19 +100,21 @@ class DriveTest(unittest.TestCase):
             np.testing.assert_allclose(np.hypot(*(circle - position).T), 0.08, atol=1e-9)
 
 
-class ToldTest(unittest.TestCase):
-    """A robot of its own, that goes straight on until it is told."""
+class CommandTest(unittest.TestCase):
+    """A robot of its own, that drives straight ahead until it receives a command."""
 
     def setUp(self):
-        self.truth, self.odometry = (Recorder("told/" + name, Odometry) for name in ("ground_truth", "odom"))
-        self.commands = rospy.Publisher("told/cmd_vel", Twist, queue_size=1)
+        self.truth, self.odometry = (
+            Recorder("commanded/" + name, Odometry) for name in ("ground_truth", "odom")
+        )
+        self.commands = rospy.Publisher("commanded/cmd_vel", Twist, queue_size=1)
         self.assertTrue(self.odometry.connected() and self.truth.connected())
         self.assertTrue(until(lambda: self.commands.get_num_connections() > 0))
 
     def last(self):
         return max(self.truth.all(), key=lambda message: message.header.stamp)
 
-    def test_it_wanders_until_it_is_told_and_then_obeys(self):
+    def test_it_moves_randomly_until_the_first_command(self):
         self.assertTrue(until(self.truth.all))
         self.assertEqual(self.last().twist.twist.linear.x, 0.5)
         command = Twist()
@@ -122,7 +126,7 @@ class ToldTest(unittest.TestCase):
             return (twist.linear.x, twist.angular.z) == (0.2, -0.5)
 
         self.assertTrue(until(obeys))
-        self.assertTrue(until(lambda: self.last().twist.twist == Twist()))  # nobody commands any more
+        self.assertTrue(until(lambda: self.last().twist.twist == Twist()))  # no more commands
         rested = self.last()
         self.truth.forget()
         self.assertTrue(until(lambda: len(self.truth.all()) > 10))
@@ -131,15 +135,15 @@ class ToldTest(unittest.TestCase):
 
     def assert_carried(self):
         before, T_odom_base = planar(self.last()), planar(self.odometry.at(self.last().header.stamp))
-        answer = rospy.ServiceProxy("told/landmark_simulator/kidnap", Trigger)()
+        answer = rospy.ServiceProxy("commanded/landmark_simulator/kidnap", Trigger)()
         self.assertTrue(answer.success)
         self.assertTrue(until(lambda: not np.array_equal(planar(self.last()), before)))
         distance = np.hypot(*(planar(self.last()) - before)[:2])
-        self.assertEqual(answer.message, f"carried {distance:.1f} m away, the wheels do not know")
+        self.assertEqual(answer.message, f"carried {distance:.1f} m away, without odometry")
         np.testing.assert_array_equal(planar(self.odometry.at(self.last().header.stamp)), T_odom_base)
 
     def test_transforms_are_left_to_others_when_asked(self):
-        transforms = Recorder("told/tf", TFMessage)
+        transforms = Recorder("commanded/tf", TFMessage)
         self.truth.forget()
         self.assertTrue(until(lambda: len(self.truth.all()) > 20))
         self.assertEqual(transforms.all(), [])
@@ -150,14 +154,14 @@ class StartUpTest(unittest.TestCase):
         mistakes = (
             ("no_such_parameter", "1", "/bad/no_such_parameter: unknown"),
             ("range_noise", "[0.1]", "/bad/range_noise: must be two numbers"),
-            ("missed", "1.0", "/bad/missed: must be within"),
+            ("detection_probability", "0.0", "/bad/detection_probability: must be within"),
         )
         assert_refused(self, "simulation.landmark_simulator", mistakes)
 
 
 def suite():
     loader = unittest.TestLoader()
-    return unittest.TestSuite(map(loader.loadTestsFromTestCase, (DriveTest, ToldTest, StartUpTest)))
+    return unittest.TestSuite(map(loader.loadTestsFromTestCase, (DriveTest, CommandTest, StartUpTest)))
 
 
 if __name__ == "__main__":

@@ -30,7 +30,7 @@ class SimulatedTimeTest(unittest.TestCase):
         return self.start("rosrun", "sextant", simulator, *args)
 
     def interrupt(self, process, clock="/clock"):
-        """As soon as it publishes: rospy does not end well in the middle of its start."""
+        """As soon as it publishes."""
         rospy.wait_for_message(clock, Clock, PATIENCE)
         process.send_signal(signal.SIGINT)
         self.assertEqual(process.wait(PATIENCE), 0)

@@ -40,24 +40,24 @@ def wait_until(condition, seconds=60.0):
 
 
 class Drive:
-    """Everything that the node of the path said, heard once for all tests."""
+    """All messages of the node of the path, received once for all tests."""
 
-    heard = {topic: [] for topic in TOPICS}
+    received = {topic: [] for topic in TOPICS}
 
     @classmethod
     def listen(cls):
         cls.tf = tf2_ros.Buffer(rospy.Duration(60.0))
         cls.listener = tf2_ros.TransformListener(cls.tf)
         for topic, kind in TOPICS.items():  # the image last: the drive waits for its listener
-            cls.subscriber = rospy.Subscriber(topic, kind, cls.heard[topic].append, queue_size=1000)
+            cls.subscriber = rospy.Subscriber(topic, kind, cls.received[topic].append, queue_size=1000)
             wait_until(lambda: cls.subscriber.get_num_connections() > 0)
-        wait_until(lambda: any(message.data for message in cls.heard["finished"]))
+        wait_until(lambda: any(message.data for message in cls.received["finished"]))
         for topic in ("odom", "ground_truth", "camera/camera_info", "camera/image_raw"):
-            wait_until(lambda topic=topic: len(cls.heard[topic]) >= FRAMES)
+            wait_until(lambda topic=topic: len(cls.received[topic]) >= FRAMES)
 
     @classmethod
     def stamps(cls, topic):
-        return [message.header.stamp.to_nsec() for message in cls.heard[topic]]
+        return [message.header.stamp.to_nsec() for message in cls.received[topic]]
 
 
 class PathTest(unittest.TestCase):
@@ -69,7 +69,7 @@ class PathTest(unittest.TestCase):
     def test_images_and_truth_are_those_of_the_library(self):
         drive = SimulatedDrive(PARAMS)
         for frame, image, truth in zip(
-            drive.frames(FRAMES), Drive.heard["camera/image_raw"], Drive.heard["ground_truth"]
+            drive.frames(FRAMES), Drive.received["camera/image_raw"], Drive.received["ground_truth"]
         ):
             self.assertEqual(
                 (image.encoding, image.step, image.header.frame_id), ("mono8", 160, "camera_optical_frame")
@@ -80,21 +80,21 @@ class PathTest(unittest.TestCase):
 
     def test_calibration_is_the_cameras(self):
         calibration = SimulatedDrive(PARAMS).calibration
-        info = Drive.heard["camera/camera_info"][0]
+        info = Drive.received["camera/camera_info"][0]
         self.assertEqual((info.width, info.height, info.distortion_model), (160, 120, "plumb_bob"))
         self.assertEqual(list(info.D), PARAMS.distortion)
         np.testing.assert_array_equal(np.reshape(info.K, (3, 3)), calibration.K)
         np.testing.assert_array_equal(np.reshape(info.P, (3, 4)), calibration.P)
 
     def test_odometry_has_a_covariance_that_can_be_inverted(self):
-        for message in Drive.heard["odom"]:
+        for message in Drive.received["odom"]:
             for covariance in (message.pose.covariance, message.twist.covariance):
                 self.assertGreater(np.linalg.eigvalsh(np.reshape(covariance, (6, 6))).min(), 1e-9)
-        last = np.reshape(Drive.heard["odom"][-1].pose.covariance, (6, 6))
+        last = np.reshape(Drive.received["odom"][-1].pose.covariance, (6, 6))
         self.assertGreater(last[0, 0], 1e-5)
 
     def test_tf_has_odometry_at_every_image_and_the_mount(self):
-        for stamp, odometry in zip(Drive.stamps("camera/image_raw"), Drive.heard["odom"]):
+        for stamp, odometry in zip(Drive.stamps("camera/image_raw"), Drive.received["odom"]):
             found = Drive.tf.lookup_transform(
                 "odom", "base_link", rospy.Time(nsecs=stamp), rospy.Duration(0.0)
             )
@@ -104,19 +104,21 @@ class PathTest(unittest.TestCase):
         self.assertAlmostEqual(abs(mount.rotation.x), 0.5)
 
     def test_clock_ticks_finely_and_goes_on_after_the_last_frame(self):
-        ticks = [message.clock.to_nsec() for message in list(Drive.heard["/clock"])]
+        ticks = [message.clock.to_nsec() for message in list(Drive.received["/clock"])]
         steps = np.diff(ticks)
         self.assertGreaterEqual(np.min(steps), 0)
         self.assertLessEqual(np.median(steps), 10**7)  # rospy may drop some when busy
-        wait_until(lambda: Drive.heard["/clock"][-1].clock.to_nsec() > Drive.stamps("odom")[-1] + 10**9)
-        self.assertEqual(len(Drive.heard["camera/image_raw"]), FRAMES)
+        wait_until(lambda: Drive.received["/clock"][-1].clock.to_nsec() > Drive.stamps("odom")[-1] + 10**9)
+        self.assertEqual(len(Drive.received["camera/image_raw"]), FRAMES)
 
 
 class CommandTest(unittest.TestCase):
     def setUp(self):
         self.truth = []
-        self.command = rospy.Publisher("told/cmd_vel", Twist, queue_size=1)
-        self.subscriber = rospy.Subscriber("told/ground_truth", Odometry, self.truth.append, queue_size=1000)
+        self.command = rospy.Publisher("driven/cmd_vel", Twist, queue_size=1)
+        self.subscriber = rospy.Subscriber(
+            "driven/ground_truth", Odometry, self.truth.append, queue_size=1000
+        )
         wait_until(lambda: self.truth and self.command.get_num_connections() > 0)
 
     def tearDown(self):
@@ -136,9 +138,9 @@ class CommandTest(unittest.TestCase):
 
     def test_robot_obeys_and_stops_when_nobody_commands(self):
         frames = self.drive(0.2, 0.6, 60)  # on a busy machine it may rest in between: no command came in time
-        told = [m.twist.twist.angular.z != 0.0 for m in frames]
-        self.assertGreater(sum(told), 20)
-        for before, frame, obeys in zip(frames, frames[1:], told[1:]):
+        is_turning = [m.twist.twist.angular.z != 0.0 for m in frames]
+        self.assertGreater(sum(is_turning), 20)
+        for before, frame, obeys in zip(frames, frames[1:], is_turning[1:]):
             moved = np.linalg.inv(pose_from_message(before.pose.pose)) @ pose_from_message(frame.pose.pose)
             seconds = (frame.header.stamp - before.header.stamp).to_sec()
             radius, turn = 0.2 / 0.6, 0.6 * seconds * obeys  # a circle
@@ -161,7 +163,7 @@ class CommandTest(unittest.TestCase):
 
     def test_odometry_transform_is_left_to_others_when_asked(self):
         transforms = []
-        subscriber = rospy.Subscriber("told/tf", TFMessage, transforms.append)
+        subscriber = rospy.Subscriber("driven/tf", TFMessage, transforms.append)
         seen = len(self.truth)
         wait_until(lambda: len(self.truth) > seen + 30)
         subscriber.unregister()

@@ -7,15 +7,14 @@
 
 namespace sextant {
 
-/// How often something is published and how old its image is then, for diagnostics. FrequencyStatus and
-/// TimeStampStatus of diagnostic_updater set the summary: silence is an error there, also without a
-/// subscriber; their rate is negative after /clock was set back and missing while it stands; they have no
-/// mean latency.
+/// Publishing rate and latency since the image's stamp, for diagnostics. Replaces FrequencyStatus and
+/// TimeStampStatus of diagnostic_updater: these report an error without a subscriber, a negative rate after
+/// /clock jumps back, no rate while it stands, and no mean latency.
 class LatencyClock {
  public:
-  /// @param stamp of the image; without one (zero) only the rate is counted
+  /// Counts a message. @param stamp of the image; zero: counts for the rate only
   void published(const ros::Time& stamp, const ros::Time& now);
-  /// Rows for the rate, and for the mean and longest latency since the last report; begins anew.
+  /// Adds the rate, and the mean and maximum latency since the last call, and restarts the measurement.
   void fill(diagnostic_updater::DiagnosticStatusWrapper& status);
 
  private:

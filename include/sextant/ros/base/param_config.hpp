@@ -8,12 +8,12 @@
 
 namespace sextant {
 
-/// Takes the values of the message into the parameters of their names.
+/// Sets the parameters that the message names.
 void setParams(const ParamList& params, const dynamic_reconfigure::Config& message);
-/// Takes the values of the parameters into the message's entries of their names.
+/// Sets every value of the message from the parameter with the same name.
 void fillMessage(dynamic_reconfigure::Config& message, const ParamList& params);
 
-/// Those of a node's parameters that may change while it runs.
+/// Returns the dynamic_reconfigure values of a node's parameters.
 template <typename Config, typename Params>
 Config toConfig(Params params) {
   Config config = Config::__getDefault__();
@@ -24,8 +24,8 @@ Config toConfig(Params params) {
   return config;
 }
 
-/// @return params with the values of config
-/// @throws std::invalid_argument that names the first value out of range
+/// Returns params with the values of config.
+/// @throws std::invalid_argument with the name of the first value out of range
 template <typename Config, typename Params>
 Params withConfig(Params params, const Config& config) {
   dynamic_reconfigure::Config message;

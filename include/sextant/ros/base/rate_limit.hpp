@@ -7,19 +7,20 @@
 
 namespace sextant {
 
-/// Lets so many of a camera's images a second pass, evenly: one that comes a little early for its turn
-/// passes, so that a camera of just that rate, or of thrice, loses none to its jitter.
+/// Limits the rate of images, evenly. An image up to a quarter of the period early passes, so that jitter
+/// does not cost images of a camera whose rate is the limit or a multiple of it.
 class RateLimit {
  public:
+  /// Clock that is not set.
   using Clock = std::chrono::steady_clock;
 
-  /// Of a rate in Hz; 0 of none.
+  /// Period of a rate in Hz; zero for no limit (0).
   static Clock::duration period(double rate);
 
-  /// When the next one is due, if not at once.
+  /// Time at which the next image is due.
   Clock::time_point due(Clock::time_point now) const { return due_.value_or(now); }
 
-  /// Whether one that comes now is taken. @param rate Hz, which may change; 0: all are
+  /// Whether an image that arrives now passes. @param rate Hz, may change between calls; 0: no limit
   bool passes(Clock::time_point now, double rate);
 
  private:

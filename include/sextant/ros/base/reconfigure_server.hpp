@@ -15,17 +15,17 @@
 
 namespace sextant {
 
-/// The server side of dynamic_reconfigure that refuses: dynamic_reconfigure's own moves a value that is out
-/// of range to the nearest one and tells nobody, and begins with the .cfg's defaults. Here the parameters
-/// that the node has read stay; a refused call fails, changes nothing and is told in the log and in
-/// diagnostics. Its service runs in the node handle's queue.
+/// A dynamic_reconfigure server that rejects invalid values. dynamic_reconfigure's own server silently clips
+/// values to their range and starts with the defaults of the .cfg file. This one starts with the parameters
+/// that the node has read; a rejected call fails, changes nothing and is reported in the log and in
+/// diagnostics. The service runs in the callback queue of the node handle.
 template <typename Config>
 class ReconfigureServer {
  public:
-  /// Takes all values or throws the reason; level: the levels of those that changed.
+  /// Applies all values or throws the reason; level: bitwise or of the levels of the changed parameters.
   using Apply = std::function<void(const Config& config, uint32_t level)>;
 
-  /// @param config what the node runs with; @param trouble must outlive this
+  /// @param config current values; @param trouble must outlive the server
   ReconfigureServer(const ros::NodeHandle& private_node, const Config& config, Apply apply,
                     TroubleLog& trouble)
       : node_(private_node), config_(config), apply_(std::move(apply)), trouble_(trouble) {
@@ -43,10 +43,10 @@ class ReconfigureServer {
     Config wanted = config_;
     try {
       if (!wanted.__fromMessage__(request.config))
-        throw std::invalid_argument("a parameter is unknown or of another type");
+        throw std::invalid_argument("a parameter is unknown or has the wrong type");
       apply_(wanted, config_.__level__(wanted));
     } catch (const std::exception& error) {
-      trouble_.refused("reconfiguration", std::string("parameters stay as they were: ") + error.what());
+      trouble_.refused("reconfiguration", std::string("parameters not changed: ") + error.what());
       return false;
     }
     config_ = wanted;

@@ -12,13 +12,13 @@
 
 namespace sextant {
 
-/// Mean and longest time of the stages of a callback since the last report, for diagnostics.
+/// Mean and maximum duration of the stages of a callback, for diagnostics.
 class StageClock {
  public:
-  void start();
-  /// Ends a stage that began at start() or at the end of the stage before.
+  void start();  ///< starts the first stage
+  /// Ends a stage, which began at start() or at the end of the previous stage.
   void finish(const char* stage);
-  /// A row a stage, "mean / max ms", and the number of runs; begins anew.
+  /// Adds mean and maximum in ms and the number of runs of each stage since the last call, and restarts.
   void fill(diagnostic_updater::DiagnosticStatusWrapper& status);
 
  private:

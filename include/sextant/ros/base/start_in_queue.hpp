@@ -8,9 +8,10 @@
 
 namespace sextant {
 
-/// Does what is left of a nodelet's start in the queue of its callbacks: they do not wait for the end of
-/// onInit, and would meet what it has half made in another thread. What throws must have been done before.
-/// @return to be kept: without it nothing is started
+/// Runs the rest of a nodelet's initialization in its callback queue. Callbacks run in another thread and do
+/// not wait for the end of onInit, so they could otherwise see a half-initialized nodelet. Code that throws
+/// belongs in onInit itself.
+/// @return the timer, which the caller must keep until start has run
 inline ros::WallTimer startInQueue(const ros::NodeHandle& node, const std::function<void()>& start) {
   constexpr bool once = true;
   return node.createWallTimer(

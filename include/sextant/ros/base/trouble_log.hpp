@@ -10,31 +10,31 @@
 
 namespace sextant {
 
-/// Counts what went wrong, says each kind once in the log (again after a minute) and lists all in
-/// diagnostics.
+/// Counts problems by kind, logs each kind at most once a minute and reports all in diagnostics.
 class TroubleLog {
  public:
-  /// @param name of the node or nodelet, as the log shall show it
+  /// @param name of the node or nodelet in log messages
   explicit TroubleLog(std::string name) : name_(std::move(name)) {}
 
-  /// @param kind short and fixed, e.g. "camera_info"; @param text what is wrong and what to do
+  /// Reports a problem. @param kind short and fixed, e.g. "camera_info"; @param text the problem and its
+  /// remedy
   void report(const std::string& kind, const std::string& text);
-  /// What somebody asked for is not done: said and counted every time, and work goes on.
+  /// Reports a rejected request: logged every time as an error, without effect on the summary.
   void refused(const std::string& kind, const std::string& text);
-  /// A piece of work that went well: what was wrong before is over.
+  /// Ends the current problem: the last message was processed successfully.
   void succeeded();
-  /// Summary (WARN while the last piece of work failed) and a row a kind.
+  /// Adds the summary (WARN while there is a problem) and the count of each kind.
   void fill(diagnostic_updater::DiagnosticStatusWrapper& status) const;
 
  private:
   struct Kind {
     unsigned long count = 0;
-    double last_said = -1e9;  // seconds of the steady clock
+    double last_logged = -1e9;  // seconds of the steady clock
   };
   std::string name_;
   mutable std::mutex mutex_;
   std::map<std::string, Kind> kinds_;
-  std::string current_;  // empty: the last piece of work went well
+  std::string current_;  // empty: no problem
 };
 
 }  // namespace sextant

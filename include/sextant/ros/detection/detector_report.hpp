@@ -11,21 +11,21 @@
 
 namespace sextant {
 
-/// What a detector tells of its work in diagnostics, besides what went wrong (TroubleLog).
+/// Statistics of a detector for diagnostics; problems are reported by TroubleLog.
 class DetectorReport {
  public:
-  void image() { ++images_; }
-  /// The markers of an image that could be used, when they are published.
+  void image() { ++images_; }  ///< counts a received image
+  /// Counts the markers of an image when they are published.
   void published(const std::vector<ObservedMarker>& markers, const ros::Time& stamp, const ros::Time& now);
 
-  unsigned long images() const { return images_; }
-  /// Rows of counts since the start, and of rates, shares and means since the last report.
+  unsigned long images() const { return images_; }  ///< received since the start
+  /// Adds counts since the start, and rates, percentages and means since the last call.
   void fill(diagnostic_updater::DiagnosticStatusWrapper& status);
 
  private:
   struct Period {
     unsigned long images_before = 0, used = 0, empty = 0, markers = 0, posed = 0;
-    double squared_errors = 0.0;  // of the markers with a pose, square pixels
+    double squared_errors = 0.0;  // sum over the markers with a pose, pixels^2
   };
   void fillMarkers(diagnostic_updater::DiagnosticStatusWrapper& status) const;
 

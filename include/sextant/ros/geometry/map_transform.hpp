@@ -12,22 +12,25 @@
 
 namespace sextant {
 
-/// The one transform that Sextant publishes, from the map to a frame: never where it would give that frame a
-/// second parent, and never with a stamp that is not later than the last.
+/// Broadcasts the transform from the map to a frame: not if the frame has another parent already, and only
+/// with increasing stamps.
 class MapTransform {
  public:
+  /// Keeps a reference to the buffer.
   explicit MapTransform(const tf2_ros::Buffer& buffer) : buffer_(buffer) {}
 
-  /// @return why nothing could be sent, with both frames; empty where it was sent or is not later
+  /// Broadcasts the transform.
+  /// @return the reason, with both frames, if it cannot be sent; empty if it was sent or the stamp is not
+  /// later
   std::string send(const std::string& map_frame, const std::string& child, const ros::Time& stamp,
                    const Pose& T_map_child);
 
-  /// After a jump back in time.
+  /// Allows earlier stamps again, after a jump back in time.
   void reset() { last_stamp_ = ros::Time(); }
 
  private:
   const tf2_ros::Buffer& buffer_;
-  std::string parent_;  // the last that was sent: the map's frame may change, this one is ours
+  std::string parent_;  // the map frame sent last: the map's frame may change
   ros::Time last_stamp_;
   tf2_ros::TransformBroadcaster broadcaster_;
 };

@@ -5,9 +5,7 @@
 #include <geometry_msgs/Pose.h>
 #include <geometry_msgs/PoseWithCovariance.h>
 #include <geometry_msgs/Transform.h>
-#include <sensor_msgs/CameraInfo.h>
 
-#include "sextant/geometry/camera.hpp"
 #include "sextant/geometry/pose.hpp"
 
 namespace sextant {
@@ -16,13 +14,10 @@ geometry_msgs::Pose toPoseMsg(const Pose& pose);
 geometry_msgs::Transform toTransformMsg(const Pose& pose);
 geometry_msgs::PoseWithCovariance toPoseWithCovarianceMsg(const Pose& pose, const Matrix6d& covariance);
 
-/// @throws std::invalid_argument for a quaternion that is not of unit length (to 1 %) or a number that is not
-/// finite
+/// @throws std::invalid_argument for a quaternion whose norm differs from 1 by more than 1 %, or a number
+/// that is not finite
 Pose fromMsg(const geometry_msgs::Pose& pose);
 Pose fromMsg(const geometry_msgs::Transform& transform);
 Matrix6d fromMsg(const geometry_msgs::PoseWithCovariance::_covariance_type& covariance);
-
-/// The calibration of the image as it is published: binning and region of interest are applied.
-CameraCalibration fromMsg(const sensor_msgs::CameraInfo& info);
 
 }  // namespace sextant

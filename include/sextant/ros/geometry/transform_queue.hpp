@@ -14,20 +14,27 @@
 
 namespace sextant {
 
-/// Messages that wait until tf knows where their frames are at their stamps.
+/// A queue of messages that wait for the transform of their frame at their stamp.
 class TransformQueue {
  public:
+  /// Called with the transform.
   using Work = std::function<void(const Pose& T_target_frame)>;
-  using Tell = std::function<void(const std::string& why_not)>;
+  /// Called when the transform did not arrive in time.
+  using OnTimeout = std::function<void(const std::string& reason)>;
 
+  /// @param timeout how long a message waits, seconds
   TransformQueue(const tf2_ros::Buffer& buffer, double timeout) : buffer_(buffer), timeout_(timeout) {}
 
+  /// Queues work until the transform to the header's frame is known.
   void add(const std_msgs::Header& header, Work work) {
     items_.push_back({header, std::move(work), ros::SteadyTime::now() + ros::WallDuration(timeout_)});
   }
-  /// Does the work of those whose transform is there, and drops those that have waited for too long.
-  void work(const std::string& target, const Tell& tell);
+  /// Processes the messages whose transform is available, and drops those that waited longer than the
+  /// timeout.
+  void process(const std::string& target, const OnTimeout& on_timeout);
+  /// Whether no work is waiting.
   bool empty() const { return items_.empty(); }
+  /// Drops all work.
   void clear() { items_.clear(); }
 
  private:

@@ -18,38 +18,39 @@
 
 namespace sextant {
 
-/// Plays a source in a thread of its own: keeps the pace, stamps at the grab, opens a lost device again every
-/// second, decodes only what somebody wants.
+/// Plays a source in its own thread: keeps the rate, stamps images when they are grabbed, reopens a lost
+/// device every second and decodes only images that are needed.
 class ImagePlayer {
  public:
-  /// Called in the player's thread.
+  /// Callbacks, called in the player's thread.
   struct Outlet {
-    std::function<bool()> awaited;  ///< who a file waits for is there
-    std::function<bool()> wanted;   ///< somebody needs the next picture
-    std::function<void(const cv::Mat&, const ros::Time&)> publish;
+    std::function<bool()> has_subscriber;                           ///< whether a file may start
+    std::function<bool()> needs_image;                              ///< whether to decode the next image
+    std::function<void(const cv::Mat&, const ros::Time&)> publish;  ///< publishes an image with its stamp
   };
+  /// Numbers of images since the start.
   struct Counts {
-    unsigned long published = 0;
-    unsigned long skipped = 0;  ///< grabbed, but nobody listened or the rate did not need it
-    unsigned long late = 0;     ///< of a file: more than its period behind the pace
-    unsigned long opened = 0;   ///< times that the source was opened or began anew
-    bool finished = false;
+    unsigned long published = 0;  ///< images published
+    unsigned long skipped = 0;    ///< grabbed, but not decoded: no subscriber, or above the rate
+    unsigned long late = 0;       ///< images of a file that were more than a period late
+    unsigned long opened = 0;     ///< times that the source was opened or restarted
+    bool finished = false;        ///< the source has ended
   };
 
-  /// Begins to play. @param trouble outlives the player
+  /// Starts playing. @param trouble must outlive the player
   ImagePlayer(std::unique_ptr<ImageSource> source, const ImagePlayerParams& params, Outlet outlet,
               TroubleLog& trouble);
-  /// Waits for the picture under way at most.
+  /// Stops after the current image.
   ~ImagePlayer();
 
-  Counts counts() const;
+  Counts counts() const;  ///< may be called from any thread
 
  private:
   using Clock = RateLimit::Clock;
 
   void run();
   bool step();
-  bool awaitListener();
+  bool awaitSubscriber();
   bool openSource();
   bool grab();
   bool afterLast();
@@ -67,7 +68,7 @@ class ImagePlayer {
   bool open_ = false;
   RateLimit pace_;
   Counts counts_;
-  mutable std::mutex mutex_;  // of counts_ and stop_
+  mutable std::mutex mutex_;  // guards counts_ and stop_
   std::condition_variable wake_;
   bool stop_ = false;
   std::thread thread_;

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "sextant/LandmarkMapEntries.h"
-#include "sextant/LandmarkSightings.h"
+#include "sextant/LandmarkObservations.h"
 #include "sextant/MarkerArray.h"
 #include "sextant/fusion/marker_landmarks.hpp"
 #include "sextant/geometry/pose.hpp"
@@ -16,32 +16,38 @@
 
 namespace sextant {
 
-/// In the plane z = 0.
+/// Pose in the plane z = 0.
 Pose toPose(const Pose2& pose);
 
-/// Where a sensor is and looks: along x, or along z where that is level, as of an optical frame.
-Pose2 viewOf(const Pose& T_base_frame);
-/// @param covariance of (x, y, heading) in the axes of the pose's frame; what is not of the plane is zero
+/// Planar pose of a sensor: x is the viewing direction, which is z of its frame if that is level (an optical
+/// frame), else x.
+Pose2 planarSensorPose(const Pose& T_base_frame);
+
+/// Converts a planar pose. @param covariance of (x, y, heading); the other elements of the message are zero
 geometry_msgs::PoseWithCovariance toPoseWithCovarianceMsg(const Pose2& pose,
                                                           const Eigen::Matrix3d& covariance);
 
-/// Seen from above. @throws std::invalid_argument for a quaternion that is not of unit length (to 1 %) or a
-/// number that is not finite
+/// Projects a pose to the plane.
+/// @throws std::invalid_argument for a quaternion that is not of unit length (to 1 %) or a number that is not
+/// finite
 Pose2 planarFromMsg(const geometry_msgs::Pose& pose);
-/// @throws std::invalid_argument as the pose alone, and for a covariance of x, y and heading that is not
-/// positive definite
-PlanePoseEstimate planarFromMsg(const geometry_msgs::PoseWithCovariance& estimate);
 
-/// In the robot frame. @param T_base_frame of the message's frame, whose z is up
-/// @throws std::invalid_argument that names the first sighting that cannot be
-std::vector<LabelledSighting> fromMsg(const LandmarkSightings& msg, const Pose& T_base_frame);
+/// Projects a pose with covariance to the plane.
+/// @throws std::invalid_argument as the pose alone, and if the covariance of (x, y, heading) is not positive
+/// definite
+PoseEstimate2D planarFromMsg(const geometry_msgs::PoseWithCovariance& estimate);
 
-/// In the robot frame; markers without a size are left out: their pose is not known.
-/// @throws std::invalid_argument that names the first marker that cannot be
-std::vector<LabelledSighting> fromMsg(const MarkerArray& msg, const Pose& T_base_camera,
-                                      const MarkerLandmarkParams& params);
+/// Converts observations to the robot frame. @param T_base_frame of the frame of the message; its z axis is
+/// up
+/// @throws std::invalid_argument that names the first invalid observation
+std::vector<LabelledObservation> fromMsg(const LandmarkObservations& msg, const Pose& T_base_frame);
 
-/// All landmarks; the header is left out.
+/// Converts markers to observations in the robot frame; skips markers without a size, whose pose is unknown.
+/// @throws std::invalid_argument that names the first invalid marker
+std::vector<LabelledObservation> fromMsg(const MarkerArray& msg, const Pose& T_base_camera,
+                                         const MarkerLandmarkParams& params);
+
+/// Converts all landmarks; the header is not set.
 LandmarkMapEntries toMsg(const LandmarkSlam& slam);
 
 }  // namespace sextant

@@ -7,14 +7,14 @@
 #include <functional>
 #include <vector>
 
+#include "sextant/fusion/landmark_session.hpp"
 #include "sextant/ros/base/trouble_log.hpp"
-#include "sextant/ros/landmarks/landmark_session.hpp"
 
 namespace sextant {
 
-/// save_map, load_map, reset and relocalize of a session. @param changed called after each that went well
-std::vector<ros::ServiceServer> offerLandmarkServices(ros::NodeHandle private_node, LandmarkSession& session,
-                                                      TroubleLog& trouble,
-                                                      const std::function<void()>& changed);
+/// Advertises ~save_map, ~load_map, ~reset and ~relocalize. @param changed called after each successful call
+std::vector<ros::ServiceServer> advertiseLandmarkServices(ros::NodeHandle private_node,
+                                                          LandmarkSession& session, TroubleLog& trouble,
+                                                          const std::function<void()>& changed);
 
 }  // namespace sextant

@@ -16,34 +16,37 @@
 
 namespace sextant {
 
-/// What SLAM tells of its work: in the log what is wrong, in diagnostics everything.
+/// Reports on SLAM: problems to the log, everything to diagnostics.
 class LandmarkSlamReport {
  public:
+  /// Keeps a reference to the log.
   explicit LandmarkSlamReport(TroubleLog& trouble) : trouble_(trouble) {}
 
-  /// A message came, whether it can be used or not. @{
-  void heardOdometry() { odometry_heard_ = ros::SteadyTime::now(); }
-  void heardSightings() { sightings_heard_ = ros::SteadyTime::now(); }
+  /// Records the arrival of a message, valid or not. @{
+  void odometryReceived() { odometry_received_ = ros::SteadyTime::now(); }
+  /// Notes the time of the last message of observations.
+  void observationsReceived() { observations_received_ = ros::SteadyTime::now(); }
   /// @}
-  /// @param ahead of the newest odometry, seconds @param lag by which sightings may be late, seconds
-  void sightings(const std::string& topic, Arrival arrival, double ahead, double lag);
-  /// Sightings that came into the estimate. @param stamp of theirs; @param now odometry's then
+  /// Records the arrival of a scan. @param ahead of the newest odometry, seconds @param lag maximum delay,
+  /// seconds
+  void observations(const std::string& topic, Arrival arrival, double ahead, double lag);
+  /// Records a scan that was applied. @param stamp of the scan @param now stamp of the newest odometry
   void applied(const LandmarkReport& report, const ros::Time& stamp, const ros::Time& now);
 
-  /// @param odometry, sightings topics
+  /// Fills the diagnostics. @param waiting number of waiting scans @param odometry, observations topics
   void fill(diagnostic_updater::DiagnosticStatusWrapper& status, const LandmarkSlam& slam, size_t waiting,
-            const std::string& odometry, const std::string& sightings);
+            const std::string& odometry, const std::string& observations);
 
  private:
   void fillLevel(diagnostic_updater::DiagnosticStatusWrapper& status, const LandmarkSlam& slam,
-                 const std::string& odometry, const std::string& sightings) const;
+                 const std::string& odometry, const std::string& observations) const;
   void fillTotals(diagnostic_updater::DiagnosticStatusWrapper& status, size_t waiting) const;
 
   TroubleLog& trouble_;
-  std::optional<ros::SteadyTime> odometry_heard_, sightings_heard_;  // when the last came
+  std::optional<ros::SteadyTime> odometry_received_, observations_received_;  // time of the last message
   unsigned long too_late_ = 0, duplicate_ = 0;
   LandmarkReport totals_;
-  std::deque<std::pair<double, int>> nis_;  // and its degrees of freedom
+  std::deque<std::pair<double, int>> nis_;  // with its degrees of freedom
   LatencyClock latency_;
 };
 

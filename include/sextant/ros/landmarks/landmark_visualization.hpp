@@ -13,19 +13,19 @@
 
 namespace sextant {
 
-/// Of the colour that is in its name, or else always the same one.
+/// Colour named in the class, or else one derived from a hash of the class.
 std_msgs::ColorRGBA colourOfClass(const std::string& class_name);
 
-/// What rviz shows of landmarks: pillars of the class's colour with their names, 2 sigma on the floor around
-/// them, and arrows where they have headings.
+/// Markers for rviz: a pillar in the colour of its class with its name, its 2-sigma ellipse on the floor, and
+/// an arrow if it has a heading.
 class LandmarkVisualization {
  public:
-  /// Also deletes what was shown before and is gone.
+  /// Markers of all landmarks; removed landmarks are deleted.
   visualization_msgs::MarkerArray update(const LandmarkSlam& slam, const std::string& frame,
                                          const ros::Time& stamp);
 
  private:
-  std::set<int> shown_;  // keys
+  std::set<int> shown_;  // keys of the landmarks in rviz
 };
 
 }  // namespace sextant

@@ -14,24 +14,26 @@
 
 namespace sextant {
 
-/// What a locator tells of its work: in the log what is wrong, in diagnostics everything.
+/// Reports on a locator: problems in the log, statistics in diagnostics.
 class LocatorReport {
  public:
+  /// Keeps a reference to the log.
   explicit LocatorReport(TroubleLog& trouble) : trouble_(trouble) {}
 
-  void image() { ++images_; }
-  /// @param nothing_seen no marker in any image: no reason to complain
+  void image() { ++images_; }  ///< counts a received image
+  /// Counts a result. @param nothing_seen no detection in any image: not a problem
   void result(const LocatorResult& result, bool nothing_seen);
-  /// A pose that was published. @param stamp of its image
+  /// Counts a published pose. @param stamp of its image
   void published(const ros::Time& stamp, const ros::Time& now) { latency_.published(stamp, now); }
 
-  /// @param map nothing: none has come yet; @param cameras topics
+  /// Adds counts since the start, and rates and means since the last call.
+  /// @param map nullptr: not received yet; @param cameras topics
   void fill(diagnostic_updater::DiagnosticStatusWrapper& status, const MarkerLocalization& localization,
             const MarkerMap* map, const std::vector<std::string>& cameras);
 
  private:
   struct Residuals {
-    double squares = 0.0;  // of coordinates, in deviations
+    double squares = 0.0;  // mean squared residual of a coordinate over its variance, summed over images
     unsigned long images = 0;
   };
   void addResiduals(const LocatedPose& pose);

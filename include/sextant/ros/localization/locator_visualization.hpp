@@ -11,11 +11,12 @@
 
 namespace sextant {
 
-/// What rviz shows of a located pose: the lines of sight to the markers used, and the trail of positions.
+/// Visualization of a located pose for rviz: the lines of sight to the markers used, and the trail of
+/// positions.
 class LocatorVisualization {
  public:
-  void clear() { trail_.clear(); }
-  /// @param T_map_camera where the lines of sight begin
+  void clear() { trail_.clear(); }  ///< restarts the trail
+  /// Adds a pose. @param T_map_camera origin of the lines of sight
   visualization_msgs::MarkerArray update(const LocatedPose& pose, const Pose& T_map_camera,
                                          const MarkerMap& map, const ros::Time& stamp);
 

@@ -13,7 +13,7 @@
 
 namespace sextant {
 
-/// A detection with its poses, where they are known.
+/// Converts a detection with its poses, if they are known. @param size edge length, metres
 Marker toMsg(const Detection& detection, double size, const std::optional<PlanarPoses>& poses,
              const std::optional<Matrix6d>& covariance);
 /// @throws std::invalid_argument for an unknown family or corners that are not finite

@@ -1,3 +1,3 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Other packages' files of marker maps: a module a format."""
+"""Marker map formats of Sextant and of other packages, one module per format."""

@@ -2,19 +2,18 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Bundles of apriltag_ros (AprilRobotics, ROS 1): the tag_bundles of its tags.yaml.
 
-Read as TagDetector::parseTagBundles of apriltag_ros/src/common_functions.cpp does:
+Read as in TagDetector::parseTagBundles of apriltag_ros/src/common_functions.cpp:
 
     standalone_tags: [{id, size, name}, ...]
     tag_bundles: [{name, layout: [{id, size, x, y, z, qw, qx, qy, qz}, ...]}, ...]
 
-metres; x, y, z default to 0 and the quaternion, which need not be of unit length, to no rotation; a bundle
-without a name is bundle_ and its number. A pose takes the tag's frame to the bundle's, and the bundle's
-frame becomes that of the map.
+Metres. x, y, z default to 0, the quaternion to the identity; it need not be normalized. A bundle without a
+name is called ``bundle_`` and its number. A pose is T_bundle_tag; the bundle's frame becomes the map frame.
 
-Tag frame: addObjectPoints puts the corners at (-s, -s), (s, -s), (s, s), (-s, s), bottom left and
-counter-clockwise: "x is right, y is up and z is towards you (out of the tag)", as ours. (libapriltag's own
-frame has y down and z into the tag; apriltag_ros does not use it.) size is the edge between the corners, as
-ours.
+Tag frame: addObjectPoints puts the corners at (-s, -s), (s, -s), (s, s), (-s, s), counter-clockwise from the
+bottom left: "x is right, y is up and z is towards you (out of the tag)", as in Sextant. (libapriltag's own
+frame has y down and z into the tag; apriltag_ros does not use it.) size is the edge length between the
+corners, as in Sextant.
 """
 
 import json
@@ -24,24 +23,18 @@ import numpy as np
 
 import sextant
 from sextant.geometry.poses import quaternion_of
-from sextant.markers.formats.located_yaml import Table, read_yaml
-from sextant.markers.formats.losses import (
-    lost_covariances,
-    lost_frames,
-    lost_names,
-    only_family,
-    require_markers,
-)
+from sextant.markers.formats.losses import lost_covariances, lost_frames, lost_names, only_family
 from sextant.markers.formats.map_file import (
     MapFileError,
     MapFormatParams,
     ReadMap,
     WrittenMap,
     decimal,
-    told_as,
+    errors_located_at,
 )
+from sextant.markers.formats.yaml_table import Table, read_yaml
 
-# tag_family of settings.yaml, the first is its default
+# values of tag_family in settings.yaml; the first is the default
 FAMILIES = (
     "tag36h11",
     "tag16h5",
@@ -56,9 +49,10 @@ POSE_NAMES = ("x", "y", "z", "qw", "qx", "qy", "qz")
 
 
 def read_apriltag_ros(path: str, params: MapFormatParams) -> ReadMap:
-    """One bundle; params.bundle names it where there are several, params.family the family.
+    """Reads one bundle of a tags.yaml.
 
-    :raises MapFileError: no bundle, several of them and none named, or what apriltag_ros would not read,
+    :param params: bundle is required if the file has several, family defaults to tag36h11
+    :raises MapFileError: no bundle, several and none chosen, or content that apriltag_ros refuses,
         "file:line: reason"
     """
     family = params.known_family(FAMILIES[0])
@@ -70,19 +64,19 @@ def read_apriltag_ros(path: str, params: MapFormatParams) -> ReadMap:
     bundle = _chosen(root, _bundles(root), params.bundle)
     marker_map = params.empty_map()
     for tag in bundle.tables("layout"):
-        with told_as(tag.mistake):
+        with errors_located_at(tag.place):
             marker_map.add(_marker(tag, family, standalone))
     placed = {marker.id for marker in marker_map.markers}
     return ReadMap(marker_map, _unplaced(set(standalone) - placed))
 
 
 def _standalone_sizes(root: Table) -> Dict[int, float]:
-    """Edge length in metres by id."""
+    """Returns the edge length in metres by id."""
     sizes: Dict[int, float] = {}
     for tag in root.tables("standalone_tags"):
         tag.require("a standalone tag", ["id", "size"], ["name"])
         if tag.whole("id") in sizes:
-            raise tag.mistake(f"standalone tag {tag['id']} is there twice")
+            raise tag.mistake(f"standalone tag {tag['id']} is defined twice")
         sizes[tag["id"]] = tag.number("size")
     return sizes
 
@@ -93,7 +87,7 @@ def _bundles(root: Table) -> Dict[str, Table]:
         bundle.require("a bundle", ["layout"], ["name"])
         name = bundle.word("name") if "name" in bundle else f"bundle_{number}"
         if name in bundles:
-            raise bundle.mistake(f"bundle '{name}' is there twice")
+            raise bundle.mistake(f"bundle '{name}' is defined twice")
         bundles[name] = bundle
     return bundles
 
@@ -101,16 +95,16 @@ def _bundles(root: Table) -> Dict[str, Table]:
 def _chosen(root: Table, bundles: Dict[str, Table], wanted: Optional[str]) -> Table:
     names = ", ".join(bundles)
     if not bundles:
-        raise root.mistake("has no tag_bundles: standalone tags have no place, so there is no map in them")
+        raise root.mistake("has no tag_bundles: standalone tags have no pose, so they make no map")
     if wanted is None and len(bundles) > 1:
-        raise root.mistake(f"has several bundles, name the one that is the map (--bundle): {names}")
+        raise root.mistake(f"has several bundles, choose one (--bundle): {names}")
     if wanted is not None and wanted not in bundles:
         raise root.mistake(f"has no bundle '{wanted}', only {names}")
     return bundles[wanted] if wanted is not None else next(iter(bundles.values()))
 
 
 def _marker(tag: Table, family: str, standalone: Dict[int, float]) -> sextant.MappedMarker:
-    """:raises ValueError: a quaternion of length zero, or another size than as a standalone tag"""
+    """:raises ValueError: a zero quaternion, or a size other than that of the standalone tag"""
     tag.require("a tag of a bundle", ["id", "size"], POSE_NAMES)
     id, size = tag.whole("id"), tag.number("size")
     if standalone.get(id, size) != size:
@@ -121,16 +115,15 @@ def _marker(tag: Table, family: str, standalone: Dict[int, float]) -> sextant.Ma
 
 
 def _unplaced(ids: Set[int]) -> List[str]:
-    told = ", ".join(map(str, sorted(ids)))
-    return [f"the standalone tags {told}: they have no place in the bundle"] if ids else []
+    listed = ", ".join(map(str, sorted(ids)))
+    return [f"the standalone tags {listed}: they have no pose in the bundle"] if ids else []
 
 
 def format_apriltag_ros(marker_map: sextant.MarkerMap) -> WrittenMap:
-    """A tags.yaml with one bundle, which is called as the map's frame.
+    """Formats a map as a tags.yaml with one bundle, named after the map frame.
 
-    :raises MapFileError: no markers, several families, a family that apriltag_ros does not know
+    :raises MapFileError: several families, or a family that apriltag_ros does not support
     """
-    require_markers(marker_map)
     family = only_family(marker_map, FAMILIES, "apriltag_ros")
     layout = ",\n".join(_format_tag(marker) for marker in marker_map.markers)
     text = (
@@ -139,11 +132,11 @@ def format_apriltag_ros(marker_map: sextant.MarkerMap) -> WrittenMap:
     )
     warnings = [f"the family: set tag_family: {family} in settings.yaml"]
     warnings += lost_covariances(marker_map) + lost_names(marker_map) + lost_frames(marker_map)
-    return WrittenMap(text, warnings)
+    return text, warnings
 
 
 def _format_tag(marker: sextant.MappedMarker) -> str:
     x, y, z, w = quaternion_of(marker.T_map_marker[:3, :3])
     numbers = np.array([*marker.T_map_marker[:3, 3], w, x, y, z])
-    told = ", ".join(f"{name}: {decimal(value)}" for name, value in zip(POSE_NAMES, numbers))
-    return f"      {{id: {marker.id}, size: {decimal(marker.size)}, {told}}}"
+    pose = ", ".join(f"{name}: {decimal(value)}" for name, value in zip(POSE_NAMES, numbers))
+    return f"      {{id: {marker.id}, size: {decimal(marker.size)}, {pose}}}"

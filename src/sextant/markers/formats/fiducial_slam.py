@@ -2,46 +2,45 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Maps of fiducial_slam (package fiducials, UbiquityRobotics, ROS 1).
 
-A line a marker, as Map::saveMap and Map::loadMap of fiducial_slam/src/map.cpp write and read it:
+One line per marker, as in Map::saveMap and Map::loadMap of fiducial_slam/src/map.cpp:
 
     id x y z roll pitch yaw variance observations links...
 
-metres; degrees, for tf2's setRPY: R = Rz(yaw) Ry(pitch) Rx(roll); a pose takes the marker's frame to the
-map's (T_mapFid = T_mapCam * T_camFid). links are the ids that were seen together with it.
+Metres, and degrees for tf2's setRPY: R = Rz(yaw) Ry(pitch) Rx(roll). A pose is T_map_marker (T_mapFid =
+T_mapCam * T_camFid). links are the ids of markers seen in one image with it.
 
 Marker frame: aruco_detect puts OpenCV's corners at (-, +), (+, +), (+, -), (-, -), z out of the print, as
-ours (getSingleMarkerObjectPoints of aruco_detect.cpp). It has OpenCV's dictionaries only, and OpenCV prints
-AprilTags turned by 180 degrees against libapriltag, whose upright is ours.
+in Sextant (getSingleMarkerObjectPoints of aruco_detect.cpp). It supports OpenCV's dictionaries only, and
+OpenCV prints AprilTags rotated by 180 degrees against libapriltag, whose orientation Sextant uses.
 
-The variance is worked out in m^2, from how far off the floor and how tilted the robot would stand, plus
-systematic_error (Map::updatePose), and shrinks with every sighting as if they were independent
-(normalizeDavid of transform_with_variance.cpp). fiducial_slam takes it for all six axes alike, metres and
-radians (toPose of transform_with_variance.h), and so it is here: variance * I. 0 is a marker that it never
-moves: exact.
+The variance is computed in m^2 from the height and tilt of the resulting robot pose, plus systematic_error
+(Map::updatePose). It decreases with every observation as if they were independent (normalizeDavid of
+transform_with_variance.cpp). fiducial_slam uses it for all six axes, metres and radians (toPose of
+transform_with_variance.h), and so does this reader: variance * I. Variance 0 is a fixed marker: exact.
 """
 
 import re
-from typing import Callable, List, Tuple
+from typing import List, Tuple
 
 import numpy as np
 
 import sextant
-from sextant.markers.formats.losses import lost_frames, lost_names, only_family, only_size, require_markers
+from sextant.markers.formats.losses import lost_frames, lost_names, only_family, only_size
 from sextant.markers.formats.map_file import (
     MapFileError,
     MapFormatParams,
     ReadMap,
     WrittenMap,
     decimal,
+    errors_located_at,
     finite,
     read_text,
-    told_as,
 )
 
-FIELDS = 9  # and any number of links
+FIELDS = 9  # followed by any number of links
 T_PRINT_TURNED = np.diag([-1.0, -1.0, 1.0, 1.0])
 APRILTAGS = ("DICT_APRILTAG_16h5", "DICT_APRILTAG_25h9", "DICT_APRILTAG_36h10", "DICT_APRILTAG_36h11")
-# aruco_detect's parameter dictionary, by its number: OpenCV's enumeration
+# values of aruco_detect's parameter dictionary: OpenCV's enumeration
 DICTIONARIES = (
     *(f"DICT_{n}X{n}_{count}" for n in (4, 5, 6, 7) for count in (50, 100, 250, 1000)),
     "DICT_ARUCO_ORIGINAL",
@@ -52,9 +51,10 @@ _TURNED = {sextant.canonical_family(name) for name in APRILTAGS}
 
 
 def read_fiducial_slam(path: str, params: MapFormatParams) -> ReadMap:
-    """A map file; options give family and size, which it does not say.
+    """Reads a map file.
 
-    :raises MapFileError: the first line that is none of the format, "file:line: reason"
+    :param params: family and size are required, since the file does not contain them
+    :raises MapFileError: a malformed line, "file:line: reason"
     """
     family = params.known_family()
     if family not in _NUMBERS:
@@ -63,7 +63,7 @@ def read_fiducial_slam(path: str, params: MapFormatParams) -> ReadMap:
     for number, line in enumerate(read_text(path).split("\n"), 1):
         words = line.partition("#")[0].split()
         if words:
-            with told_as(_mistake(path, number)):
+            with errors_located_at(f"{path}:{number}"):
                 marker_map.add(_marker(words, family, params.size))
     return ReadMap(marker_map, _warnings(marker_map))
 
@@ -75,12 +75,8 @@ def _marker(words: List[str], family: str, size: float) -> sextant.MappedMarker:
     return sextant.MappedMarker(family, id, size, T_map_theirs @ _turn(family), covariance=covariance)
 
 
-def _mistake(path: str, number: int) -> Callable[[str], MapFileError]:
-    return lambda reason: MapFileError(f"{path}:{number}: {reason}")
-
-
 def _fields(words: List[str]) -> Tuple[int, List[float]]:
-    """Id, and the seven numbers behind it."""
+    """Parses the id and the seven numbers after it."""
     if len(words) < FIELDS:
         raise ValueError(
             f"has {len(words)} fields, needs 'id x y z roll pitch yaw variance observations links...'"
@@ -95,36 +91,35 @@ def _fields(words: List[str]) -> Tuple[int, List[float]]:
 
 
 def _turn(family: str) -> np.ndarray:
-    """(4, 4) between the frames of one print there and here; its own inverse."""
+    """Returns (4, 4) between the frames of a print in OpenCV and in Sextant; its own inverse."""
     return T_PRINT_TURNED if family in _TURNED else np.eye(4)
 
 
 def _warnings(marker_map: sextant.MarkerMap) -> List[str]:
-    warnings = ["how often each marker was seen, and which were seen together"]
+    warnings = ["the number of observations of each marker, and the links"]
     if any(np.any(marker.covariance) for marker in marker_map.markers):
         warnings.append(
-            "how sure each axis is: fiducial_slam has one variance for all six, taken as m^2 and as rad^2; it"
-            " comes from the robot's height and tilt, so put sigma_position and sigma_rotation in its place"
+            "the uncertainty of each axis: fiducial_slam has one variance for all six, used as m^2 and rad^2;"
+            " it comes from the robot's height and tilt, so replace it by sigma_position and sigma_rotation"
             " if you know them"
         )
     return warnings
 
 
 def format_fiducial_slam(marker_map: sextant.MarkerMap) -> WrittenMap:
-    """A map file: variance is the mean of the three of the position; no observations, no links.
+    """Formats a map file; the variance is the mean over the three axes of the position, there are no links.
 
-    :raises MapFileError: no markers, several families or sizes, a family that OpenCV does not have
+    :raises MapFileError: several families or sizes, or a family that OpenCV does not have
     """
-    require_markers(marker_map)
     family = only_family(marker_map, _NUMBERS, "fiducial_slam")
     size = only_size(marker_map, "fiducial_slam")
     lines = [_format_line(marker) for marker in marker_map.markers]
-    told = "family and size: aruco_detect needs "
-    told += f"dictionary: {_NUMBERS[family]}, fiducial_len: {decimal(size)}"
+    settings = "family and size: aruco_detect needs "
+    settings += f"dictionary: {_NUMBERS[family]}, fiducial_len: {decimal(size)}"
     if marker_map.frame != "map":
-        told += f", fiducial_slam map_frame: {marker_map.frame}"
-    warnings = [told, *_reduced(marker_map), *lost_names(marker_map), *lost_frames(marker_map)]
-    return WrittenMap("".join(lines), warnings)
+        settings += f", fiducial_slam map_frame: {marker_map.frame}"
+    warnings = [settings, *_reduced(marker_map), *lost_names(marker_map), *lost_frames(marker_map)]
+    return "".join(lines), warnings
 
 
 def _format_line(marker: sextant.MappedMarker) -> str:
@@ -139,8 +134,8 @@ def _variance(marker: sextant.MappedMarker) -> float:
 
 
 def _reduced(marker_map: sextant.MarkerMap) -> List[str]:
-    """Markers whose covariance is more than one variance."""
+    """Warns of covariances that are not a multiple of the identity."""
     variances = [_variance(marker) * np.eye(6) for marker in marker_map.markers]
     pairs = zip(marker_map.markers, variances)
     reduced = sum(not np.allclose(marker.covariance, variance, atol=1e-12) for marker, variance in pairs)
-    return [f"of {reduced} covariances all but one variance, the mean over x, y and z"] if reduced else []
+    return [f"{reduced} covariances: reduced to one variance, the mean over x, y and z"] if reduced else []

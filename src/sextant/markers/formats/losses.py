@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a foreign format cannot hold of a map: refused, or told in a sentence."""
+"""Content of a marker map that another format cannot represent: errors and warnings."""
 
 from typing import Iterable, List, Set
 
@@ -10,52 +10,48 @@ import sextant
 from sextant.markers.formats.map_file import MapFileError
 
 
-def require_markers(marker_map: sextant.MarkerMap) -> None:
-    """:raises MapFileError: an empty map, which nobody means to convert"""
-    if not marker_map.markers:
-        raise MapFileError("the map has no markers")
-
-
 def only_family(marker_map: sextant.MarkerMap, known: Iterable[str], package: str) -> str:
-    """The family of all markers.
+    """Returns the family of all markers.
 
-    :param known: canonical names (sextant.canonical_family) of those that the package can detect
-    :raises MapFileError: markers of several families, or of one that the package does not know
+    :param known: canonical names (sextant.canonical_family) of the families that the package supports
+    :raises MapFileError: several families, or one that the package does not support
     """
     families = sorted({marker.family for marker in marker_map.markers})
     if len(families) != 1:
-        raise MapFileError(f"{package} has one family a map, this map has {', '.join(families)}")
+        raise MapFileError(f"{package} has one family per map, this map has {', '.join(families)}")
     if families[0] not in known:
         raise MapFileError(f"{package} does not know {families[0]}, only {', '.join(sorted(known))}")
     return families[0]
 
 
 def only_size(marker_map: sextant.MarkerMap, package: str) -> float:
-    """Edge length of all markers in metres.
+    """Returns the edge length of all markers in metres.
 
-    :raises MapFileError: markers of several sizes
+    :raises MapFileError: several sizes
     """
     sizes: Set[float] = {marker.size for marker in marker_map.markers}
     if len(sizes) != 1:
-        told = ", ".join(f"{size:g} m" for size in sorted(sizes))
-        raise MapFileError(f"{package} has one size a map, this map has {told}")
+        listed = ", ".join(f"{size:g} m" for size in sorted(sizes))
+        raise MapFileError(f"{package} has one size per map, this map has {listed}")
     return sizes.pop()
 
 
 def lost_covariances(marker_map: sextant.MarkerMap) -> List[str]:
+    """Warns of covariances, if there are any."""
     uncertain = [marker for marker in marker_map.markers if np.any(marker.covariance)]
     return [f"the covariance of {_several(uncertain)}: the format has none"] if uncertain else []
 
 
 def lost_names(marker_map: sextant.MarkerMap) -> List[str]:
-    """Names other than the default, FAMILY/ID."""
+    """Warns of names other than the default, FAMILY/ID."""
     named = [each for each in marker_map.markers if each.name != f"{each.family}/{each.id}"]
     return [f"the name of {_several(named)}: the format has none"] if named else []
 
 
 def lost_frames(marker_map: sextant.MarkerMap) -> List[str]:
+    """Warns of frames that are not markers."""
     names = ", ".join(f"'{frame.name}'" for frame in marker_map.frames)
-    return [f"the frames that are no markers: {names}"] if names else []
+    return [f"the frames that are not markers: {names}"] if names else []
 
 
 def _several(markers: List[sextant.MappedMarker]) -> str:

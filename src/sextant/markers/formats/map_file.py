@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the formats share: what they are asked, what they answer, how they refuse."""
+"""Parameters, results and errors that the marker map formats share."""
 
 import math
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from typing import Callable, Iterator, List, Optional
+from typing import Iterator, List, Optional, Tuple
 
 import numpy as np
 
@@ -13,25 +13,27 @@ import sextant
 
 
 class MapFileError(RuntimeError):
-    """A file that is no marker map of its format, or a map that a format cannot hold; says what to do."""
+    """A file is malformed, or a format cannot represent a map; the text explains what to do."""
 
 
 @dataclass(frozen=True)
 class MapFormatParams:
-    """What a format leaves open; None: not said."""
+    """Information that a format may lack; None: not set."""
 
-    frame: Optional[str] = None  # tf frame of the map, default "map"
+    frame: Optional[str] = None  # tf frame of the map; default "map"
     family: Optional[str] = None  # of every marker
     size: Optional[float] = None  # of every marker: edge length in metres, (0, 100]
-    bundle: Optional[str] = None  # the one bundle (apriltag_ros) or body (tagslam) to read
+    bundle: Optional[str] = None  # the bundle (apriltag_ros) or body (tagslam) to read
 
     def empty_map(self) -> sextant.MarkerMap:
+        """Returns an empty map in the frame."""
         return sextant.MarkerMap(self.frame or "map")
 
     def known_family(self, default: str = "") -> str:
-        """Canonical name of the family that was asked for.
+        """Returns the canonical name of the family.
 
-        :raises MapFileError: no family of Sextant
+        :param default: family if none is set
+        :raises MapFileError: unknown family
         """
         try:
             return sextant.canonical_family(default if self.family is None else self.family)
@@ -41,22 +43,20 @@ class MapFormatParams:
 
 @dataclass(frozen=True)
 class ReadMap:
-    """A map, and what its file said that the map does not hold, a sentence each."""
+    """A map that was read."""
 
     marker_map: sextant.MarkerMap
-    warnings: List[str] = field(default_factory=list)
+    warnings: List[str] = field(default_factory=list)  # content of the file that the map cannot represent
 
 
-@dataclass(frozen=True)
-class WrittenMap:
-    """Text of a file, and what of the map it does not hold, a sentence each."""
-
-    text: str
-    warnings: List[str] = field(default_factory=list)
+WrittenMap = Tuple[str, List[str]]  # text of a file; warnings of content that it cannot represent
 
 
 def read_text(path: str) -> str:
-    """:raises MapFileError: there is no such file, or it is no text (UTF-8)"""
+    """Reads a text file.
+
+    :raises MapFileError: the file cannot be read, or is not UTF-8
+    """
     try:
         with open(path, encoding="utf-8-sig") as file:
             return file.read()
@@ -67,17 +67,23 @@ def read_text(path: str) -> str:
 
 
 @contextmanager
-def told_as(mistake: Callable[[str], MapFileError]) -> Iterator[None]:
-    """What is refused inside, e.g. by MarkerMap.add (an id that the family lacks, an id that is there twice,
-    a size out of range), is raised as mistake(reason), which knows the place in the file."""
+def errors_located_at(place: str) -> Iterator[None]:
+    """Raises a ValueError of the block, e.g. of MarkerMap.add (unknown or duplicate id, invalid size), as
+    MapFileError with the location.
+
+    :param place: "file:line"
+    """
     try:
         yield
     except ValueError as error:
-        raise mistake(str(error)) from None
+        raise MapFileError(f"{place}: {error}") from None
 
 
 def finite(word: str) -> float:
-    """:raises ValueError: no number, or one that is not finite"""
+    """Parses a finite number.
+
+    :raises ValueError: not a number, or not finite
+    """
     try:
         value = float(word) if "_" not in word else math.nan
     except ValueError:
@@ -88,6 +94,8 @@ def finite(word: str) -> float:
 
 
 def decimal(value: float) -> str:
-    """Shortest decimal that reads back as the same number, always with a point and never with an exponent:
-    YAML 1.1 takes 1e-05 for a word, and apriltag_ros takes a size of 1 for no size."""
+    """Formats a number by the shortest decimal that reads back the same, with a point and no exponent.
+
+    YAML 1.1 reads 1e-05 as a string, and apriltag_ros does not accept a size of 1.
+    """
     return np.format_float_positional(value + 0.0, trim="0")

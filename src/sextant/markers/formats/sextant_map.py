@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Sextant's own two formats, which the core reads and writes (doc/marker_map.md)."""
+"""Sextant's YAML and plain text formats, read and written by the core (doc/reference/marker_map.md)."""
 
 from typing import Any, Callable, List
 
@@ -14,18 +14,23 @@ YAML_ENDINGS = (".yaml", ".yml")
 
 
 def has_yaml_ending(path: str) -> bool:
+    """Returns whether a path ends in .yaml or .yml."""
     return path.endswith(YAML_ENDINGS)
 
 
 def read_yaml_map(path: str, _params: MapFormatParams) -> ReadMap:
-    """:raises MapFileError: not the ending, or the core's "file:line: reason" """
+    """Reads a YAML map.
+
+    :raises MapFileError: another ending, or the core's "file:line: reason"
+    """
     _require_ending(path, True)
     return ReadMap(_core(sextant.read_marker_map, path))
 
 
 def read_text_map(path: str, params: MapFormatParams) -> ReadMap:
-    """Options give family and size, which the lines do not say; other frames become children of the map's.
+    """Reads a plain text map. Frames that are not markers become children of the map frame.
 
+    :param params: family and size are required, since the file does not contain them
     :raises MapFileError: a YAML ending, or the core's "file:line: reason"
     """
     _require_ending(path, False)
@@ -33,14 +38,14 @@ def read_text_map(path: str, params: MapFormatParams) -> ReadMap:
     text.frame, text.family, text.size = params.frame or "map", params.known_family(), params.size
     marker_map = _core(sextant.read_marker_map, path, text)
     names = ", ".join(f"'{frame.name}'" for frame in marker_map.frames)
-    told = f"the parents of the frames {names}: taken as '{text.frame}'"
-    return ReadMap(marker_map, [told] if names else [])
+    warning = f"the parents of the frames {names}: set to '{text.frame}'"
+    return ReadMap(marker_map, [warning] if names else [])
 
 
 def write_yaml_map(marker_map: sextant.MarkerMap, path: str) -> List[str]:
-    """Nothing is lost.
+    """Writes a YAML map, which represents everything.
 
-    :raises MapFileError: not the ending, or the file cannot be written
+    :raises MapFileError: another ending, or the file cannot be written
     """
     _require_ending(path, True)
     _core(sextant.write_marker_map, marker_map, path)
@@ -48,21 +53,20 @@ def write_yaml_map(marker_map: sextant.MarkerMap, path: str) -> List[str]:
 
 
 def write_text_map(marker_map: sextant.MarkerMap, path: str) -> List[str]:
-    """Without the covariances; what marker_broadcaster must be told to read it is told.
+    """Writes a plain text map, without covariances.
 
-    :raises MapFileError: a YAML ending, several families or sizes, a name that does not end in its id
+    :returns: warnings, the first with the parameters that marker_broadcaster needs to read the file
+    :raises MapFileError: a YAML ending, several families or sizes, or a name that does not end in the id
     """
     _require_ending(path, False)
-    if not marker_map.markers:
-        raise MapFileError("the map has no markers, from which the plain text would take family and size")
     first = marker_map.markers[0]
     text = sextant.TextMapParams()
     text.frame, text.family, text.size = marker_map.frame, first.family, first.size
     text.parents = {each.name: each.parent for each in marker_map.frames if each.parent != marker_map.frame}
     _core(sextant.write_marker_map, _without_covariances(marker_map), path, text)
-    told = f"family, size and frame: marker_broadcaster needs family: {text.family}, size: {text.size:g}"
-    told += f", frame: {text.frame}" + (f", parents: {text.parents}" if text.parents else "")
-    return [told, *lost_covariances(marker_map)]
+    needed = f"family, size and frame: marker_broadcaster needs family: {text.family}, size: {text.size:g}"
+    needed += f", frame: {text.frame}" + (f", parents: {text.parents}" if text.parents else "")
+    return [needed, *lost_covariances(marker_map)]
 
 
 def _without_covariances(marker_map: sextant.MarkerMap) -> sextant.MarkerMap:
@@ -75,14 +79,14 @@ def _without_covariances(marker_map: sextant.MarkerMap) -> sextant.MarkerMap:
 
 
 def _require_ending(path: str, yaml: bool) -> None:
-    """The core tells its formats by the ending."""
+    """Checks the ending, by which the core distinguishes its formats."""
     if has_yaml_ending(path) != yaml:
-        wanted = "its YAML by .yaml or .yml" if yaml else "its plain text by any ending but .yaml or .yml"
-        raise MapFileError(f"{path}: Sextant knows {wanted}: rename it")
+        wanted = "its YAML ends in .yaml or .yml" if yaml else "its plain text must not end in .yaml or .yml"
+        raise MapFileError(f"{path}: not a file name of Sextant's format, {wanted}: rename it")
 
 
 def _core(call: Callable[..., Any], *arguments: Any) -> Any:
-    """What the core refuses, as an error of this library."""
+    """Calls a function of the core; raises its errors as MapFileError."""
     try:
         return call(*arguments)
     except (RuntimeError, ValueError) as error:

@@ -1,23 +1,23 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""A map as tagslam.yaml; the format is described in tagslam.py."""
+"""Writes a map as tagslam.yaml; tagslam.py describes the format."""
 
 from typing import List
 
 import numpy as np
 
 import sextant
-from sextant.markers.formats.losses import lost_frames, lost_names, only_family, require_markers
+from sextant.markers.formats.losses import lost_frames, lost_names, only_family
 from sextant.markers.formats.map_file import WrittenMap, decimal
 from sextant.markers.formats.tagslam_noise import (
     AXES,
-    SMALLEST_POSITION,
-    SMALLEST_ROTATION,
+    MIN_POSITION,
+    MIN_ROTATION,
     deviations_in_tag_axes,
 )
 
-BODY = "marker_map"  # not the map's frame: tagslam sends the body's frame as a child of that
-# tagslam does not start without the first two tables; the numbers are those of its examples
+BODY = "marker_map"  # not the map frame: tagslam publishes the body's frame as its child
+# tagslam does not start without the first two tables; the numbers are from its examples
 HEADER = f"""tagslam_parameters:
   pixel_noise: 1.0
 body_defaults:
@@ -31,20 +31,19 @@ bodies:
 
 
 def format_tagslam(marker_map: sextant.MarkerMap) -> WrittenMap:
-    """A tagslam.yaml of one body that stands still; the body that moves, and the cameras, are left to add.
+    """Formats a map as a tagslam.yaml with one static body, without cameras and the moving body.
 
-    :raises MapFileError: no markers, several families, a family that is no AprilTag
+    :raises MapFileError: several families, or a family that is not an AprilTag family
     """
-    require_markers(marker_map)
     apriltags = {name for name in sextant.marker_families() if name.startswith("tag")}
     family = only_family(marker_map, apriltags, "tagslam")
-    exact = np.repeat([SMALLEST_POSITION, SMALLEST_ROTATION], 3)
+    exact = np.repeat([MIN_POSITION, MIN_ROTATION], 3)
     text = HEADER + _format_pose(np.eye(4), exact, 6) + "      tags:\n"
     text += "".join(_format_tag(marker) for marker in marker_map.markers)
-    told = f"the family: set the detector to {family}"
+    settings = f"the family: set the detector to {family}"
     if marker_map.frame != "map":
-        told += f"; the frame: set fixed_frame_id: {marker_map.frame}"
-    return WrittenMap(text, [told, *_changed(marker_map), *lost_names(marker_map), *lost_frames(marker_map)])
+        settings += f"; the frame: set fixed_frame_id: {marker_map.frame}"
+    return text, [settings, *_changed(marker_map), *lost_names(marker_map), *lost_frames(marker_map)]
 
 
 def _format_tag(marker: sextant.MappedMarker) -> str:
@@ -70,14 +69,14 @@ def _format_vector(vector: np.ndarray) -> str:
 
 
 def _changed(marker_map: sextant.MarkerMap) -> List[str]:
-    """Markers whose covariance is not quite that of the file."""
+    """Warns of covariances that the file cannot represent."""
     found = [
         deviations_in_tag_axes(each.covariance, each.T_map_marker[:3, :3]) for each in marker_map.markers
     ]
-    changed = sum(not whole for _, whole in found)
+    changed = sum(not is_exact for _, is_exact in found)
     if not changed:
         return []
     return [
-        f"of {changed} covariances what is no deviation along or about an axis of the tag; an exact place has"
-        f" {decimal(SMALLEST_POSITION)} m and {decimal(SMALLEST_ROTATION)} rad"
+        f"correlations of {changed} covariances: only deviations along and about the tag's axes are written;"
+        f" an exact pose has {decimal(MIN_POSITION)} m and {decimal(MIN_ROTATION)} rad"
     ]

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a robot does with a ball, as messages; all in the map."""
+"""Conversion of path, floor and plan to messages in the map frame."""
 
 from typing import List, Sequence
 
@@ -18,27 +18,27 @@ from sextant.landmarks.landmark_colours import NAMED
 
 YELLOW, WHITE = ColorRGBA(*NAMED["yellow"], 1.0), ColorRGBA(1.0, 1.0, 1.0, 1.0)
 GREEN, ORANGE = ColorRGBA(0.3, 0.9, 0.4, 1.0), ColorRGBA(*NAMED["orange"], 1.0)
-ABOVE, LETTERS = 0.65, 0.14  # metres: where the text is, and how high its letters are
-LINE = 0.02  # metres, of lines
-RING, RING_CORNERS = 0.012, 40
-MARGIN = 1.0  # metres of the floor about the robot that are told in any case
-OCCUPIED, FREE, UNSEEN = 100, 0, -1  # as nav_msgs/OccupancyGrid has it
+ABOVE, LETTERS = 0.65, 0.14  # metres: height of the text above the floor, and of its letters
+LINE = 0.02  # metres, width of lines
+RING, RING_CORNERS = 0.012, 40  # metres, width of a ring's line; number of its corners
+MARGIN = 1.0  # metres around the robot that are always published
+OCCUPIED, FREE, UNSEEN = 100, 0, -1  # values of nav_msgs/OccupancyGrid
 
 
 def path_message(path: np.ndarray, header: Header) -> Path:
-    """:param path: (n, 2) metres"""
+    """Convert a path. :param path: (n, 2) metres"""
     upright = Quaternion(0.0, 0.0, 0.0, 1.0)
     return Path(header, [PoseStamped(header, Pose(Point(x, y, 0.0), upright)) for x, y in path])
 
 
 def floor_message(grid: FloorGrid, robot: np.ndarray, header: Header) -> OccupancyGrid:
-    """What was seen of it, and where the robot (2,) is."""
+    """Convert the known part of the grid. :param robot: (2,) position that the part includes"""
     box = known_box(grid, robot[np.newaxis], MARGIN)
     cells = np.where(grid.seen[box], FREE, UNSEEN)
     cells[grid.occupied[box]] = OCCUPIED
     message = OccupancyGrid(header=header, data=cells.T.ravel().tolist())  # along x first
-    info, half = message.info, 0.5 * grid.params.cell
-    info.map_load_time, info.resolution = header.stamp, grid.params.cell
+    info, half = message.info, 0.5 * grid.params.resolution
+    info.map_load_time, info.resolution = header.stamp, grid.params.resolution
     info.width, info.height = cells.shape
     x, y = grid.centers(np.array([part.start for part in box])) - half
     info.origin = Pose(Point(x, y, 0.0), Quaternion(0.0, 0.0, 0.0, 1.0))
@@ -48,7 +48,7 @@ def floor_message(grid: FloorGrid, robot: np.ndarray, header: Header) -> Occupan
 def task_markers(
     action: Action, view: TaskView, robot_radius: float, ball_radius: float, header: Header
 ) -> MarkerArray:
-    """State, goal, kick, robot and ball; what was drawn before is removed."""
+    """Markers of state, goal, kick, robot and ball; the first one deletes earlier markers."""
     x, y, _ = view.pose
     text = _marker(header, "state", Marker.TEXT_VIEW_FACING, (0.0, 0.0, LETTERS), WHITE)
     text.pose.position, text.text = Point(x, y, ABOVE), f"{action.state}\n{action.reason}"
@@ -71,9 +71,9 @@ def _goal_markers(goal: Goal, header: Header) -> List[Marker]:
 
 
 def _kick_markers(kick: Kick, robot_radius: float, header: Header) -> List[Marker]:
-    """Where it begins, and how far the ball shall roll."""
+    """The run-up, and an arrow as long as the ball is planned to roll."""
     arrow = _marker(header, "kick", Marker.ARROW, (0.02, 0.06, 0.08), ORANGE)
-    end = kick.ball + kick.way * kick.direction
+    end = kick.ball + kick.distance * kick.direction
     arrow.points = [Point(*kick.ball, LINE), Point(*end, LINE)]
     run_up = _marker(header, "run-up", Marker.LINE_STRIP, (0.5 * LINE, 0.0, 0.0), ORANGE)
     run_up.points = [Point(*kick.start, LINE), Point(*kick.ball, LINE)]

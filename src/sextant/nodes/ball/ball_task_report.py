@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""What ball_task tells the operator."""
+"""Diagnostics and warnings of the node ball_task."""
 
 from dataclasses import dataclass
 
@@ -16,7 +16,7 @@ _LEVELS = {"waiting": DiagnosticStatus.WARN, "failed": DiagnosticStatus.ERROR}
 
 @dataclass
 class BallTaskReport:
-    """Counters, and what is the case now."""
+    """Counters and the present state."""
 
     state: str = "stopped"
     reason: str = ""
@@ -24,29 +24,29 @@ class BallTaskReport:
     pillars: int = 0
     ball: str = "not seen"
     depth_images: int = 0
-    without_pose: int = 0  # of these
-    refused: int = 0  # messages
-    slowest: float = 0.0  # seconds, of a step
+    without_pose: int = 0  # depth images without a pose
+    rejected: int = 0  # messages
+    longest_step: float = 0.0  # seconds
 
-    def see(self, view: TaskView) -> None:
-        """What is known."""
+    def set_view(self, view: TaskView) -> None:
+        """Set what is known about pillars and ball."""
         self.pillars = len(view.pillars)
         age = view.ball and view.stamp - view.ball.stamp
         self.ball = "not seen" if age is None else f"seen {age:.2f} s ago"
 
-    def refuse(self, topic: str, error: ValueError) -> None:
-        """A message could not be used."""
-        self.refused += 1
-        rospy.logwarn_throttle_identical(WARN_EVERY, f"{rospy.resolve_name(topic)} is not used: {error}")
+    def reject(self, topic: str, error: ValueError) -> None:
+        """Count a rejected message and log the reason."""
+        self.rejected += 1
+        rospy.logwarn_throttle_identical(WARN_EVERY, f"{rospy.resolve_name(topic)} rejected: {error}")
 
-    def tell(self, row: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
-        """As diagnostic_updater asks."""
+    def fill_diagnostics(self, row: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
+        """Fill a row of diagnostic_updater."""
         row.summary(_LEVELS.get(self.state, DiagnosticStatus.OK), f"{self.state}: {self.reason}")
         row.add("kicks", str(self.kicks))
         row.add("pillars", str(self.pillars))
         row.add("ball", self.ball)
         row.add("depth images", str(self.depth_images))
         row.add("depth images without pose", str(self.without_pose))
-        row.add("refused messages", str(self.refused))
-        row.add("slowest step", f"{1e3 * self.slowest:.0f} ms")
+        row.add("rejected messages", str(self.rejected))
+        row.add("longest step", f"{1e3 * self.longest_step:.0f} ms")
         return row

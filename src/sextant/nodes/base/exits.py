@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""How rospy nodes end."""
+"""Termination of rospy nodes."""
 
 import sys
 from contextlib import contextmanager
@@ -11,9 +11,9 @@ import rospy
 
 @contextmanager
 def fatal(*errors: Type[Exception], separator: str = ": ") -> Iterator[None]:
-    """An error of these kinds is logged after the node's name and ends the process with status 1.
+    """Logs an error of these types with the node's name, and exits with status 1.
 
-    :param separator: "/" where the error begins with the name of a parameter
+    :param separator: between the node's name and the error
     """
     try:
         yield
@@ -24,9 +24,12 @@ def fatal(*errors: Type[Exception], separator: str = ": ") -> Iterator[None]:
 
 @contextmanager
 def until_shutdown() -> Iterator[None]:
-    """rospy raises where the node ends while it publishes or sleeps: that is no error."""
+    """Ignores the exceptions that rospy raises when a node is shut down while it publishes or sleeps.
+
+    rospy closes the topics before is_shutdown() is true.
+    """
     try:
         yield
     except rospy.ROSException:
-        if not rospy.is_shutdown():
+        if not rospy.core.is_shutdown_requested() and not rospy.is_shutdown():
             raise

@@ -1,19 +1,16 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Private parameters of the rospy nodes: of a dataclass as sextant.base.strict_params has it."""
+"""Reads the private parameters of rospy nodes (see sextant.base.strict_params)."""
 
-import sys
 from typing import Type
 
 import rospy
 
 from sextant.base.strict_params import Params, parse_params
+from sextant.nodes.base.exits import fatal
 
 
 def read_params(cls: Type[Params]) -> Params:
-    """The private parameters of this node; a mistake in them is logged and ends the process with status 1."""
-    try:
-        return parse_params(cls, rospy.get_param("~", {}), rospy.get_name())
-    except ValueError as error:
-        rospy.logfatal("%s", error)
-        sys.exit(1)
+    """Reads the private parameters of this node; exits with status 1 and a log message if one is invalid."""
+    with fatal(ValueError, separator=""):
+        return parse_params(cls, rospy.get_param("~", {}), "")

@@ -1,64 +1,64 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Finds of each message the one of another topic whose stamp is nearest."""
+"""Pairs messages of two topics by the nearest stamp."""
 
 from collections import deque
 from typing import Any, Deque, List, NamedTuple
 
-LONGEST = 2 * 10**9  # nanoseconds that a message waits for its other, at most
+MAX_WAIT = 2 * 10**9  # nanoseconds that a message waits for its counterpart
 
 
 class Pair(NamedTuple):
     """Two messages with headers."""
 
-    first: Any
-    second: Any
+    first: Any  # of the first topic
+    second: Any  # of the second topic
 
 
 class StampPairs:
-    """The first may come later than the second, or before it. Messages of either topic come in order.
+    """Pairs messages. Messages of one topic arrive in order; the topics may arrive in any order.
 
-    The synchronizers of message_filters take the first one within the slop, not the nearest, do not count
-    what is left alone, and pair nothing any more after the wall's clock was set back.
+    The synchronizers of message_filters use the first message within the slop instead of the nearest, do not
+    count unmatched messages, and stop working when the wall clock is set back.
     """
 
     def __init__(self, slop: float):
-        """:param slop: seconds that two stamps may differ"""
+        """:param slop: maximum difference of two stamps, seconds"""
         self._slop = round(1e9 * slop)  # nanoseconds
         self._first: Deque = deque()
         self._second: Deque = deque()
-        self.alone = 0  # first ones without a second
+        self.unmatched = 0  # number of messages of the first topic without a counterpart
 
     def add_first(self, message: Any) -> List[Pair]:
-        """:returns: pairs that are complete now"""
-        self.alone += _append(self._first, message)
+        """Adds a message of the first topic; returns the new pairs."""
+        self.unmatched += _append(self._first, message)
         return self._complete()
 
     def add_second(self, message: Any) -> List[Pair]:
-        """As add_first()."""
+        """Adds a message of the second topic; returns the new pairs."""
         _append(self._second, message)
         return self._complete()
 
     def _complete(self) -> List[Pair]:
         pairs = []
-        # The nearest is known when a second one is not before it.
+        # The nearest one is known once a message of the second topic is not older.
         while self._first and self._second and _stamp(self._second[-1]) >= _stamp(self._first[0]):
             first = self._first.popleft()
             nearest = min(self._second, key=lambda second: abs(_stamp(second) - _stamp(first)))
             if abs(_stamp(nearest) - _stamp(first)) <= self._slop:
                 pairs.append(Pair(first, nearest))
             else:
-                self.alone += 1
+                self.unmatched += 1
         return pairs
 
 
 def _append(messages: Deque, message: Any) -> int:
-    """:returns: how many were too old to keep"""
+    """Adds a message; returns the number of dropped old messages."""
     if messages and _stamp(message) < _stamp(messages[-1]):
-        messages.clear()  # a clock was set back
+        messages.clear()  # the clock was set back
     messages.append(message)
     count = len(messages)
-    while _stamp(messages[0]) < _stamp(message) - LONGEST:
+    while _stamp(messages[0]) < _stamp(message) - MAX_WAIT:
         messages.popleft()
     return count - len(messages)
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Tells how exact the poses of a running system are: at measured places, or against a truth that is heard."""
+"""Computes the accuracy of poses in a running system, at measured positions or against ground truth."""
 
 import threading
 import time
@@ -19,12 +19,12 @@ from std_srvs.srv import Trigger, TriggerResponse
 from sextant.base.strict_params import each, not_empty, one_of, param, within
 from sextant.evaluation.accuracy_report import AccuracyFiles, write_accuracy
 from sextant.evaluation.drive_accuracy import compare, drive_table
-from sextant.evaluation.heard_drive import ClockSetBack, HeardDrive
+from sextant.evaluation.live_drive import ClockSetBack, LiveDrive
 from sextant.evaluation.pose_series import (
     AXES,
+    GroundTruth,
     PoseSeries,
     SeriesStatistics,
-    Truths,
     by_distance,
     pose_series,
     series_statistics,
@@ -33,43 +33,47 @@ from sextant.evaluation.trajectory_metrics import RPE
 from sextant.geometry.poses import pose_of_fields
 from sextant.nodes.base.conversions import pose_from_message
 from sextant.nodes.base.exits import fatal
+from sextant.nodes.base.init_node import init_node
 from sextant.nodes.base.params import read_params
 from sextant.srv import MeasureAccuracy, MeasureAccuracyResponse
 
-TF_PATIENCE = 5 * 10**9  # nanoseconds that tf may come later than the pose
+TF_TIMEOUT = 5 * 10**9  # nanoseconds that tf may arrive later than a pose
 
 
 @dataclass(frozen=True)
-class AccuracyParams:
+class AccuracyListenerParams:
     """What is known of the truth, and where the files go."""
 
-    axis: str = param("z", one_of(*AXES))  # which the measured places are values of
-    true: Dict[str, float] = param({}, each(within(-1000.0, 1000.0)))  # of others, m and rad; else unknown
-    output: str = param("accuracy", not_empty)  # the files' names begin with it
-    truth_frame: str = param("")  # of the robot's true base in tf; empty: the topic ground_truth tells it
+    axis: str = param("z", one_of(*AXES))  # measured axis
+    true: Dict[str, float] = param({}, each(within(-1000.0, 1000.0)))  # other axes, m and rad; else unknown
+    output: str = param("accuracy", not_empty)  # prefix of the files
+    truth_frame: str = param("")  # tf frame of the true base; empty: use the topic ground_truth
 
-    def truths(self) -> Truths:
-        """:raises ValueError: an axis that there is not, or the measured one among the others"""
+    def ground_truth(self) -> GroundTruth:
+        """Returns the true values of the axes.
+
+        :raises ValueError: an unknown axis, or the measured axis among the others
+        """
         unknown = dict.fromkeys(axis for axis in AXES if axis != self.axis)
-        truths = Truths(self.axis, {**unknown, **self.true})
-        truths.at(0.0)
-        return truths
+        truth = GroundTruth(self.axis, {**unknown, **self.true})
+        truth.at(0.0)
+        return truth
 
 
 class AccuracyListener:
-    """Hears `pose`, answers ~measure, ~write, ~compare and ~reset."""
+    """Subscribes to `pose`; provides ~measure, ~write, ~compare and ~reset."""
 
-    def __init__(self, params: AccuracyParams):
-        self._params, self._truths = params, params.truths()
+    def __init__(self, params: AccuracyListenerParams):
+        self._params, self._truth = params, params.ground_truth()
         self._truth_frame = params.truth_frame.lstrip("/")
         self._lock, self._measuring = threading.Lock(), threading.Lock()
-        self._drive = HeardDrive()
+        self._drive = LiveDrive()
         self._series: List[PoseSeries] = []
         self._tf = tf2_ros.Buffer(cache_time=rospy.Duration(30.0))
         self._inputs: list = [rospy.Subscriber("pose", PoseWithCovarianceStamped, self._on_pose)]
         if self._truth_frame:
             self._inputs.append(tf2_ros.TransformListener(self._tf))
-            self._inputs.append(rospy.Timer(rospy.Duration(0.5), self._look, reset=True))
+            self._inputs.append(rospy.Timer(rospy.Duration(0.5), self._look_up, reset=True))
         else:
             self._inputs.append(rospy.Subscriber("ground_truth", Odometry, self._on_truth))
         self._services = [
@@ -79,10 +83,10 @@ class AccuracyListener:
             rospy.Service("~reset", Trigger, self._on_reset),
         ]
 
-    # ---- what is heard
+    # ---- topics
 
     def _on_pose(self, message: PoseWithCovarianceStamped) -> None:
-        def add(drive: HeardDrive, frame: str, stamp: int, T: np.ndarray) -> None:
+        def add(drive: LiveDrive, frame: str, stamp: int, T: np.ndarray) -> None:
             drive.add_pose(frame, stamp, T, np.reshape(message.pose.covariance, (6, 6)))
             if self._truth_frame:
                 drive.awaited.append(stamp)
@@ -90,13 +94,13 @@ class AccuracyListener:
         self._add("pose", message, add)
 
     def _on_truth(self, message: Odometry) -> None:
-        self._add("truth", message, HeardDrive.add_truth)
+        self._add("truth", message, LiveDrive.add_truth)
 
     def _add(
         self,
         what: str,
         message: Union[PoseWithCovarianceStamped, Odometry],
-        add: Callable[[HeardDrive, str, int, np.ndarray], None],
+        add: Callable[[LiveDrive, str, int, np.ndarray], None],
     ) -> None:
         frame, stamp = message.header.frame_id.lstrip("/"), message.header.stamp.to_nsec()
         try:
@@ -105,15 +109,15 @@ class AccuracyListener:
                 try:
                     add(self._drive, frame, stamp, T)
                 except ClockSetBack:
-                    rospy.logwarn("%s: the clock was set back: what was heard is forgotten", rospy.get_name())
-                    self._drive = HeardDrive()
+                    rospy.logwarn("%s: the clock was set back: earlier poses are dropped", rospy.get_name())
+                    self._drive = LiveDrive()
                     self._tf.clear()
                     add(self._drive, frame, stamp, T)
         except ValueError as error:
             rospy.logwarn_throttle(10.0, "%s: a %s is left out: %s", rospy.get_name(), what, error)
 
-    def _look(self, _event) -> None:
-        """Asks tf for the truth of the poses that have none yet."""
+    def _look_up(self, _event) -> None:
+        """Looks up the true poses that are still missing in tf."""
         with self._lock:
             drive = self._drive
             awaited, drive.awaited = drive.awaited, deque()
@@ -121,27 +125,27 @@ class AccuracyListener:
         with self._lock:
             drive.awaited.extendleft(reversed(late))
 
-    def _found(self, drive: HeardDrive, stamp: int) -> bool:
-        """False: it may still come."""
+    def _found(self, drive: LiveDrive, stamp: int) -> bool:
+        """Adds the true pose of a stamp; returns False if tf may still arrive."""
         at = rospy.Time(*divmod(stamp, 10**9))
         try:
             found = self._tf.lookup_transform(drive.frame, self._truth_frame, at).transform
         except tf2_ros.TransformException as error:
-            if rospy.Time.now().to_nsec() - stamp < TF_PATIENCE:
+            if rospy.Time.now().to_nsec() - stamp < TF_TIMEOUT:
                 return False
-            rospy.logwarn_throttle(10.0, "%s: a pose has no truth: %s", rospy.get_name(), error)
+            rospy.logwarn_throttle(10.0, "%s: a pose has no ground truth: %s", rospy.get_name(), error)
             return True
         with self._lock:
             drive.add_truth_of_pose(stamp, pose_of_fields(found.translation, found.rotation))
         return True
 
-    # ---- what is asked
+    # ---- services
 
     def _on_measure(self, request) -> MeasureAccuracyResponse:
         if not (np.isfinite(request.value) and 0.0 < request.seconds <= 3600.0):
             return _refusal("value must be finite, seconds within (0, 3600]")
         if not self._measuring.acquire(blocking=False):
-            return _refusal("it is measuring already: ask again when that is done")
+            return _refusal("a measurement is running: try again when it has finished")
         try:
             series = self._measured(request.value, request.seconds)
         except ValueError as error:
@@ -150,38 +154,38 @@ class AccuracyListener:
             self._measuring.release()
         with self._lock:
             self._series.append(series)
-        return _response(series_statistics(series, self._truths))
+        return _response(series_statistics(series, self._truth))
 
     def _measured(self, value: float, seconds: float) -> PoseSeries:
-        """Of what comes from now on. By the wall's clock: a simulation may pause.
+        """Collects the poses stamped from now on. In wall time, since a simulation may pause.
 
-        :raises ValueError: no pose came
+        :raises ValueError: no pose was received
         """
         begin = rospy.Time.now().to_nsec()
         time.sleep(seconds)
         with self._lock:
-            frame, heard = self._drive.frame, self._drive.since(begin)
-        if not heard:
-            raise ValueError(self._silence(begin, seconds))
-        stamps, poses, covariances = zip(*heard)
+            frame, received = self._drive.frame, self._drive.since(begin)
+        if not received:
+            raise ValueError(self._describe_missing(begin, seconds))
+        stamps, poses, covariances = zip(*received)
         name = f"measured at {begin / 1e9:.1f} s"
         return pose_series(value, name, stamps, np.array(poses), np.array(covariances), frame=frame)
 
-    def _silence(self, begin: int, seconds: float) -> str:
+    def _describe_missing(self, begin: int, seconds: float) -> str:
         topic = rospy.resolve_name("pose")
         with self._lock:
             newest = max((stamp for stamp, _, _ in self._drive.poses), default=None)
         if newest is None:
-            return f"no pose was ever heard on {topic}"
-        before = f"the newest {(begin - newest) / 1e9:.1f} s before"
-        return f"in {seconds:g} s no pose on {topic} was stamped after you asked, {before}"
+            return f"no pose was received on {topic}"
+        age = f"the newest is {(begin - newest) / 1e9:.1f} s older"
+        return f"in {seconds:g} s no pose on {topic} had a stamp after the call, {age}"
 
     def _on_reset(self, _request) -> TriggerResponse:
         if self._measuring.locked():
-            return TriggerResponse(False, "it is measuring: ask again when that is done")
+            return TriggerResponse(False, "a measurement is running: try again when it has finished")
         with self._lock:
-            self._drive, self._series = HeardDrive(), []
-        return TriggerResponse(True, "everything is forgotten")
+            self._drive, self._series = LiveDrive(), []
+        return TriggerResponse(True, "all poses and measurements are dropped")
 
     @staticmethod
     def _answer(work) -> TriggerResponse:
@@ -194,8 +198,8 @@ class AccuracyListener:
         with self._lock:
             series = by_distance(self._series)
         if not series:
-            raise ValueError("nothing was measured yet: ~measure does it")
-        statistics = [series_statistics(each, self._truths) for each in series]
+            raise ValueError("there is no measurement yet: call ~measure first")
+        statistics = [series_statistics(each, self._truth) for each in series]
         files = AccuracyFiles.named(Path(self._params.output).resolve())
         return write_accuracy(files, series, statistics, None)
 
@@ -203,7 +207,7 @@ class AccuracyListener:
         with self._lock:
             poses, truth = list(self._drive.poses), dict(self._drive.truth)
         if not poses or not truth:
-            raise ValueError(f"{len(poses)} poses and {len(truth)} truths were heard: both are needed")
+            raise ValueError(f"{len(poses)} poses and {len(truth)} true poses were received: both are needed")
         stamps, T, P = zip(*poses)
         return drive_table({"the last hour": compare(truth, stamps, np.array(T), np.array(P), RPE)}, RPE)
 
@@ -215,16 +219,17 @@ def _refusal(message: str) -> MeasureAccuracyResponse:
 
 def _response(of: SeriesStatistics) -> MeasureAccuracyResponse:
     position = zip(AXES, 100.0 * of.bias[:3], 100.0 * of.std[:3])
-    told = ", ".join(f"{axis} {'?' if np.isnan(b) else f'{b:+.1f}'} +- {s:.1f}" for axis, b, s in position)
+    text = ", ".join(f"{axis} {'?' if np.isnan(b) else f'{b:+.1f}'} +- {s:.1f}" for axis, b, s in position)
     return MeasureAccuracyResponse(
-        True, f"{of.count} poses at {of.axis} = {of.label}; bias and deviation, cm: {told}", of.count,
+        True, f"{of.count} poses at {of.axis} = {of.label}; bias and deviation, cm: {text}", of.count,
         of.mean, of.std, of.bias, of.rmse, of.published, of.covariance.ravel(),
     )  # fmt: skip
 
 
 def main() -> None:
-    rospy.init_node("accuracy_listener")
-    params = read_params(AccuracyParams)
+    """Runs the node."""
+    init_node("accuracy_listener")
+    params = read_params(AccuracyListenerParams)
     with fatal(ValueError):
         listener = AccuracyListener(params)
     rospy.spin()

@@ -1,9 +1,8 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Compares the poses of several locators with the truth of a simulated drive; tells the truth's trail."""
+"""Compares the poses of several locators with the ground truth of a simulated drive."""
 
 import os
-import sys
 import threading
 import time
 from dataclasses import dataclass
@@ -21,35 +20,35 @@ from sextant.evaluation.drive_plot import plot_drive
 from sextant.evaluation.trajectory import error_table, trajectory_errors
 from sextant.msg import MarkerMapEntries
 from sextant.nodes.base.conversions import pose_from_message
+from sextant.nodes.base.exits import fatal
+from sextant.nodes.base.init_node import init_node
 from sextant.nodes.base.params import read_params
 from sextant.nodes.markers.marker_map_messages import marker_from_entry
 
-SETTLE = 1.0  # seconds without another pose after which the last frame is taken as located
-TRAIL = 1800  # poses of the truth that are drawn
+SETTLE = 1.0  # seconds without a new pose, after which the last image is considered processed
+TRAIL = 1800  # maximum number of true poses in the published path
 
 
 @dataclass(frozen=True)
 class RecorderParams:
-    """What is recorded, and where the picture goes."""
+    """Parameters of the node."""
 
-    modes: List[str] = param(["nearest", "average", "joint"], not_empty)  # each hears MODE/pose
-    start_service: str = param("")  # std_srvs/SetBool, called when all are connected; empty: none
-    patience: float = param(
-        60.0, within(1.0, 3600.0)
-    )  # seconds of waiting for the start, or for another frame
-    picture: str = param("")  # file of the picture of the drive; empty: none
+    modes: List[str] = param(["nearest", "average", "joint"], not_empty)  # subscribes to MODE/pose of each
+    start_service: str = param("")  # std_srvs/SetBool, called when all topics are connected; empty: none
+    timeout: float = param(60.0, within(1.0, 3600.0))  # for the start and between images, seconds
+    plot: str = param("")  # file of the plot; empty: none
 
 
 class DriveRecorder:
-    """Collects truth and poses by stamp."""
+    """Collects true and estimated poses by stamp."""
 
     def __init__(self, params: RecorderParams):
         self._params = params
-        self._lock = threading.Lock()  # every topic has a thread of its own
+        self._lock = threading.Lock()  # rospy has one thread per topic
         self._truth: Dict[int, np.ndarray] = {}
         self._poses: Dict[str, Dict[int, np.ndarray]] = {mode: {} for mode in params.modes}
         self._markers: list = []
-        self._heard = time.monotonic()
+        self._received = time.monotonic()
         self._trail = Path()
         self._path = rospy.Publisher("ground_truth/path", Path, queue_size=1)
         self._finished = False
@@ -63,7 +62,7 @@ class DriveRecorder:
     def _on_truth(self, message: Odometry) -> None:
         with self._lock:
             self._truth[message.header.stamp.to_nsec()] = pose_from_message(message.pose.pose)
-            self._heard = time.monotonic()
+            self._received = time.monotonic()
         self._trail.header = message.header
         self._trail.poses = self._trail.poses[-TRAIL:] + [PoseStamped(message.header, message.pose.pose)]
         if len(self._truth) % 6 == 0:
@@ -72,7 +71,7 @@ class DriveRecorder:
     def _on_pose(self, message: PoseWithCovarianceStamped, mode: str) -> None:
         with self._lock:
             self._poses[mode][message.header.stamp.to_nsec()] = pose_from_message(message.pose.pose)
-            self._heard = time.monotonic()
+            self._received = time.monotonic()
 
     def _on_map(self, message: MarkerMapEntries) -> None:
         self._markers = [marker_from_entry(entry) for entry in message.markers]
@@ -81,59 +80,58 @@ class DriveRecorder:
         self._finished = message.data
 
     def start(self) -> None:
-        """Lets the drive begin when nothing of it can be missed any more.
+        """Starts the drive when all topics are connected.
 
-        :raises RuntimeError: a topic or the service is not there in time
+        :raises RuntimeError: a topic or the service is not available in time
         """
-        end = time.monotonic() + self._params.patience
+        end = time.monotonic() + self._params.timeout
         while not all(each.get_num_connections() for each in self._inputs) or not self._markers:
             if time.monotonic() > end or rospy.is_shutdown():
                 missing = [each.resolved_name for each in self._inputs if not each.get_num_connections()]
                 raise RuntimeError("no publisher of " + ", ".join(missing or ["marker_map/entries"]))
             time.sleep(0.1)
         if self._params.start_service:
-            time.sleep(SETTLE)  # the locators hear the map from the same publisher
-            rospy.wait_for_service(self._params.start_service, self._params.patience)
+            time.sleep(SETTLE)  # the locators receive the map from the same publisher
+            rospy.wait_for_service(self._params.start_service, self._params.timeout)
             rospy.ServiceProxy(self._params.start_service, SetBool)(True)
-        self._heard = time.monotonic()
+        self._received = time.monotonic()
 
     def wait(self) -> None:
-        """Until the drive has ended, or somebody ends it.
+        """Waits until the drive has ended or the node is shut down.
 
-        :raises RuntimeError: frames stopped to come before the drive had ended
+        :raises RuntimeError: no pose was received for too long
         """
         while not rospy.is_shutdown():
-            silence = time.monotonic() - self._heard
-            if self._finished and silence > SETTLE:
+            idle = time.monotonic() - self._received
+            if self._finished and idle > SETTLE:
                 return
-            if silence > self._params.patience:
-                raise RuntimeError(f"no frame for {silence:.0f} s, and the drive has not ended")
+            if idle > self._params.timeout:
+                raise RuntimeError(f"no pose for {idle:.0f} s, and the drive has not ended")
             time.sleep(0.1)
 
     def report(self) -> None:
-        """Prints the table and writes the picture."""
+        """Prints the table and writes the plot."""
         with self._lock:
             truth, poses = dict(self._truth), {mode: dict(each) for mode, each in self._poses.items()}
         if not truth:
-            print("no frame was heard on", rospy.resolve_name("ground_truth"), flush=True)
+            print("no pose was received on", rospy.resolve_name("ground_truth"), flush=True)
             return
-        last = max(truth)  # a drive that somebody ends may be cut between a pose and its truth
+        last = max(truth)  # an interrupted drive may end between a pose and its ground truth
         poses = {mode: {t: T for t, T in each.items() if t <= last} for mode, each in poses.items()}
         errors = {mode: trajectory_errors(truth, each) for mode, each in poses.items()}
         print("\n" + error_table(errors) + "\n", flush=True)
-        if self._params.picture:
-            plot_drive(self._params.picture, truth, poses, self._markers)
-            print("picture of the drive:", os.path.abspath(self._params.picture), flush=True)
+        if self._params.plot:
+            plot_drive(self._params.plot, truth, poses, self._markers)
+            print("plot of the drive:", os.path.abspath(self._params.plot), flush=True)
 
 
 def main() -> None:
-    rospy.init_node("drive_recorder")
+    """Runs the node."""
+    init_node("drive_recorder")
     recorder = DriveRecorder(read_params(RecorderParams))
     try:
-        recorder.start()
-        recorder.wait()
-    except (RuntimeError, rospy.ROSException) as error:
-        rospy.logfatal("%s: %s", rospy.get_name(), error)
-        sys.exit(1)
+        with fatal(RuntimeError, rospy.ROSException):
+            recorder.start()
+            recorder.wait()
     finally:
         recorder.report()

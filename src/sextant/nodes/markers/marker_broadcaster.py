@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Says where the markers of a map file are: to tf, to the locators and to rviz."""
+"""Publishes a marker map to tf, to the locators and to rviz."""
 
 import threading
 from dataclasses import dataclass
@@ -15,6 +15,7 @@ import sextant
 from sextant.base.strict_params import not_empty, param, required
 from sextant.msg import MarkerMapEntries
 from sextant.nodes.base.exits import fatal
+from sextant.nodes.base.init_node import init_node
 from sextant.nodes.base.params import read_params
 from sextant.nodes.markers.marker_map_messages import (
     map_to_message,
@@ -34,17 +35,20 @@ _TEXT = sextant.TextMapParams()
 
 @dataclass(frozen=True)
 class BroadcasterParams:
-    """All but map_file say what the plain text format leaves open; a YAML map says it itself."""
+    """Parameters of the node. All but map_file apply to the plain text format only."""
 
-    map_file: str = required(not_empty)
-    frame: str = param(_TEXT.frame)  # parent of every line
-    family: str = param(_TEXT.family)  # of every marker
-    size: float = param(_TEXT.size)  # edge length, metres
-    sizes: Dict[str, float] = param({}, _ids)  # edge length of single ids, metres
-    parents: Dict[str, str] = param({})  # parent of a frame that is no marker; default: the map frame
+    map_file: str = required(not_empty)  # path
+    frame: str = param(_TEXT.frame)  # map frame
+    family: str = param(_TEXT.family)  # of all markers
+    size: float = param(_TEXT.size)  # edge length of markers, metres
+    sizes: Dict[str, float] = param({}, _ids)  # edge length of single markers by id, metres
+    parents: Dict[str, str] = param({})  # parents of frames that are not markers; default: the map frame
 
     def text(self) -> sextant.TextMapParams:
-        """:raises ValueError: a value out of range"""
+        """Returns the parameters of the plain text format.
+
+        :raises ValueError: a value is out of range
+        """
         text = sextant.TextMapParams()
         text.frame, text.family, text.size = self.frame, self.family, self.size
         text.sizes = {int(id): size for id, size in self.sizes.items()}
@@ -54,23 +58,23 @@ class BroadcasterParams:
 
 
 class MarkerBroadcaster:
-    """Holds the running map; its topics are latched, so that whoever joins late hears it as well.
-
-    :raises ValueError: a parameter is out of range
-    :raises RuntimeError: the map file cannot be read: "file:line: reason"
-    """
+    """Publishes the map on latched topics, and changes it by services."""
 
     def __init__(self, params: BroadcasterParams):
+        """
+        :raises ValueError: a parameter is out of range
+        :raises RuntimeError: the map file cannot be read: "file:line: reason"
+        """
         self._path, self._text = params.map_file, params.text()
-        self._lock = threading.Lock()  # rospy serves every call in a thread of its own
+        self._lock = threading.Lock()  # rospy handles every service call in its own thread
         marker_map = sextant.read_marker_map(self._path, self._text)
-        # not tf2_ros.StaticTransformBroadcaster: it would keep the frames of removed markers for ever
+        # not tf2_ros.StaticTransformBroadcaster, which never drops the frames of removed markers
         self._tf = rospy.Publisher("/tf_static", TFMessage, queue_size=1, latch=True)
         self._entries = rospy.Publisher("marker_map/entries", MarkerMapEntries, queue_size=1, latch=True)
         self._boards = rospy.Publisher("marker_map", MarkerArray, queue_size=1, latch=True)
         self._publish(marker_map)
-        rospy.Service("reload", Trigger, self._reload)
-        rospy.Service("add_marker", AddMarker, self._add_marker)
+        rospy.Service("~reload", Trigger, self._reload)
+        rospy.Service("~add_marker", AddMarker, self._add_marker)
 
     def _publish(self, marker_map: sextant.MarkerMap) -> None:
         stamp = rospy.Time.now()
@@ -103,7 +107,8 @@ class MarkerBroadcaster:
 
 
 def main() -> None:
-    rospy.init_node("marker_broadcaster")
+    """Runs the node."""
+    init_node("marker_broadcaster")
     with fatal(ValueError, RuntimeError):
         broadcaster = MarkerBroadcaster(read_params(BroadcasterParams))
     rospy.spin()

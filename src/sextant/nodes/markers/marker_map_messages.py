@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""The marker map as messages: what the locator hears, tf, and what rviz draws."""
+"""Converts marker maps to messages: entries for the locator, transforms, and markers of rviz."""
 
 from typing import List
 
@@ -10,19 +10,22 @@ from std_msgs.msg import ColorRGBA, Header
 from visualization_msgs.msg import Marker, MarkerArray
 
 import sextant
+from sextant.markers.marker_mesh import board_triangles
 from sextant.msg import MarkerMapEntries, MarkerMapEntry
 from sextant.nodes.base.conversions import pose_from_message, pose_to_message, transform_to_message
-from sextant.printing.board import board_triangles
 
 
 def map_to_message(marker_map: sextant.MarkerMap, stamp) -> MarkerMapEntries:
-    """sextant/MarkerMapEntries: every marker with its covariance."""
+    """Converts a map to entries with covariances."""
     header = Header(stamp=stamp, frame_id=marker_map.frame)
     return MarkerMapEntries(header, [_entry(marker) for marker in marker_map.markers])
 
 
 def marker_from_entry(entry: MarkerMapEntry) -> sextant.MappedMarker:
-    """:raises ValueError: the pose is none; MarkerMap.set() refuses the rest"""
+    """Converts an entry to a marker.
+
+    :raises ValueError: the pose is invalid; MarkerMap.set() checks the rest
+    """
     return sextant.MappedMarker(
         family=entry.family,
         id=entry.id,
@@ -34,7 +37,7 @@ def marker_from_entry(entry: MarkerMapEntry) -> sextant.MappedMarker:
 
 
 def map_to_transforms(marker_map: sextant.MarkerMap, stamp) -> List[TransformStamped]:
-    """Map to every marker, and the other frames of the file with their parents."""
+    """Returns the transforms of markers and other frames to their parents."""
     edges = [(marker_map.frame, marker.name, marker.T_map_marker) for marker in marker_map.markers]
     edges += [(frame.parent, frame.name, frame.T_parent_frame) for frame in marker_map.frames]
     return [
@@ -44,7 +47,7 @@ def map_to_transforms(marker_map: sextant.MarkerMap, stamp) -> List[TransformSta
 
 
 def map_to_visualization(marker_map: sextant.MarkerMap) -> MarkerArray:
-    """Every marker as a board with its real modules and its id above it; what was drawn before is removed."""
+    """Returns boards with modules and ids for rviz; previous ones are deleted."""
     drawn = [Marker(header=Header(frame_id=marker_map.frame), action=Marker.DELETEALL)]
     for index, marker in enumerate(marker_map.markers):
         drawn += [_board(marker_map.frame, index, marker), _label(marker_map.frame, index, marker)]

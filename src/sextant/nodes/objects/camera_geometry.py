@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""How cameras see and where they are, as their camera_info and tf tell it."""
+"""Camera models from camera_info and transforms between cameras from tf."""
 
 from typing import Dict
 
@@ -10,15 +10,15 @@ import tf2_ros
 from sensor_msgs.msg import CameraInfo
 
 import sextant
-from sextant.bags.calibrations import camera_from_info, same_calibration
-from sextant.bags.transforms import frame_name
+from sextant.messages.camera_messages import camera_from_info, same_calibration
+from sextant.messages.frame_name import frame_name
 from sextant.nodes.base.conversions import pose_from_transform
 
-SAME = 1e-6  # metres, and of a rotation's elements
+SAME = 1e-6  # metres, and elements of a rotation matrix
 
 
 class CameraGeometry:
-    """Of the cameras whose camera_info it hears, each told by its topic's name."""
+    """Camera models by the topic of their camera_info, and tf look-ups."""
 
     def __init__(self) -> None:
         self._infos: Dict[str, CameraInfo] = {}
@@ -26,16 +26,16 @@ class CameraGeometry:
         self._buffer = tf2_ros.Buffer()
         self._listener = tf2_ros.TransformListener(self._buffer)
 
-    def hear(self, topic: str, info: CameraInfo) -> None:
-        """How that topic's camera sees."""
+    def set_info(self, topic: str, info: CameraInfo) -> None:
+        """Store the calibration published on a topic."""
         if topic not in self._infos or not same_calibration(info, self._infos[topic]):
             self._cameras.pop(topic, None)
         self._infos[topic] = info
 
     def camera(self, topic: str) -> "sextant.CameraModel":
-        """The same object until its calibration changes. :raises ValueError: it is not known, or cannot be"""
+        """The same object until the calibration changes. :raises ValueError: no or invalid calibration"""
         if topic not in self._infos:
-            raise ValueError(f"nothing is heard on {rospy.resolve_name(topic)}")
+            raise ValueError(f"no message on {rospy.resolve_name(topic)}")
         if topic not in self._cameras:
             try:
                 self._cameras[topic] = _pinhole_model(self._infos[topic])
@@ -44,7 +44,7 @@ class CameraGeometry:
         return self._cameras[topic]
 
     def transform(self, target: str, source: str, stamp: rospy.Time) -> np.ndarray:
-        """T_target_source (4, 4) as tf has it. :raises ValueError: nothing connects the two"""
+        """T_target_source (4, 4) from tf. :raises ValueError: no such transform"""
         try:
             found = self._buffer.lookup_transform(frame_name(target), frame_name(source), stamp)
         except (tf2_ros.TransformException, ValueError) as error:
@@ -60,5 +60,5 @@ def _pinhole_model(info: CameraInfo) -> "sextant.CameraModel":
 
 
 def same_pose(T: np.ndarray, other: np.ndarray) -> bool:
-    """Whether two (4, 4) are one but for rounding."""
+    """Whether two transforms (4, 4) are equal up to rounding."""
     return bool(abs(T - other).max() <= SAME)

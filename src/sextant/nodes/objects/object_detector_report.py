@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""What object_detector tells the operator."""
+"""Diagnostics and warnings of the node object_detector."""
 
 import time
 from typing import Dict
@@ -13,34 +13,34 @@ WARN_EVERY = 60.0  # seconds
 
 
 class ObjectDetectorReport:
-    """Counters, the time of every stage, and why the last picture was of no use."""
+    """Counters, processing times of all stages, and the reason why the last image was rejected."""
 
     def __init__(self) -> None:
-        self.is_heard = False  # whether anybody listens
-        self._counts = dict.fromkeys(("pictures", "refused pictures", "objects"), 0)
-        self._reason, self._since, self._told = "", time.monotonic(), 0
-        self._stages: Dict[str, float] = {}  # seconds of the last picture
+        self.has_subscribers = False
+        self._counts = dict.fromkeys(("images", "rejected images", "objects"), 0)
+        self._reason, self._since, self._counted = "", time.monotonic(), 0
+        self._stages: Dict[str, float] = {}  # processing time of each stage, last image
 
-    def used(self, objects: int, stages: Dict[str, float]) -> None:
-        """A picture was. :param objects: that are in it. :param stages: seconds of each"""
+    def processed(self, objects: int, stages: Dict[str, float]) -> None:
+        """Count a processed image. :param objects: detections. :param stages: seconds of each stage"""
         self._reason, self._stages = "", stages
-        self._counts["pictures"] += 1
+        self._counts["images"] += 1
         self._counts["objects"] += objects
 
-    def refused(self, reason: str) -> None:
-        """A picture could not be used."""
+    def rejected(self, reason: str) -> None:
+        """Count a rejected image and log the reason."""
         self._reason = reason
-        self._counts["refused pictures"] += 1
-        rospy.logwarn_throttle_identical(WARN_EVERY, f"a picture is left out: {reason}")
+        self._counts["rejected images"] += 1
+        rospy.logwarn_throttle_identical(WARN_EVERY, f"image rejected: {reason}")
 
-    def tell(self, row: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
-        """As diagnostic_updater asks."""
+    def fill_diagnostics(self, row: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
+        """Fill a row of diagnostic_updater."""
         if self._reason:
             row.summary(DiagnosticStatus.WARN, self._reason)
-        elif not self.is_heard:
-            row.summary(DiagnosticStatus.OK, "nobody listens, nothing is detected")
-        elif not self._counts["pictures"]:
-            row.summary(DiagnosticStatus.WARN, "no picture yet")
+        elif not self.has_subscribers:
+            row.summary(DiagnosticStatus.OK, "no subscribers, nothing is detected")
+        elif not self._counts["images"]:
+            row.summary(DiagnosticStatus.WARN, "no image yet")
         else:
             row.summary(DiagnosticStatus.OK, "objects are detected")
         for name, count in self._counts.items():
@@ -51,8 +51,8 @@ class ObjectDetectorReport:
         return row
 
     def _rate(self) -> float:
-        """Pictures a second since it was told last."""
-        now, count = time.monotonic(), self._counts["pictures"]
-        rate = (count - self._told) / max(now - self._since, 1e-3)
-        self._since, self._told = now, count
+        """Images per second since the last call."""
+        now, count = time.monotonic(), self._counts["images"]
+        rate = (count - self._counted) / max(now - self._since, 1e-3)
+        self._since, self._counted = now, count
         return rate

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Parameters of the node object_locator, and what they are for the library."""
+"""Parameters of the node object_locator."""
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any, Dict
 
 from sextant.base.strict_params import StrictParams, nested, not_empty, param, within
@@ -10,11 +10,11 @@ from sextant.objects.ball_tracker import BallTrackerParams
 from sextant.objects.object_kinds import KINDS, kinds_of
 from sextant.objects.object_locator import ObjectLocatorParams
 
-_BALL = ("begin", "move", "missed", "memory", "rolling")
+_BALL = ("confirm_hits", "relocate_hits", "max_misses", "max_age", "ball_deceleration")
 
 
 def _kinds(value: Dict[str, Any]) -> str:
-    """For parse_params()."""
+    """A check for parse_params()."""
     try:
         kinds_of(value)
     except ValueError as error:
@@ -24,11 +24,13 @@ def _kinds(value: Dict[str, Any]) -> str:
 
 @dataclass(frozen=True)
 class ObjectLocatorNodeParams(StrictParams):
-    """What is looked at, how far it is believed, and what the objects are."""
+    """Parameters of the node, the locator and the ball tracker."""
 
-    kinds: Dict[str, Dict[str, Any]] = param({name: kind._asdict() for name, kind in KINDS.items()}, _kinds)
-    slop: float = param(0.05, within(0.0, 1.0))  # seconds between a picture and its depth image
+    kinds: Dict[str, Dict[str, Any]] = param({name: asdict(kind) for name, kind in KINDS.items()}, _kinds)
+    slop: float = param(0.05, within(0.0, 1.0))  # seconds between an image and its depth image
     base_frame: str = param("base_link", not_empty)
-    sure_range: float = param(2.5, within(0.1, 100.0))  # metres to which a ball is always detected
+    ball_detection_range: float = param(
+        2.5, within(0.1, 100.0)
+    )  # metres within which a ball is always detected
     locator: ObjectLocatorParams = nested(ObjectLocatorParams)
     ball: BallTrackerParams = nested(BallTrackerParams, only=_BALL)

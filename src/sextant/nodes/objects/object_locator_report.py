@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""What object_locator tells the operator."""
+"""Diagnostics and warnings of the node object_locator."""
 
 from typing import Dict, Set
 
@@ -12,38 +12,38 @@ WARN_EVERY = 60.0  # seconds
 
 
 class ObjectLocatorReport:
-    """Counters, and why the last picture was of no use."""
+    """Counters, and the reason why the last image was rejected."""
 
     def __init__(self) -> None:
         self.counts: Dict[str, int] = dict.fromkeys(
-            ("pictures", "refused pictures", "objects", "located objects", "looks without odometry"), 0
+            ("images", "rejected images", "objects", "located objects", "images without odometry"), 0
         )
         self._reason, self._milliseconds = "", 0.0
         self._unknown: Set[str] = set()
 
-    def used(self, objects: int, located: int, seconds: float) -> None:
-        """A picture was. :param objects: that were detected in it. :param located: of these"""
+    def processed(self, objects: int, located: int, seconds: float) -> None:
+        """Count a processed image. :param objects: detected. :param located: of these"""
         self._reason, self._milliseconds = "", 1e3 * seconds
-        for name, count in (("pictures", 1), ("objects", objects), ("located objects", located)):
+        for name, count in (("images", 1), ("objects", objects), ("located objects", located)):
             self.counts[name] += count
 
-    def refused(self, reason: str) -> None:
-        """A picture could not be used."""
+    def rejected(self, reason: str) -> None:
+        """Count a rejected image and log the reason."""
         self._reason = reason
-        self.counts["refused pictures"] += 1
+        self.counts["rejected images"] += 1
         rospy.logwarn_throttle_identical(WARN_EVERY, f"nothing is located: {reason}")
 
     def unknown(self, class_name: str) -> None:
-        """A class that is not among the kinds; it is said once."""
+        """Warn once about a class that is not among the kinds."""
         if class_name not in self._unknown:
             self._unknown.add(class_name)
-            rospy.logwarn("a '%s' is not located: kinds has no such class", class_name)
+            rospy.logwarn("objects of class '%s' are not located: kinds contains no such class", class_name)
 
-    def tell(self, row: DiagnosticStatusWrapper, alone: int) -> DiagnosticStatusWrapper:
-        """As diagnostic_updater asks. :param alone: pictures without a depth image"""
+    def fill_diagnostics(self, row: DiagnosticStatusWrapper, alone: int) -> DiagnosticStatusWrapper:
+        """Fill a row of diagnostic_updater. :param alone: messages of objects without a depth image"""
         if self._reason:
             row.summary(DiagnosticStatus.WARN, self._reason)
-        elif not self.counts["pictures"]:
+        elif not self.counts["images"]:
             row.summary(DiagnosticStatus.WARN, "no objects with a depth image yet")
         else:
             row.summary(DiagnosticStatus.OK, "objects are located")

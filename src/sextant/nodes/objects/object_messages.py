@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Objects on the floor, as messages."""
+"""Conversion of detections and located objects to messages."""
 
 from typing import List, NamedTuple, Sequence, Tuple
 
@@ -11,20 +11,20 @@ from std_msgs.msg import ColorRGBA, Header
 from visualization_msgs.msg import Marker
 
 from sextant.landmarks.landmark_colours import colour_of_class
-from sextant.msg import LandmarkSighting, LandmarkSightings, ObjectBox, Objects
+from sextant.msg import LandmarkObservation, LandmarkObservations, ObjectBox, Objects
 from sextant.objects.ball_tracker import BallEstimate
-from sextant.objects.detection import Detections, names_of
+from sextant.objects.detection import Detections
 from sextant.objects.object_kinds import ObjectKind
 from sextant.objects.object_locator import LocatedObject
 
 YELLOW = ColorRGBA(1.0, 0.8, 0.1, 1.0)
-HEIGHT = 0.4  # of a pillar that is drawn, metres
-LOOK_AHEAD = 0.5  # seconds of the ball's way that are drawn
-UNKNOWN = 1e-6  # variance of what is not estimated: filters take no zero
+HEIGHT = 0.4  # of a drawn pillar, metres
+PREDICTED = 0.5  # seconds of the ball's motion that are drawn
+UNKNOWN_VARIANCE = 1e-6  # of what is not estimated: filters reject a variance of zero
 
 
 class SeenObject(NamedTuple):
-    """An object in the robot frame."""
+    """A located object in the robot frame."""
 
     class_name: str
     kind: ObjectKind
@@ -34,28 +34,25 @@ class SeenObject(NamedTuple):
 def objects_message(
     found: Detections, classes: Sequence[str], size: Tuple[int, int], header: Header
 ) -> Objects:
-    """Of what was found in a picture. :param classes: names. :param size: its width and height, pixels"""
-    boxes = [
-        ObjectBox(name, float(score), *map(float, box))
-        for name, score, box in zip(names_of(found.classes, classes), found.scores, found.boxes)
-    ]
+    """Convert detections. :param classes: names by index. :param size: width and height, pixels"""
+    boxes = [ObjectBox(classes[number], float(score), *map(float, box)) for box, score, number in zip(*found)]
     return Objects(header, *size, boxes)
 
 
-def sightings_message(seen: List[SeenObject], header: Header) -> LandmarkSightings:
-    """Of the pillars. :param header: of the robot frame"""
-    return LandmarkSightings(header, [_sighting(each) for each in seen if each.kind.shape == "pillar"])
+def observations_message(seen: List[SeenObject], header: Header) -> LandmarkObservations:
+    """Convert the pillars among located objects. :param header: with the robot frame"""
+    return LandmarkObservations(header, [_observation(each) for each in seen if each.kind.shape == "pillar"])
 
 
-def _sighting(seen: SeenObject) -> LandmarkSighting:
+def _observation(seen: SeenObject) -> LandmarkObservation:
     covariance = np.zeros((3, 3))
     covariance[:2, :2] = seen.place.covariance
     x, y = seen.place.position
-    return LandmarkSighting(seen.class_name, -1, x, y, np.nan, list(np.ravel(covariance)))
+    return LandmarkObservation(seen.class_name, -1, x, y, np.nan, list(np.ravel(covariance)))
 
 
 def ball_message(ball: BallEstimate, radius: float, header: Header) -> Odometry:
-    """The ball's frame is not turned. :param header: of odometry's frame"""
+    """Convert a ball; its frame has the axes of odometry. :param header: with the odometry frame"""
     message = Odometry(header=header, child_frame_id="ball")
     message.pose.pose.position = Point(*ball.position, radius)
     message.pose.pose.orientation.w = 1.0
@@ -64,14 +61,14 @@ def ball_message(ball: BallEstimate, radius: float, header: Header) -> Odometry:
         (message.pose, ball.covariance[:2, :2]),
         (message.twist, ball.covariance[2:, 2:]),
     ):
-        whole = UNKNOWN * np.eye(6)
+        whole = UNKNOWN_VARIANCE * np.eye(6)
         whole[:2, :2] = covariance
         part.covariance = list(np.ravel(whole))
     return message
 
 
 def seen_markers(seen: List[SeenObject], header: Header) -> List[Marker]:
-    """What was seen, in place of what was seen before."""
+    """Markers of the located objects; the first one deletes earlier markers."""
     markers = [Marker(header=header, ns="seen", action=Marker.DELETEALL)]
     for number, each in enumerate(seen):
         is_ball, radius = each.kind.shape == "ball", each.kind.radius
@@ -88,13 +85,13 @@ def seen_markers(seen: List[SeenObject], header: Header) -> List[Marker]:
 
 
 def ball_markers(ball: BallEstimate, radius: float, header: Header) -> List[Marker]:
-    """Where it is, and an arrow along its way."""
+    """A sphere at the ball's position and an arrow along its predicted motion."""
     here = Point(*ball.position, radius)
     sphere = Marker(header=header, ns="ball", id=0, type=Marker.SPHERE, color=YELLOW)
     sphere.pose.position, sphere.pose.orientation.w = here, 1.0
     sphere.scale = Vector3(2.0 * radius, 2.0 * radius, 2.0 * radius)
     arrow = Marker(header=header, ns="ball", id=1, type=Marker.ARROW, color=YELLOW)
     arrow.pose.orientation.w = 1.0
-    arrow.points = [here, Point(*(ball.position + LOOK_AHEAD * ball.velocity), radius)]
+    arrow.points = [here, Point(*(ball.position + PREDICTED * ball.velocity), radius)]
     arrow.scale = Vector3(0.02, 0.05, 0.05)
     return [sphere, arrow]

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""The locator of objects for a colour and a depth camera that camera_info and tf tell of."""
+"""The object locator for a colour and a depth camera, configured by camera_info and tf."""
 
 from typing import Any, Optional, Tuple
 
@@ -15,7 +15,7 @@ COLOUR, DEPTH = "camera_info", "depth/camera_info"
 
 
 class RgbdLocator:
-    """Made anew when a calibration changes, or where one camera is beside the other."""
+    """Creates a new ObjectLocator when a calibration or the transform between the cameras changes."""
 
     def __init__(self, params: ObjectLocatorParams, base_frame: str):
         self._params, self._base_frame = params, base_frame
@@ -24,20 +24,20 @@ class RgbdLocator:
         self._made_for: Tuple[sextant.CameraModel, ...] = ()
         self._T_colour_depth = np.eye(4)
 
-    def hear(self, topic: str, info: CameraInfo) -> None:
-        """:param topic: COLOUR or DEPTH"""
-        self._geometry.hear(topic, info)
+    def set_info(self, topic: str, info: CameraInfo) -> None:
+        """Store a calibration. :param topic: COLOUR or DEPTH"""
+        self._geometry.set_info(topic, info)
 
     @property
     def colour(self) -> "sextant.CameraModel":
-        """:raises ValueError: it is not known, or cannot be"""
+        """Model of the colour camera. :raises ValueError: no calibration, or an invalid one"""
         return self._geometry.camera(COLOUR)
 
     def at(self, colour: Any, depth: Any) -> Tuple[ObjectLocator, np.ndarray]:
         """The locator and T_base_colour (4, 4).
 
-        :param colour: header of the picture. :param depth: of the depth image
-        :raises ValueError: a camera is not known, or nothing connects two frames; names them
+        :param colour: header of the colour image. :param depth: header of the depth image
+        :raises ValueError: names the missing calibration or the frames without a transform
         """
         T_base_colour = self._geometry.transform(self._base_frame, colour.frame_id, colour.stamp)
         T_colour_depth = self._geometry.transform(colour.frame_id, depth.frame_id, colour.stamp)

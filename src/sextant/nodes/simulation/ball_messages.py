@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""The simulated world of the ball task as messages. The map begins where the robot does."""
+"""Conversion of the simulated ball task to messages; the map's origin is the robot's initial pose."""
 
 import sys
 from typing import List
@@ -26,9 +26,9 @@ LINE = 0.02  # metres, width of the goal's line
 
 
 def depth_to_message(depth: np.ndarray, encoding: str, header: Header) -> Image:
-    """REP 118: 16UC1 has millimetres, 0 where there is no depth; 32FC1 metres, NaN where there is none.
+    """Convert a depth image (REP 118): 16UC1 in millimetres, 0: no depth; 32FC1 in metres, NaN: no depth.
 
-    :param depth: float32 (height, width), metres, 0 where there is none
+    :param depth: float32 (height, width), metres, 0: no depth
     """
     if encoding == "16UC1":
         pixels = np.clip(np.rint(1000.0 * depth), 0, 65535).astype(np.uint16)
@@ -40,25 +40,25 @@ def depth_to_message(depth: np.ndarray, encoding: str, header: Header) -> Image:
 
 
 def seen_to_message(
-    seen: List["sextant.SeenObject"], class_names: List[str], size: List[int], header: Header
+    seen: List["sextant.VisibleObject"], class_names: List[str], size: List[int], header: Header
 ) -> Objects:
-    """True boxes of a picture.
+    """Convert the true boxes of an image.
 
-    :param class_names: of all objects, by their index. :param size: width and height, pixels
+    :param class_names: by object index. :param size: width and height, pixels
     """
     boxes = [ObjectBox(class_names[each.object], 1.0, *map(float, [*each.low, *each.high])) for each in seen]
     return Objects(header, *size, boxes)
 
 
 def robot_motion(ground: BallGround, start: np.ndarray) -> Motion:
-    """Of the robot, in the map. :param start: (3,) where it began, in the world"""
+    """Motion of the robot in the map. :param start: (3,) its initial pose in the world"""
     robot = ground.robot
     x, y, yaw = relative(start, np.array([robot.x, robot.y, robot.yaw]))
     return Motion(x, y, 0.0, yaw, robot.speed, robot.turn_rate)
 
 
 def ball_to_message(ground: BallGround, start: np.ndarray, header: Header) -> Odometry:
-    """Place and speed of the ball, both along the map's axes. :param start: as robot_motion()"""
+    """Position and velocity of the ball along the map's axes. :param start: as robot_motion()"""
     message = Odometry(header=header, child_frame_id=BALL)
     at, speed = message.pose.pose.position, message.twist.twist.linear
     at.x, at.y = in_frame(start, ground.ball)
@@ -68,7 +68,7 @@ def ball_to_message(ground: BallGround, start: np.ndarray, header: Header) -> Od
 
 
 def world_to_visualization(world: BallWorld, ground: BallGround, header: Header) -> MarkerArray:
-    """Pillars, ball and goal line in their colours; what was drawn before is removed."""
+    """Markers of pillars, ball and goal line; the first one deletes earlier markers."""
     places = in_frame(world.robot, np.array([[pillar.x, pillar.y] for pillar in world.pillars]))
     drawn = [Marker(header=header, action=Marker.DELETEALL)]
     for number, (pillar, (x, y)) in enumerate(zip(world.pillars, places)):
@@ -86,7 +86,7 @@ def world_to_visualization(world: BallWorld, ground: BallGround, header: Header)
 def _shape(header: Header, namespace: str, number: int, kind: int, size, class_name: str) -> Marker:
     marker = Marker(header=header, ns=namespace, id=number, type=kind, color=WHITE)
     if class_name:
-        brightest = max(COLOURS[class_name])  # light that falls on it is rviz' affair
+        brightest = max(COLOURS[class_name])  # rviz applies the light
         marker.color = ColorRGBA(*(share / brightest for share in COLOURS[class_name]), 1.0)
     marker.pose.orientation.w = 1.0
     marker.scale.x, marker.scale.y, marker.scale.z = size

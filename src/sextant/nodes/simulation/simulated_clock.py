@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Simulated time on /clock, paced by the wall's clock."""
+"""Simulated time on /clock, paced by wall time."""
 
 import threading
 import time
@@ -12,17 +12,18 @@ import rospy
 from rosgraph_msgs.msg import Clock
 
 from sextant.nodes.base.exits import until_shutdown
+from sextant.nodes.base.init_node import init_node
 
-STEP = 10_000_000  # nanoseconds of simulated time between two ticks at most
+STEP = 10_000_000  # nanoseconds of simulated time, maximum between two messages
 
 
 @contextmanager
 def simulated_time(name: str) -> Iterator[None]:
     """Starts the node of this name, which publishes /clock, and removes /use_sim_time when it ends.
 
-    Nodes that start later on this master would wait for a time for ever.
+    Otherwise nodes that start later on this master would wait for the clock forever.
     """
-    rospy.init_node(name)
+    init_node(name)
     try:
         with until_shutdown():
             yield
@@ -31,7 +32,7 @@ def simulated_time(name: str) -> Iterator[None]:
 
 
 def _end_simulated_time(master: rosgraph.Master) -> None:
-    """Unless another node goes on to publish /clock, or this one has published a clock of its own."""
+    """Delete the parameter, unless another node publishes /clock or this node's /clock is remapped."""
     try:
         publishers = dict(master.getSystemState()[0]).get("/clock", [])
         is_last = not set(publishers) - {rospy.get_name()}
@@ -42,33 +43,35 @@ def _end_simulated_time(master: rosgraph.Master) -> None:
 
 
 class SimulatedClock:
-    """Time that never runs ahead of real_time_factor, and waits where the simulation is late."""
+    """Simulated time, limited by real_time_factor; it waits when the simulation is late."""
 
     def __init__(self, start: int, real_time_factor: float, stop: threading.Event):
-        """:param start: first instant, nanoseconds
-        :param stop: set when the node ends; then nothing here waits any more
+        """:param start: first time, nanoseconds
+        :param stop: set when the node ends; then nothing waits anymore
         """
-        self._publisher = rospy.Publisher("/clock", Clock, queue_size=100)  # late ticks come at once
+        self._publisher = rospy.Publisher(
+            "/clock", Clock, queue_size=100
+        )  # late messages follow without delay
         self._now = start
         self._factor = real_time_factor
         self._stop = stop
-        self._due = time.monotonic()  # when the next tick may be at the earliest
+        self._due = time.monotonic()  # earliest wall time of the next message
 
     def advance(self, instant: int) -> None:
-        """Ticks until /clock has told this instant (nanoseconds)."""
+        """Advances /clock to this time (nanoseconds)."""
         while self._now < instant and not self._stop.is_set():
             step = min(STEP, instant - self._now)
             self._due = max(self._due + 1e-9 * step / self._factor, time.monotonic() - 0.1)
             self._stop.wait(max(0.0, self._due - time.monotonic()))
             self._now += step
             if not self._stop.is_set():
-                self.tell()
+                self.publish()
 
-    def tell(self) -> None:
-        """Publishes the present instant."""
+    def publish(self) -> None:
+        """Publishes the present time."""
         self._publisher.publish(Clock(rospy.Time(nsecs=self._now)))
 
     @property
     def now(self) -> int:
-        """Nanoseconds."""
+        """The present simulated time, nanoseconds."""
         return self._now

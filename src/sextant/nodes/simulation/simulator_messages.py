@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a simulated drive reports, as messages."""
+"""Conversion of a simulated drive to messages."""
 
 import numpy as np
 from geometry_msgs.msg import TransformStamped, Twist, Vector3
@@ -13,13 +13,13 @@ from sextant.nodes.base.conversions import pose_to_message, transform_to_message
 from sextant.simulation.motion import Motion
 from sextant.simulation.odometry import OdometryReading
 
-# Filters take no zero: what wheels on a floor cannot tell is all but exact (m^2, rad^2).
+# m^2 and rad^2, of what wheels on a floor do not measure: filters reject a variance of zero.
 SMALLEST_VARIANCE = 1e-6
 PLANAR = [0, 1, 5]  # x, y and yaw among x y z roll pitch yaw
 
 
 def calibration_to_message(calibration: "sextant.CameraCalibration", header: Header) -> CameraInfo:
-    """sensor_msgs/CameraInfo, field by field."""
+    """Convert a calibration to sensor_msgs/CameraInfo."""
     info = CameraInfo(header=header, height=calibration.height, width=calibration.width)
     info.distortion_model, info.D = calibration.distortion_model, list(calibration.D)
     info.K, info.R, info.P = (
@@ -29,7 +29,7 @@ def calibration_to_message(calibration: "sextant.CameraCalibration", header: Hea
 
 
 def truth_to_message(motion: Motion, header: Header, child_frame: str) -> Odometry:
-    """A motion that is exactly known: its covariances are zero."""
+    """Convert an exact motion; its covariances are zero."""
     message = Odometry(header=header, child_frame_id=child_frame)
     message.pose.pose = pose_to_message(motion.pose)
     message.twist.twist = Twist(Vector3(motion.speed, 0.0, 0.0), Vector3(0.0, 0.0, motion.turn_rate))
@@ -37,7 +37,7 @@ def truth_to_message(motion: Motion, header: Header, child_frame: str) -> Odomet
 
 
 def reading_to_message(reading: OdometryReading, header: Header, child_frame: str) -> Odometry:
-    """What the wheels say, with covariances."""
+    """Convert wheel odometry with covariances."""
     message = truth_to_message(reading.motion, header, child_frame)
     pose, twist = np.zeros((6, 6)), np.zeros((6, 6))
     pose[np.ix_(PLANAR, PLANAR)] = reading.covariance
@@ -48,5 +48,5 @@ def reading_to_message(reading: OdometryReading, header: Header, child_frame: st
 
 
 def pose_to_transform(T: np.ndarray, header: Header, child_frame: str) -> TransformStamped:
-    """A 4x4 pose for tf."""
+    """Convert a pose (4, 4) for tf."""
     return TransformStamped(header, child_frame, transform_to_message(T))

@@ -2,15 +2,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 "use strict";
 
-// What the server said last: {file, overview: {image, width, height} | null, photos: [{image, x, y, guess}], undo}
+// Last state from the server: {file, overview: {image, width, height} | null, photos: [{image, x, y, guess}], undo}
 let state = null;
-let chosen = null;  // the image that the next click places
-let map = null;  // Leaflet's
+let chosen = null;  // image that the next click places
+let map = null;  // Leaflet map
 let dots = L.layerGroup();
 
 const $ = (id) => document.getElementById(id);
-const pictureUrl = (image, small) => `/picture?image=${encodeURIComponent(image)}${small ? "&small=1" : ""}`;
-// Leaflet's plain plane has y up; the overview's is down.
+const imageUrl = (image, small) => `/image?image=${encodeURIComponent(image)}${small ? "&small=1" : ""}`;
+// L.CRS.Simple has y up, the overview y down.
 const toLatLng = (x, y) => L.latLng(state.overview.height - y, x);
 const toPixel = (at) => ({ x: at.lng, y: state.overview.height - at.lat });
 const placed = (photo) => photo.x !== null;
@@ -25,12 +25,12 @@ async function ask(path, options) {
     return answer.ok ? body : null;
   } catch (error) {
     $("error").hidden = false;
-    $("error").textContent = `The program that serves this page does not answer: ${error.message}`;
+    $("error").textContent = `place_map_maker does not respond: ${error.message}`;
     return null;
   }
 }
 
-async function tell(path, values) {
+async function post(path, values) {
   const body = await ask(path, {
     method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(values),
   });
@@ -48,7 +48,7 @@ function next(after) {
 
 async function place(image, x, y) {
   const isNew = !placed(photoOf(image));
-  if (await tell("/place", { image, x, y }) && isNew) choose(next(image));
+  if (await post("/place", { image, x, y }) && isNew) choose(next(image));
 }
 
 function choose(image) {
@@ -71,16 +71,16 @@ function drawList() {
     const words = document.createElement("span");
     const where = document.createElement("small");
     picture.loading = "lazy";
-    picture.src = pictureUrl(photo.image, true);
+    picture.src = imageUrl(photo.image, true);
     words.textContent = photo.image;
     where.textContent = placed(photo) ? `${photo.id}: ${photo.x.toFixed(0)}, ${photo.y.toFixed(0)}` :
-      photo.guess ? "its EXIF has a guess" : "not placed";
+      photo.guess ? "has a GPS position" : "not placed";
     words.append(where);
     line.append(picture, words);
     line.dataset.image = photo.image;
     line.classList.toggle("placed", placed(photo));
     line.classList.toggle("chosen", photo.image === chosen);
-    line.addEventListener("click", () => state.overview ? choose(photo.image) : tell("/overview", { image: photo.image }));
+    line.addEventListener("click", () => state.overview ? choose(photo.image) : post("/overview", { image: photo.image }));
     return line;
   });
   $("photos").replaceChildren(...lines);
@@ -103,7 +103,7 @@ function drawDots() {
           place(photo.image, x, y);
         });
     } else if (mine && photo.guess) {
-      dot(toLatLng(...photo.guess), "guess", "where its EXIF says", {}).on("click", () => place(photo.image, ...photo.guess));
+      dot(toLatLng(...photo.guess), "guess", "GPS position of its EXIF", {}).on("click", () => place(photo.image, ...photo.guess));
     }
   }
 }
@@ -113,25 +113,25 @@ function drawPreview() {
   $("preview").hidden = !photo;
   if (!photo) return;
   const picture = $("preview").querySelector("img");
-  if (picture.dataset.image !== chosen) picture.src = pictureUrl(chosen, false);
+  if (picture.dataset.image !== chosen) picture.src = imageUrl(chosen, false);
   picture.dataset.image = chosen;
   $("preview").querySelector("figcaption").textContent = chosen;
 }
 
 function hint() {
-  if (!state.photos.length && !state.overview) return "Add an overview picture and photos: drop them here.";
-  if (!state.overview) return "Click the picture at the left that shows the whole.";
+  if (!state.photos.length && !state.overview) return "Add an overview image and photos: drop them here.";
+  if (!state.overview) return "Click the overview image in the list.";
   const photo = chosen && photoOf(chosen);
-  if (!photo) return next(null) ? "Click a photo at the left." : "All photos are placed. Drag a dot to correct it.";
-  if (placed(photo)) return "Drag its dot or click to move it. Delete takes it out, ↑ ↓ go to other photos.";
-  return photo.guess ? "Enter takes the guess, a click another place." : "Click where it was taken.";
+  if (!photo) return next(null) ? "Click a photo in the list." : "All photos are placed. Drag a dot to correct it.";
+  if (placed(photo)) return "Drag its dot or click to move it. Delete removes it, ↑ ↓ select other photos.";
+  return photo.guess ? "Enter accepts the GPS position, a click sets another one." : "Click where it was taken.";
 }
 
 function drawMap() {
   if (!state.overview || map) return;
   const bounds = [[0, 0], [state.overview.height, state.overview.width]];
   map = L.map("map", { crs: L.CRS.Simple, minZoom: -5, zoomSnap: 0.25, attributionControl: false, keyboard: false });
-  L.imageOverlay(pictureUrl(state.overview.image, false), bounds).addTo(map);
+  L.imageOverlay(imageUrl(state.overview.image, false), bounds).addTo(map);
   map.fitBounds(bounds);
   dots.addTo(map);
   map.on("click", (event) => {
@@ -171,12 +171,12 @@ const NUDGES = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], Arrow
 function key(event) {
   const photo = chosen && photoOf(chosen);
   const nudge = event.shiftKey && NUDGES[event.key];
-  if ((event.ctrlKey || event.metaKey) && event.key === "z") tell("/undo", {});
+  if ((event.ctrlKey || event.metaKey) && event.key === "z") post("/undo", {});
   else if (nudge && photo && placed(photo)) place(chosen, photo.x + nudge[0], photo.y + nudge[1]);
   else if (event.key === "ArrowDown") step(1);
   else if (event.key === "ArrowUp") step(-1);
   else if (event.key === "Enter" && photo && !placed(photo) && photo.guess) place(chosen, ...photo.guess);
-  else if (event.key === "Delete" && photo && placed(photo)) tell("/remove", { image: chosen });
+  else if (event.key === "Delete" && photo && placed(photo)) post("/remove", { image: chosen });
   else return;
   event.preventDefault();
 }
@@ -188,7 +188,7 @@ document.addEventListener("drop", (event) => {
   add(event.dataTransfer.files);
 });
 $("files").addEventListener("change", (event) => add(event.target.files));
-$("undo").addEventListener("click", () => tell("/undo", {}));
+$("undo").addEventListener("click", () => post("/undo", {}));
 ask("/state").then((body) => {
   if (!body) return;
   state = body;

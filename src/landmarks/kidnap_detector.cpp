@@ -1,0 +1,50 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sextant/landmarks/kidnap_detector.hpp"
+
+#include <algorithm>
+#include <iterator>
+
+namespace sextant {
+namespace {
+
+constexpr int kMissesPerConfirmation = 3;  // that a scan which confirms the map cancels
+constexpr int kMinConfirmations = 3;       // successive scans: one or two may be mistaken
+
+}  // namespace
+
+void KidnapDetector::update(const Evidence& evidence) {
+  const auto is_established = [this](int key) { return key < first_provisional_; };
+  const auto observed =
+      static_cast<int>(std::count_if(evidence.observed.begin(), evidence.observed.end(), is_established));
+  std::vector<int> missed;
+  std::copy_if(evidence.missed.begin(), evidence.missed.end(), std::back_inserter(missed), is_established);
+  updateMisses(observed, missed, evidence);
+  if (observed > static_cast<int>(missed.size())) {
+    ++confirmations_;
+  } else if (!evidence.observed.empty() || evidence.unknown > 0) {
+    confirmations_ = 0;
+  }
+  if (first_provisional_ == 0 || confirmations_ >= kMinConfirmations) confirm(evidence.next_key);
+}
+
+void KidnapDetector::updateMisses(int observed, const std::vector<int>& missed, const Evidence& evidence) {
+  const int contradictions = static_cast<int>(missed.size()) + evidence.contradictions;
+  const int unknown = evidence.unknown + static_cast<int>(evidence.observed.size()) - observed;
+  if (observed > contradictions + unknown) {
+    misses_ = std::max(0, misses_ - kMissesPerConfirmation);
+  } else if (observed == 0 && contradictions > 0) {
+    ++misses_;
+    missed_.insert(missed.begin(), missed.end());
+    contradicted_ = contradicted_ || evidence.contradictions > 0;
+  }
+  if (!isConsistent()) return;
+  missed_.clear();
+  contradicted_ = false;
+}
+
+bool KidnapDetector::isLost() const {
+  return lost_after_ > 0 && misses_ >= lost_after_ && (missed_.size() >= 2 || contradicted_);
+}
+
+}  // namespace sextant

@@ -1,0 +1,41 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Start of a rospy node, with signal handlers that cannot deadlock."""
+
+import atexit
+import os
+import signal
+import threading
+
+import rospy
+
+EXIT = 0  # a byte that is no signal's number
+
+
+def init_node(name: str) -> None:
+    """Calls rospy.init_node; SIGINT and SIGTERM shut the node down in a thread of its own.
+
+    rospy's own handler runs the shutdown in the main thread, wherever that was interrupted: if it held a lock
+    that the shutdown needs (of an Event, of rospy's registrations), the node never ended.
+    """
+    signals, wakeup = os.pipe()
+    os.set_blocking(wakeup, False)
+    thread = threading.Thread(target=_shut_down_on_signal, args=(signals,), daemon=True)
+    thread.start()
+    signal.set_wakeup_fd(wakeup)
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: None)  # Python writes its number to the pipe
+    rospy.init_node(name, disable_signals=True)
+    atexit.register(_finish, thread, wakeup)
+
+
+def _shut_down_on_signal(signals: int) -> None:
+    number = os.read(signals, 1)[0]
+    if number != EXIT:
+        rospy.signal_shutdown(f"signal-{number}")
+
+
+def _finish(thread: threading.Thread, wakeup: int) -> None:
+    """Waits until a shutdown that a signal has started is complete."""
+    os.write(wakeup, bytes([EXIT]))
+    thread.join()

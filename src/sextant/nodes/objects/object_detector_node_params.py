@@ -1,0 +1,32 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Parameters of the node object_detector, and creation of its detector."""
+
+from dataclasses import dataclass, replace
+
+from sextant.base.strict_params import StrictParams, nested, one_of, param, within
+from sextant.objects.colour_detector import ColourDetector, ColourParams
+from sextant.objects.detection import Detector
+from sextant.objects.shipped_model import shipped_model
+from sextant.objects.yolo_detector import YoloDetector, YoloParams
+
+
+@dataclass(frozen=True)
+class ObjectDetectorParams(StrictParams):
+    """Parameters of the node and of both detectors."""
+
+    detector: str = param("network", one_of("network", "colour"))  # detection method
+    threads: int = param(1, within(0, 256))  # of the network; 0: one per core
+    network: YoloParams = nested(YoloParams)  # without a model: Sextant's own
+    colours: ColourParams = nested(ColourParams)
+
+    def create_detector(self) -> Detector:
+        """Create the detector.
+
+        :raises OSError: the model cannot be read
+        :raises ValueError: the model does not fit, and what to do
+        """
+        if self.detector == "colour":
+            return ColourDetector(self.colours)
+        model = self.network.model or str(shipped_model())
+        return YoloDetector(replace(self.network, model=model), self.threads)

@@ -1,0 +1,133 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Markers of a place map and its hypotheses for rviz, and conversion of sextant/Places."""
+
+import math
+from pathlib import Path
+from typing import Dict, Iterable, List, Sequence
+
+from geometry_msgs.msg import Point, Pose, Quaternion, Vector3
+from std_msgs.msg import ColorRGBA, Header
+from visualization_msgs.msg import Marker, MarkerArray
+
+from sextant.msg import Places
+from sextant.place_maps.place_map import MetricFrame, Photo, PlaceMap
+from sextant.places.place_renderer import (
+    INK,
+    MAX_LABELS,
+    MIN_LABELLED,
+    PLACE,
+    Hypothesis,
+    Radii,
+    trail_colours,
+)
+from sextant.places.probability_scale import Colour, probability_colour
+
+
+def hypotheses_from_message(message: Places) -> List[Hypothesis]:
+    """The hypotheses of a message in its order.
+
+    :raises ValueError: the numbers of ids and probabilities differ, or a probability is invalid
+    """
+    if len(message.poses) != len(message.probabilities):
+        raise ValueError(f"{len(message.poses)} places with {len(message.probabilities)} probabilities")
+    wrong = [value for value in message.probabilities if not 0 <= value <= 1.0001]  # nan, too
+    if wrong:
+        raise ValueError(f"a probability is {wrong[0]:g}")
+    return [Hypothesis(*each) for each in zip(message.poses, message.probabilities)]
+
+
+class PlaceMarkers:
+    """Markers in the metric frame of a map: the overview in its plane, dots on it."""
+
+    def __init__(self, place_map: PlaceMap, frame: MetricFrame, radii: Radii):
+        self._overview, self._frame = place_map.overview, frame
+        self._radii = Radii(*(radius * frame.resolution for radius in radii))  # metres
+        self._photos: Dict[int, Photo] = {photo.id: photo for photo in place_map.photos}
+        self._places = [photos[0].id for photos in place_map.places()]
+
+    def map_markers(self, mesh: Path) -> MarkerArray:
+        """Markers of the overview and all places.
+
+        :param mesh: of the overview, in metres, by sextant.place_maps.overview_mesh
+        """
+        x, y, yaw = self._frame.origin
+        turn = Quaternion(0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2))
+        overview = self._marker("overview", Marker.MESH_RESOURCE, Vector3(1.0, 1.0, 1.0))
+        overview.pose = Pose(Point(x, y, 0.0), turn)
+        overview.mesh_resource, overview.mesh_use_embedded_materials = mesh.as_uri(), True
+        dots = self._spheres("places", self._radii.place, self._places, [_colour(PLACE)] * len(self._places))
+        return MarkerArray([delete_all(), overview, *dots])
+
+    def hypothesis_markers(self, likely: Sequence[Hypothesis], trail: Sequence[int]) -> MarkerArray:
+        """Markers of hypotheses.
+
+        :param likely: trail: as for PlaceRenderer; all in the map
+        """
+        colours = [_colour(probability_colour(each.probability)) for each in likely]
+        ids = [each.id for each in likely]
+        return MarkerArray(
+            [
+                delete_all(),
+                *self._trail(trail),
+                *self._spheres("hypotheses", self._radii.hypothesis, ids[1:], colours[1:]),
+                *self._spheres("best", self._radii.best, ids[:1], colours[:1]),
+                *self._ring(ids[:1]),
+                *self._labels([each.id for each in likely if each.probability >= MIN_LABELLED][:MAX_LABELS]),
+            ]
+        )
+
+    def _spheres(
+        self, name: str, radius: float, ids: Sequence[int], colours: List[ColorRGBA]
+    ) -> List[Marker]:
+        if not ids:  # rviz warns about empty lists
+            return []
+        spheres = self._marker(name, Marker.SPHERE_LIST, Vector3(2 * radius, 2 * radius, 2 * radius))
+        spheres.points, spheres.colors = [self._point(number, radius) for number in ids], colours
+        return [spheres]
+
+    def _trail(self, trail: Sequence[int]) -> List[Marker]:
+        if len(trail) < 2:
+            return []
+        line = self._marker("trail", Marker.LINE_STRIP, Vector3(0.6 * self._radii.place, 0.0, 0.0))
+        line.points = [self._point(number, self._radii.place) for number in trail]
+        line.colors = [_colour(colour) for colour in trail_colours(len(trail))]
+        return [line]
+
+    def _ring(self, best: Iterable[int]) -> List[Marker]:
+        """A dark disc below the best hypothesis."""
+        width, height = 3 * self._radii.best, 0.2 * self._radii.best
+        rings = [self._marker("ring", Marker.CYLINDER, Vector3(width, width, height), INK) for _ in best]
+        for ring, number in zip(rings, best):
+            ring.pose.position = self._point(number, height)
+        return rings
+
+    def _labels(self, ids: Sequence[int]) -> List[Marker]:
+        height = 2.5 * self._radii.hypothesis
+        labels = []
+        for index, number in enumerate(ids):
+            label = self._marker("ids", Marker.TEXT_VIEW_FACING, Vector3(0.0, 0.0, height), INK)
+            label.id, label.text = index, str(number)
+            label.pose.position = self._point(number, 2 * self._radii.best)
+            edge = self._radii.hypothesis if index else 1.5 * self._radii.best
+            label.pose.position.y += edge + height / 2  # beside the dot when seen from above
+            labels.append(label)
+        return labels
+
+    def _point(self, number: int, height: float) -> Point:
+        photo = self._photos[number]
+        return Point(*self._frame.position(self._overview, photo.x, photo.y), height)
+
+    def _marker(self, name: str, kind: int, scale: Vector3, colour: Colour = (255, 255, 255)) -> Marker:
+        upright = Pose(Point(), Quaternion(0.0, 0.0, 0.0, 1.0))  # rviz warns about zero quaternions
+        header = Header(frame_id=self._frame.frame)
+        return Marker(header=header, ns=name, type=kind, pose=upright, scale=scale, color=_colour(colour))
+
+
+def delete_all() -> Marker:
+    """Marker that removes all previous ones."""
+    return Marker(action=Marker.DELETEALL)
+
+
+def _colour(colour: Colour) -> ColorRGBA:
+    return ColorRGBA(*(part / 255 for part in colour), 1.0)

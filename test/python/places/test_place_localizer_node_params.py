@@ -1,0 +1,85 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""What the parameters of place_localizer are for the library."""
+
+import pytest
+from made_photos import written_photos
+
+from sextant.base.strict_params import parse_params
+from sextant.nodes.places.place_localizer_node_params import PlaceLocalizerParams
+from sextant.places.place_localizer import PlaceLocalizationParams
+
+
+def made(**values):
+    return parse_params(PlaceLocalizerParams, {"map_file": "park.txt", **values}, "/robot")
+
+
+def test_without_any_the_defaults_are_the_librarys():
+    assert made().localization == PlaceLocalizationParams()
+
+
+def test_every_one_arrives_where_it_belongs():
+    values = {
+        "reach": 1.5,
+        "kidnap_probability": 0.25,
+        "exit_probability": 0.125,
+        "evidence_exponent": 0.75,
+        "evidence_penalty": 3.5,
+    }
+    belief = made(**values).localization.belief
+    assert {name: getattr(belief, name) for name in values} == values
+    localization = made(
+        mode="sequence", window=7, max_places=3, min_matches=11, min_keypoints=13, network_weight=2.5
+    ).localization
+    assert (localization.mode, localization.window) == ("sequence", 7)
+    assert (localization.max_places, localization.min_matches) == (3, 11)
+    assert (localization.recognition.min_keypoints, localization.recognition.network_weight) == (13, 2.5)
+
+
+@pytest.fixture
+def map_file(tmp_path):
+    written_photos(tmp_path, 1)
+    return str(tmp_path / "park.txt")
+
+
+def settings(map_file, **values):
+    return made(map_file=map_file, **values).place_indexer(print).params
+
+
+def test_only_the_tuned_profile_makes_images_smaller(map_file):
+    tuned = settings(map_file, detector="ORB", extractor="ORB", max_side=200, max_features=90)
+    assert [tuned.features[name] for name in ("detector", "max_side", "max_features")] == ["ORB", 200, 90]
+    plain = settings(map_file, profile="plain", matcher="FlannBased", max_side=200)
+    assert plain.features["max_side"] != 200 and plain.matcher == "FlannBased"
+
+
+def test_a_network_comes_with_its_settings(map_file):
+    assert settings(map_file).global_descriptor is None
+    values = {"network_channels": "grey", "network_mean": [0], "network_std": [1], "network_width": 64}
+    network = settings(map_file, network="n.onnx", network_height=32, **values).global_descriptor
+    assert (network.model, network.width, network.height, network.channels) == ("n.onnx", 64, 32, "grey")
+    assert (network.mean, network.std) == ((0.0,), (1.0,))
+
+
+def test_who_describes_the_photos_is_reported(map_file):
+    library = made(map_file=map_file, jobs=3, scheduler="tcp://host:1").place_indexer(print)
+    assert (library.jobs, library.scheduler) == (3, "tcp://host:1")
+
+
+@pytest.mark.parametrize("profile", ["tuned", "plain"])
+@pytest.mark.parametrize("points, matcher", [(2, "BruteForce-Hamming"), (4, "BruteForce-Hamming(2)")])
+def test_each_kind_of_orb_has_its_matcher(map_file, profile, points, matcher):
+    orb = {"detector": "ORB", "extractor": "ORB", "profile": profile, "orb_wta_k": points}
+    taken = settings(map_file, matcher=matcher, **orb)
+    taken.validate()
+    assert taken.features["orb_wta_k"] == points
+    with pytest.raises(ValueError, match="matcher is"):
+        settings(map_file, matcher=matcher, **{**orb, "orb_wta_k": 6 - points}).validate()
+
+
+@pytest.mark.parametrize(
+    "name, value", [("network_backend", "torch"), ("network_channels", "HSV"), ("orb_wta_k", 5)]
+)
+def test_what_cannot_be_is_named_in_full(name, value):
+    with pytest.raises(ValueError, match=f"/robot/{name}: must be"):
+        made(**{name: value})

@@ -1,0 +1,32 @@
+#!/usr/bin/env bash
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+#
+# Builds the documentation as HTML in build/docs/html: the pages of doc/, and the reference of the Python and the C++ API from
+# their comments. Installs doxygen and sphinx by apt. Fails on a warning.
+set -euo pipefail
+. "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
+
+install_packages "$root/tools/apt_packages.txt" "$root/tools/apt_packages_docs.txt"
+continue_as_owner "$@"
+build_package all
+
+pages=$build/docs/source html=$build/docs/html
+rm -rf "$build/docs" && mkdir -p "$pages" "$html/cpp"
+cd "$root"
+cp -r README.md CONTRIBUTING.md CHANGELOG.rst LICENSE config doc "$pages"
+
+log "C++ reference"
+doxygen <(cat tools/Doxyfile; echo "OUTPUT_DIRECTORY = $html"; echo "HTML_OUTPUT = cpp")
+
+log "pages and Python reference"
+python3 -m sphinx.ext.apidoc -q -f -e -M --implicit-namespaces -o "$pages/doc/api" src/sextant
+{
+  printf '%s\n' "Compiled core" "=============" "" "All names are in the module \`\`sextant\`\`, too."
+  for module in "$build"/devel/lib/python3/dist-packages/sextant/_core/*.so; do
+    room=$(basename "${module%%.*}")
+    printf '%s\n' "" "$room" "-------------" "" ".. automodule:: sextant._core.$room" "   :members:" "   :undoc-members:"
+  done
+} >"$pages/doc/api/core.rst"
+python3 -m sphinx -q -W --keep-going -c doc -b html "$pages" "$html"
+log "$html/doc/index.html"
