@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Run by test_view_across_network.py on the viewing side: receives every topic once and prints a summary.
 
-Arguments: topic of the pose, topic of the decompressed picture, seconds until it gives up.
+Arguments: topic of the pose, topic of the decompressed picture, seconds until it gives up, and the name of a node that
+also has to subscribe to the map before (optional).
 """
 
 import json
@@ -32,7 +33,7 @@ class Received:
 
 
 def main():
-    pose, picture, seconds = sys.argv[1:]
+    pose, picture, seconds, *viewers = sys.argv[1:]
     rospy.init_node("late_listener", anonymous=True)
     received = Received()
     rospy.Subscriber(
@@ -43,13 +44,20 @@ def main():
     received.subscribe("boards", "marker_map", Drawing)
     received.subscribe("picture", picture, Image)
     end = time.monotonic() + float(seconds)
-    while not received.complete() and time.monotonic() < end:
+    while not (received.complete() and viewers_subscribe(viewers)) and time.monotonic() < end:
         time.sleep(0.1)
     print(json.dumps(summary(received)))
 
 
+def subscribers():
+    return dict(rosgraph.Master("late_listener").getSystemState()[1])
+
+
+def viewers_subscribe(viewers):
+    return not viewers or set(viewers) <= set(subscribers().get("/marker_map", []))
+
+
 def summary(received):
-    _, subscribers, _ = rosgraph.Master("late_listener").getSystemState()
     digests = {
         "pose": lambda message: message.header.frame_id,
         "markers": lambda message: message.header.frame_id,
@@ -57,7 +65,7 @@ def summary(received):
         "picture": lambda message: [message.width, message.encoding],
     }
     brief = {name: digests[name](message) for name, message in received.messages.items()}
-    return {**brief, "frames": sorted(received.frames), "subscribers": dict(subscribers)}
+    return {**brief, "frames": sorted(received.frames), "subscribers": subscribers()}
 
 
 if __name__ == "__main__":
