@@ -17,7 +17,8 @@ from std_srvs.srv import SetBool
 
 from sextant.base.strict_params import not_empty, param, within
 from sextant.evaluation.drive_plot import plot_drive
-from sextant.evaluation.trajectory import error_table, trajectory_errors
+from sextant.evaluation.error_table import error_table
+from sextant.evaluation.trajectory_metrics import trajectory_errors
 from sextant.msg import MarkerMapEntries
 from sextant.nodes.base.conversions import pose_from_message
 from sextant.nodes.base.exits import fatal
