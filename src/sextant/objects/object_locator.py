@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Localization of the objects in detected boxes by the depth image of a second camera."""
+"""Localization of the objects in detected boxes by the depth image of a second camera; ignores pixels without
+depth, and locates a near pillar by its width."""
 
 from dataclasses import dataclass
 from typing import List, NamedTuple, Optional, Sequence, Tuple
@@ -76,7 +77,7 @@ class ObjectLocator:
     ) -> List[Optional[LocatedObject]]:
         """Locate the object in each box; None: it cannot be located.
 
-        :param depth: float32 (height, width), metres, 0: none, from sextant.objects.depth_image.metres_of()
+        :param depth: float32 (height, width), metres, 0: none, as from depth_encodings.metres_of()
         :param boxes: (n, 4) left, top, right, bottom, pixels of the colour image; (0, 0) is its first corner
         :param T_base_colour: (4, 4), z up in the robot frame
         :raises ValueError: the depth image and its camera differ in size
