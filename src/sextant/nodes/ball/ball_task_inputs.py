@@ -110,7 +110,7 @@ class BallTaskInputs:
     def _add_pairs(self, pairs: List[Pair]) -> None:
         for pose, odometry in pairs:
             stamp, T_map_base = pose.header.stamp.to_nsec(), pose_from_message(pose.pose.pose)
-            if self._poses.is_clock_reset(stamp):
+            if self._poses.jumps_back(stamp):
                 self._poses.clear()
                 self._ball, self._ball_seen, self._pillars = None, np.inf, []
                 self.newest_image, self.newest_depth = np.nan, -np.inf

@@ -19,7 +19,7 @@ from std_srvs.srv import Trigger, TriggerResponse
 from sextant.base.strict_params import each, not_empty, one_of, param, within
 from sextant.evaluation.accuracy_report import AccuracyFiles, write_accuracy
 from sextant.evaluation.drive_accuracy import compare, drive_table
-from sextant.evaluation.live_drive import ClockSetBack, LiveDrive
+from sextant.evaluation.live_drive import JumpBack, LiveDrive
 from sextant.evaluation.pose_series import (
     AXES,
     GroundTruth,
@@ -108,7 +108,7 @@ class AccuracyListener:
             with self._lock:
                 try:
                     add(self._drive, frame, stamp, T)
-                except ClockSetBack:
+                except JumpBack:
                     rospy.logwarn("%s: the clock was set back: earlier poses are dropped", rospy.get_name())
                     self._drive = LiveDrive()
                     self._tf.clear()

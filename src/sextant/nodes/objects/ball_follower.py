@@ -40,7 +40,7 @@ class BallFollower:
         :raises ValueError: the pose is not valid
         """
         stamp, T = odometry.header.stamp.to_nsec(), pose_from_message(odometry.pose.pose)
-        if self._poses.is_clock_reset(stamp) or odometry.header.frame_id != self._frame:
+        if self._poses.jumps_back(stamp) or odometry.header.frame_id != self._frame:
             self._poses.clear()
             self._tracker.clear()
             self._frame = odometry.header.frame_id
