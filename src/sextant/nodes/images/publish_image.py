@@ -24,8 +24,7 @@ from sextant.nodes.base.exits import fatal
 from sextant.nodes.base.init_node import init_node
 from sextant.nodes.base.params import read_params
 from sextant.nodes.base.subscriber_wait import wait_for_subscriber
-from sextant.place_maps.exif_map import find_photos
-from sextant.place_maps.photo_file import read_rgb
+from sextant.place_maps.photo_file import find_photos, read_rgb
 
 LINGER = 1.0  # minimum time from the last photo to the end, seconds, so that it is transmitted
 
