@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Finds and reads photo files: grey or colour, optionally reduced, and the GPS position of their EXIF data."""
+"""Finds and reads photo files: grey or colour, optionally reduced, and their EXIF data's GPS position."""
 
 import math
 from io import BytesIO
