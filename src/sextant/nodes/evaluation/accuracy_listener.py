@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Computes the accuracy of poses in a running system, at measured positions or against ground truth."""
+"""Node accuracy_listener: accuracy of live poses, at measured positions or against ground truth."""
 
 import threading
 import time

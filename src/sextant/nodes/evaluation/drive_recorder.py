@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Compares the poses of several locators with the ground truth of a simulated drive."""
+"""Node drive_recorder: collects the poses of a simulated drive until it ends, then compares them with the
+ground truth."""
 
 import os
 import threading

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Publishes a photo, or the photos of a folder, as a camera would, rotated upright by their EXIF data.
+"""Node publish_image: publishes photos as a camera would, rotated upright by their EXIF data.
 
 camera_driver does not rotate photos, since it publishes the calibration of the unrotated sensor.
 """

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Localizes a robot in a map of remembered places."""
+"""Node place_localizer: localizes a robot in a map of remembered places."""
 
 import threading
 import time

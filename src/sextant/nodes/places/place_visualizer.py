@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Visualizes the hypotheses of place_localizer on a map's overview: as image, in a window and in rviz."""
+"""Node place_visualizer: shows place_localizer's hypotheses on the overview, in a window and in rviz."""
 
 import tempfile
 import threading

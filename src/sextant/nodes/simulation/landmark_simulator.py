@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Node: simulated robot with odometry and a sensor of landmarks."""
+"""Node landmark_simulator: a simulated robot with odometry and a sensor of landmarks."""
 
 from dataclasses import dataclass
 from typing import List

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Simulates a walk along a street: images, odometry, ground truth and a place map."""
+"""Node street_simulator: a simulated walk along a street: images, odometry, ground truth and a place map."""
 
 import threading
 from dataclasses import dataclass
