@@ -18,11 +18,11 @@ from sextant.base.jobs import JobError, SchedulerError
 from sextant.messages.damaged_message import DamagedMessage
 from sextant.messages.image_messages import colour_compressed, colour_image
 from sextant.msg import PlaceHypotheses, Places
-from sextant.nodes.base.conversions import image_to_message
 from sextant.nodes.base.exits import fatal
 from sextant.nodes.base.file_wait import wait_for_file
 from sextant.nodes.base.init_node import init_node
 from sextant.nodes.base.params import read_params
+from sextant.nodes.images.image_message import image_to_message
 from sextant.nodes.images.latest_image import LatestImage
 from sextant.nodes.places.place_localizer_node_params import PlaceLocalizerNodeParams
 from sextant.nodes.places.place_messages import fix_message, hypotheses_message, places_message, pose_message

@@ -18,11 +18,11 @@ from visualization_msgs.msg import MarkerArray
 
 from sextant.base.strict_params import not_empty, param, required, within
 from sextant.msg import Places
-from sextant.nodes.base.conversions import image_to_message
 from sextant.nodes.base.exits import fatal
 from sextant.nodes.base.file_wait import wait_for_file
 from sextant.nodes.base.init_node import init_node
 from sextant.nodes.base.params import read_params
+from sextant.nodes.images.image_message import image_to_message
 from sextant.nodes.images.image_window import ImageWindow
 from sextant.nodes.places.place_messages import hypotheses_from_message
 from sextant.nodes.places.place_visualization import PlaceVisualization, delete_all
