@@ -67,7 +67,7 @@ Test time =   0.50 sec
 Test Passed.
 "_ctest_sextant_gtest_test_base" end time: Nov 23 15:00 UTC
 
-2/2 Testing: _ctest_sextant_rostest_test_ros_ball_ball_task.test
+2/2 Testing: _ctest_sextant_rostest_test_ros_ball_ball_task_launch.test
 Output:
 ----------------------------------------------------------
 no ball
@@ -83,8 +83,8 @@ def test_every_test_has_a_log_and_a_failed_ones_path_is_printed(tmp_path):
     arguments = [tmp_path / "LastTest.log", tmp_path / "logs"]
     command = [sys.executable, str(TOOLS / "test_logs.py"), *map(str, arguments)]
     done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True)
-    failed = tmp_path / "logs/ball_ball_task.test.log"
-    assert done.stdout == f"FAILED after 12 s: rostest_test_ros_ball_ball_task.test, see {failed}\n"
+    failed = tmp_path / "logs/ball_ball_task_launch.test.log"
+    assert done.stdout == f"FAILED after 12 s: rostest_test_ros_ball_ball_task_launch.test, see {failed}\n"
     assert failed.read_text() == "no ball\n"
     assert (tmp_path / "logs/gtest_test_base.log").read_text() == "all is well\n"
 
