@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The files around the code agree with it, and the scripts do what their comments state."""
 
+import ast
 import os
 import re
 import subprocess
@@ -152,6 +153,15 @@ def test_every_nodelet_is_described():
     description = ElementTree.parse(str(ROOT / "nodelet_plugins.xml"))
     described = {each.get("type") for each in description.iter("class")}
     assert exported and exported == described
+
+
+def test_the_header_of_every_node_begins_with_its_name():
+    nodes = [
+        path for path in (ROOT / "src/sextant/nodes").rglob("*.py") if (ROOT / "scripts" / path.stem).exists()
+    ]
+    headers = {path.stem: ast.get_docstring(ast.parse(path.read_text())) for path in nodes}
+    assert len(headers) > 10
+    assert [name for name, text in headers.items() if not text.startswith(f"Node {name}: ")] == []
 
 
 def test_version_is_in_the_changelog():
