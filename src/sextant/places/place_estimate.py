@@ -43,7 +43,7 @@ def estimate(
     :param positions: (m, 2) pixels
     :param probabilities: (m,), not all 0
     :param yaws: (m,) of the photo recognized at each place, radians; None: unknown
-    :param spacing: (2,) distance of neighbouring places, pixels along x and y
+    :param spacing: (2,) distance between neighbouring places, pixels along x and y
     """
     weights = probabilities / probabilities.sum()
     mean = weights @ positions
