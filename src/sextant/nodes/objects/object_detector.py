@@ -69,7 +69,7 @@ def _rgb_image(message: Image) -> np.ndarray:
 
 
 def main() -> None:
-    """Runs the node; an invalid parameter or model ends it with status 1 and the reason."""
+    """Runs the node; exits with status 1 and the reason if a parameter or the model is invalid."""
     init_node("object_detector")
     params = read_params(ObjectDetectorParams)
     if params.threads:

@@ -208,6 +208,6 @@ class BallSimulator(SimulatedRobot):
 
 
 def main() -> None:
-    """Runs the node; an invalid parameter ends it with status 1 and the reason."""
+    """Runs the node; exits with status 1 and the reason if a parameter is invalid."""
     with simulated_time("ball_simulator"):
         BallSimulator(read_params(BallSimulatorParams)).run()

@@ -126,7 +126,7 @@ def outlines(positions: np.ndarray, frame: str) -> MarkerArray:
 
 
 def main() -> None:
-    """Runs the node; exits with status 1 and the reason if a parameter is not valid."""
+    """Runs the node; exits with status 1 and the reason if a parameter is invalid."""
     with simulated_time("landmark_simulator"):
         params = read_params(LandmarkSimulatorParams)
         with fatal(ValueError, separator="/"):

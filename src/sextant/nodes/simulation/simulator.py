@@ -132,7 +132,7 @@ class Simulator(SimulatedRobot):
 
 
 def main() -> None:
-    """Runs the node; an invalid parameter or map file ends it with status 1 and the reason."""
+    """Runs the node; exits with status 1 and the reason if a parameter or the map file is invalid."""
     with simulated_time("simulator"):
         with fatal(ValueError, RuntimeError):
             simulator = Simulator(read_params(SimulatorParams))
