@@ -4,7 +4,7 @@
 
 Seeded drives; the filter is given the initial pose and the noise of the world. NEES (Bar-Shalom, Li and
 Kirubarajan 2001, section 5.4) over its degrees of freedom is 1 for a consistent filter: 3 of the pose, and
-two for every landmark in the map so far, with all cross covariances. A moment is in its band if the sum over
+two for every landmark in the map so far, with all cross covariances. A step is in its band if the sum over
 all drives is within the 95 % interval of its chi-squared distribution.
 
 The covariance is of errors in the form of the filter: additive, or right-invariant, where the heading error
@@ -21,10 +21,10 @@ from tables import Row, Table, Value
 
 from landmarks.landmark_drives import EXACT, make_filter, nees, observation_2d, pose_error, rms
 from sextant.geometry.plane_poses import rotation
-from sextant.simulation.landmark_world import LandmarkWorld, LandmarkWorldParams, WorldMoment
+from sextant.simulation.landmark_world import LandmarkWorld, LandmarkWorldParams, SimulationStep
 
 RUNS, DURATION = 50, 300.0  # seconds
-BAND, SHARE = (0.9, 1.15), 90.0  # of NEES over its degrees of freedom; % of the moments in their 95 % band
+BAND, SHARE = (0.9, 1.15), 90.0  # of NEES over its degrees of freedom; % of the steps in their 95 % band
 COLUMNS = ["pose NEES", "pose in band, %", "map NEES", "map in band, %", "plain: pose", "map", "each"]
 COLUMNS += ["pose, cm", "map, cm", "heading, deg"]
 
@@ -84,30 +84,30 @@ def accuracy_tables(quick: bool) -> List[Table]:
     judged: Dict[str, list] = {form: [] for form in FORMS}
     for seed in range(runs):
         world = LandmarkWorld(LandmarkWorldParams(seed=seed, duration=duration))
-        moments = list(world.moments())
+        steps = list(world.steps())
         for form in FORMS:
-            judged[form].append(list(judged_drive(world, moments, form)))
-    figures = {form: np.array(judged[form]).transpose(2, 0, 1) for form in FORMS}  # field, drive, moment
+            judged[form].append(list(judged_drive(world, steps, form)))
+    figures = {form: np.array(judged[form]).transpose(2, 0, 1) for form in FORMS}  # field, drive, step
     title = f"{runs} drives of {duration:g} s among 15 landmarks of 3 classes, known association"
     rows = [_row(form, Judged(*figures[form]), figures, quick) for form in FORMS]
     samples = {form: Judged(*figures[form]).pose_nees.mean(axis=0) / 3 for form in FORMS}
     return [Table(title, COLUMNS, rows, samples)]
 
 
-def judged_drive(world: LandmarkWorld, moments: List[WorldMoment], form: str) -> Iterator[Judged]:
+def judged_drive(world: LandmarkWorld, steps: List[SimulationStep], form: str) -> Iterator[Judged]:
     """After every scan."""
     landmark_filter = make_filter(form, world.start, EXACT)
     index_of: Dict[int, int] = {}  # of the filter's landmarks, in their order
-    for moment in moments:
-        landmark_filter.predict(moment.step, moment.noise)
-        if moment.scan:
-            known = [seen for seen in moment.scan.observations if seen.truth in index_of]
+    for step in steps:
+        landmark_filter.predict(step.odometry_step, step.noise)
+        if step.scan:
+            known = [seen for seen in step.scan.observations if seen.truth in index_of]
             indices = [index_of[seen.truth] for seen in known]
             landmark_filter.update(indices, [observation_2d(seen) for seen in known])
-            for seen in moment.scan.observations:
+            for seen in step.scan.observations:
                 if seen.truth not in index_of:
                     index_of[seen.truth] = landmark_filter.add(observation_2d(seen))
-            yield _judged(form, landmark_filter, moment.pose, world.positions[list(index_of)])
+            yield _judged(form, landmark_filter, step.pose, world.positions[list(index_of)])
 
 
 def _judged(form: str, landmark_filter, pose: np.ndarray, truth: np.ndarray) -> Judged:
@@ -156,7 +156,7 @@ def _off(judged: Judged) -> Tuple[float, float]:
 
 
 def in_band(values: np.ndarray, freedoms: np.ndarray) -> float:
-    """Share of the moments (columns) whose sum over the drives (rows) is in its 95 % band."""
+    """Share of the steps (columns) whose sum over the drives (rows) is in its 95 % band."""
     low, high = (chi2.ppf(part, freedoms.sum(axis=0)) for part in (0.025, 0.975))
     total = values.sum(axis=0)
     return float(np.mean((total > low) & (total < high)))

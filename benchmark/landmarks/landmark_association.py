@@ -90,12 +90,12 @@ def driven(world: LandmarkWorld) -> Drive:
     """The world's drive with LandmarkSlam."""
     slam, journal = sextant.LandmarkSlam(slam_params(world.params), world.start, EXACT), Journal()
     nees_of_pose, squares = [], []
-    for moment in world.moments():
-        slam.predict(moment.step, moment.noise, 1 / world.params.odometry_rate)
-        if moment.scan:
-            report = slam.observe(moment.scan.stamp, labelled(moment.scan.observations))
-            journal.note(moment.scan.stamp, moment.scan.observations, report)
-            error = pose_error(moment.pose, slam.filter.pose)
+    for step in world.steps():
+        slam.predict(step.odometry_step, step.noise, 1 / world.params.odometry_rate)
+        if step.scan:
+            report = slam.observe(step.scan.stamp, labelled(step.scan.observations))
+            journal.note(step.scan.stamp, step.scan.observations, report)
+            error = pose_error(step.pose, slam.filter.pose)
             nees_of_pose.append(nees(error, slam.filter.pose_covariance))
             squares.append(error[:2] @ error[:2])
     strays, found = _found(world, slam)

@@ -70,13 +70,13 @@ def driven(params: LandmarkWorldParams, at_arrival: bool = False, clock_sigma: f
     timeline = sextant.LandmarkTimeline(timeline_params, sextant.LandmarkSlam(slam, world.start, EXACT))
     T_odom_base, errors = np.zeros(3), []
     timeline.odometry(0.0, T_odom_base)
-    for moment in world.moments():
-        T_odom_base = composed(T_odom_base, moment.step)
-        timeline.odometry(moment.stamp, T_odom_base)
-        if moment.scan:
-            stamp = moment.stamp if at_arrival else moment.scan.stamp
-            timeline.observe(stamp, labelled(moment.scan.observations))
-        errors.append(pose_error(moment.pose, timeline.now.pose))
+    for step in world.steps():
+        T_odom_base = composed(T_odom_base, step.odometry_step)
+        timeline.odometry(step.stamp, T_odom_base)
+        if step.scan:
+            stamp = step.stamp if at_arrival else step.scan.stamp
+            timeline.observe(stamp, labelled(step.scan.observations))
+        errors.append(pose_error(step.pose, timeline.now.pose))
     found = np.array(errors)
     known = timeline.slam.filter
     return Drive(np.sum(found[:, :2] ** 2, 1), found[:, 2], known.clock_offset, np.sqrt(known.clock_variance))

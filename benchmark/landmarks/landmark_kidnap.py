@@ -87,13 +87,13 @@ def checks(seed: int, is_announced: bool) -> Iterator[Check]:
     timeline.odometry(0.0, T_odom_base)
     last = round(BEFORE * world.params.odometry_rate)
     for number in range(1, last + round(AFTER * world.params.odometry_rate)):
-        moment = drive.advance()
-        T_odom_base = composed(T_odom_base, moment.step)
-        timeline.odometry(moment.stamp, T_odom_base)
-        if moment.scan:
-            timeline.observe(moment.scan.stamp, labelled(moment.scan.observations))
-        if moment.scan and number > last:
-            yield _check(moment.stamp - BEFORE, timeline, moment.pose)
+        step = drive.advance()
+        T_odom_base = composed(T_odom_base, step.odometry_step)
+        timeline.odometry(step.stamp, T_odom_base)
+        if step.scan:
+            timeline.observe(step.scan.stamp, labelled(step.scan.observations))
+        if step.scan and number > last:
+            yield _check(step.stamp - BEFORE, timeline, step.pose)
         if number == last:
             drive.kidnap()
             if is_announced:

@@ -23,7 +23,7 @@ from tables import Row, Table, Value
 import sextant
 from mapping.simulated_series import DISTANCES, rendered_marker
 from sextant.base.jobs import package_folder
-from sextant.nodes.base.conversions import image_to_message
+from sextant.nodes.images.image_message import image_to_message
 from sextant.nodes.simulation.simulator_messages import calibration_to_message
 from sextant.simulation.camera import camera_calibration
 

@@ -9,7 +9,7 @@ from tables import Table, Value
 from under_test import MODES, detector, locator
 
 import sextant
-from sextant.evaluation.trajectory import TrajectoryErrors, summarize, trajectory_errors
+from sextant.evaluation.trajectory_metrics import TrajectoryErrors, summarize, trajectory_errors
 from sextant.simulation.drive import DriveParams, Frame, SimulatedDrive
 from sextant.simulation.room import default_map
 

@@ -18,8 +18,7 @@ from tables import Row, Table, Value
 
 from places.place_recall import corridor_map, measured, part_of, still_right
 from places.place_seasons import FEW, MAP_STEP, QUERY_STEP, SIZE, SMALL, walk
-from sextant.place_maps.exif_map import find_photos
-from sextant.place_maps.photo_file import read_grey
+from sextant.place_maps.photo_file import find_photos, read_grey
 from sextant.place_maps.place_map import PlaceMap
 from sextant.places.place_evidence import EvidenceParams, score_features
 from sextant.places.place_index import IndexParams

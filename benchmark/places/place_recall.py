@@ -10,7 +10,8 @@ import numpy as np
 from tables import Row, Table, Value
 
 from places.place_method import METHODS
-from sextant.place_maps.exif_map import corners_around, exif_map, extent, find_photos, positions_of
+from sextant.place_maps.exif_map import corners_around, exif_map, positions_of
+from sextant.place_maps.photo_file import find_photos
 from sextant.place_maps.place_map import Overview, Photo, PlaceMap
 from sextant.places.place_evaluation import PlaceEvaluation, evaluate, evaluate_leave_one_out
 from sextant.places.place_index_update import PlaceIndexer
@@ -143,7 +144,7 @@ def _unknown_row(name: str, found: PlaceEvaluation, bar: Optional[float]) -> Row
 def _lund(folder: Path, photos: Sequence[Path], quick: bool) -> Table:
     positions, _ = positions_of(photos)
     corners = corners_around(list(positions.values()), MARGIN)
-    width, height = (int(SCALE * side) for side in extent(corners))
+    width, height = (int(SCALE * side) for side in corners.extent())
     empty = PlaceMap(photos[0].parent, Overview("none.png", width, height), (), corners)
     made = exif_map(empty, photos)[0]
     indexer = PlaceIndexer(folder / "lund.txt", made, METHODS[OURS])

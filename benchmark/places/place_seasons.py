@@ -14,7 +14,8 @@ from places.place_recall import COLUMNS, MODES, measured, row_of
 from places.place_walk import Shot, Size, take_all
 from sextant.place_maps.place_map import MetricFrame, Overview, Photo, PlaceMap
 from sextant.places.place_queries import default_tolerance, queries_of_map
-from sextant.simulation.street import CONDITIONS, LENGTH, WIDTH, Street
+from sextant.simulation.street import LENGTH, WIDTH, Street
+from sextant.simulation.street_conditions import CONDITIONS
 
 SEED = 1
 MAP_STEP, QUERY_STEP = 3.0, 4.0  # distance between photos, metres

@@ -13,7 +13,8 @@ import numpy as np
 from sextant.base.jobs import run_jobs
 from sextant.place_maps.place_map import Overview, Photo, PlaceMap
 from sextant.place_maps.place_map_file import write_place_map
-from sextant.simulation.street import CONDITIONS, Street, StreetConditions
+from sextant.simulation.street import Street
+from sextant.simulation.street_conditions import CONDITIONS, StreetConditions
 from sextant.simulation.street_view import street_view
 
 QUALITY = 90  # of the JPEG files

@@ -48,13 +48,13 @@ def write_world(path, world, begin=1.0, delay=0.0, frame="base_link", mount=(0.0
     odometry, truth, sets = np.zeros(3), {}, []
     with WrittenBag(path) as bag:
         bag.odometry("/odom", planar(odometry), begin)
-        for moment in world.moments():
-            seconds = begin + moment.stamp
-            odometry = composed(odometry, moment.step)
+        for step in world.steps():
+            seconds = begin + step.stamp
+            odometry = composed(odometry, step.odometry_step)
             bag.odometry("/odom", planar(odometry), seconds)
-            truth[seconds] = relative(world.start, moment.pose)
-            if moment.scan:
-                message = observations_message(seconds, seen_messages(moment.scan.observations, mount), frame)
+            truth[seconds] = relative(world.start, step.pose)
+            if step.scan:
+                message = observations_message(seconds, seen_messages(step.scan.observations, mount), frame)
                 sets.append((seconds + delay + 1e-3, message))
         for arrival, message in arrivals(sets) if arrivals else sets:
             bag.write("/landmarks", message, arrival)  # the bag's index has them in this order

@@ -13,7 +13,8 @@ from tf2_msgs.msg import TFMessage
 
 import sextant
 from sextant.msg import Marker, MarkerArray
-from sextant.nodes.base.conversions import image_to_message, pose_to_message
+from sextant.nodes.base.pose_messages import pose_to_message
+from sextant.nodes.images.image_message import image_to_message
 from sextant.nodes.simulation.simulator_messages import calibration_to_message, pose_to_transform
 from sextant.simulation.camera import camera_calibration
 

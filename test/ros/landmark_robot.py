@@ -96,7 +96,7 @@ class LandmarkRobot:
 
     def begin(self):
         """The same drive from its start."""
-        self.moments = self.world.moments()
+        self.steps = self.world.steps()
         self.pose = np.zeros(3)  # by odometry
         self.truth = {}  # pose (3,) in the map by the stamps that the sensor looked at
         self.stamp = rospy.Time.from_sec(BEGIN)
@@ -111,22 +111,22 @@ class LandmarkRobot:
     def drive(self, duration, done=lambda: False):
         """For so many seconds, or until it is done. False: something was not used, or the drive is over."""
         end = seconds(self.stamp) + duration
-        for moment in self.moments:
-            self.stamp = rospy.Time.from_sec(BEGIN + moment.stamp)
-            self.pose = composed(self.pose, moment.step)
+        for step in self.steps:
+            self.stamp = rospy.Time.from_sec(BEGIN + step.stamp)
+            self.pose = composed(self.pose, step.odometry_step)
             self.publish_odometry(self.pose)
-            if moment.scan is not None and not self.scan(moment):
+            if step.scan is not None and not self.scan(step):
                 return False
             if done() or seconds(self.stamp) >= end - 1e-6:
                 return True
         return False
 
-    def scan(self, moment):
-        x, y, heading = moment.pose
+    def scan(self, step):
+        x, y, heading = step.pose
         self.truth[self.stamp] = np.array(
-            [*in_frame(self.world.start, moment.pose[None, :2])[0], heading - self.world.start[2]]
+            [*in_frame(self.world.start, step.pose[None, :2])[0], heading - self.world.start[2]]
         )
-        msg = observations_msg(self.stamp, moment.scan.observations, self.name)
+        msg = observations_msg(self.stamp, step.scan.observations, self.name)
         self.observations.publish(msg)
         self.timeline.observe(seconds(self.stamp), [labelled(each) for each in msg.observations])
         return self.entries.at(self.stamp) is not None

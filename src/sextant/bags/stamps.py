@@ -6,9 +6,8 @@ from collections import Counter
 from typing import Dict, List, Set
 
 from sextant.bags.bag_file import BagFile, Recorded
+from sextant.base.stamp_jump import jumps_back
 from sextant.messages.damaged_message import DamagedMessage
-
-JUMP = 10**9  # nanoseconds; smaller steps back of a topic's stamps are messages out of order
 
 
 class StampOrder:
@@ -28,7 +27,7 @@ class StampOrder:
         if stamp <= 0:
             raise DamagedMessage("the stamp is zero")
         newest = self._newest.get(recorded.topic, stamp)
-        if newest - stamp > JUMP:
+        if jumps_back(stamp, newest):
             second = self._bag.seconds(recorded.received)
             back = (newest - stamp) / 1e9
             what = f"the clock of {recorded.topic} jumps back by {back:.3f} s at {second:.3f} s"

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Parameter files of the nodelet sextant/LandmarkSlam, in the format of `rosparam load`."""
+"""Parameter files in the format of `rosparam load`."""
 
 from pathlib import Path
 from typing import Any, Dict, Union

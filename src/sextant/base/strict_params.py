@@ -172,14 +172,14 @@ def _built(cls: Type[Params], values: Mapping[str, Any]) -> Params:
 
 # Parameter types by their names in sextant._core.
 _TYPES = {
-    "true/false": bool,
-    "whole": int,
-    "real": float,
-    "text": str,
-    "list of texts": List[str],
-    "list of reals": List[float],
-    "table of reals": Dict[str, float],
-    "table of texts": Dict[str, str],
+    "bool": bool,
+    "int": int,
+    "double": float,
+    "string": str,
+    "list of strings": List[str],
+    "list of doubles": List[float],
+    "dictionary of doubles": Dict[str, float],
+    "dictionary of strings": Dict[str, str],
 }
 
 

@@ -6,7 +6,7 @@
     make_place_map drive     from bags of drives with known poses
     make_place_map image     an overview without photos, to be placed by clicks with place_map_maker
 
-Options: make_place_map COMMAND --help
+Options: make_place_map COMMAND --help. place_map_maker edits a map by clicks on a web page.
 """
 
 import argparse

@@ -3,6 +3,8 @@
 """Serves a web page on which photos are placed on an overview image by clicks; every click is saved at once.
 
 place_map_maker photos/            creates or edits photos/map.txt at http://127.0.0.1:8080
+
+make_place_map makes a map without clicks, from positions that are known.
 """
 
 import argparse

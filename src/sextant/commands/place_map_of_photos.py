@@ -18,9 +18,10 @@ import numpy as np
 from sextant.commands.command_line import Answer, CommandParser
 from sextant.commands.georeference_options import add_corner_options, corners_of
 from sextant.commands.place_map_output import add_output_options, existing_map, write_map
-from sextant.place_maps.exif_map import corners_around, exif_map, extent, find_photos, positions_of
+from sextant.place_maps.exif_map import corners_around, exif_map, positions_of
 from sextant.place_maps.overview import draw_overview
 from sextant.place_maps.overview_image import OverviewImage, drawn_overview, overview_from_file
+from sextant.place_maps.photo_file import find_photos
 from sextant.place_maps.place_map import image_in
 from sextant.place_maps.world_file import corners_beside
 
@@ -77,5 +78,5 @@ def _overview(options: argparse.Namespace, photos: List[Path]) -> OverviewImage:
         raise ValueError(f"--margin is {options.margin:g}, it must be above 0 metres")
     positions, _ = positions_of(photos)
     corners = corners or corners_around(list(positions.values()), options.margin)
-    image, _ = draw_overview([], *extent(corners))
+    image, _ = draw_overview([], *corners.extent())
     return drawn_overview(f"{options.output.stem}.png", image, corners)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Accuracy of the poses of a drive against ground truth, as numbers, a table, and a CSV file."""
+"""Table and CSV of a drive's ATE, RPE and NEES (computed in trajectory_metrics and nees)."""
 
 import csv
 from dataclasses import dataclass
@@ -11,24 +11,20 @@ import numpy as np
 
 import sextant
 from sextant.base.atomic_file import atomic_file
-from sextant.evaluation.trajectory import (
-    ErrorSummary,
-    Trajectory,
-    TrajectoryErrors,
-    seconds_text,
-    summarize,
-    trajectory_errors,
-)
+from sextant.evaluation.nees import Nees, nees
+from sextant.evaluation.trajectory import Trajectory, seconds_text
 from sextant.evaluation.trajectory_metrics import (
     RPE,
-    Nees,
+    ErrorSummary,
     RelativeErrors,
+    TrajectoryErrors,
     aligned,
     aligned_covariances,
     alignment,
     interpolated_truth,
-    nees,
     relative_errors,
+    summarize,
+    trajectory_errors,
 )
 
 HEADER = ("drive", "stamp", "x", "y", "z", "rx", "ry", "rz", "position", "angle", "nees")

@@ -13,7 +13,8 @@ from matplotlib.figure import Figure
 
 from sextant.base.atomic_file import atomic_file
 from sextant.base.plot_colours import COLOURS
-from sextant.evaluation.trajectory import Trajectory, TrajectoryErrors, trajectory_errors
+from sextant.evaluation.trajectory import Trajectory
+from sextant.evaluation.trajectory_metrics import TrajectoryErrors, trajectory_errors
 
 
 def plot_drive(

@@ -7,14 +7,15 @@ from typing import Deque, Dict, List, Tuple
 
 import numpy as np
 
+from sextant.base.stamp_jump import jumps_back
+
 KEPT = 3600 * 10**9  # nanoseconds for which poses and ground truth are kept
-JUMP = 10**9  # nanoseconds; a larger step back of an input's stamps means that the clock was set back
 
 TimedPose = Tuple[int, np.ndarray, np.ndarray]  # stamp (nanoseconds), T (4, 4), covariance (6, 6)
 
 
-class ClockSetBack(Exception):
-    """The clock was set back: earlier poses are obsolete, start a new LiveDrive."""
+class JumpBack(Exception):
+    """Stamps jump back, as the clock was set back: earlier poses are obsolete, start a new LiveDrive."""
 
 
 class LiveDrive:
@@ -31,7 +32,7 @@ class LiveDrive:
         """Adds a pose T (4, 4) with its covariance (6, 6).
 
         :param stamp: nanoseconds
-        :raises ClockSetBack: the stamp is much older than the previous one
+        :raises JumpBack: the stamp is much older than the previous one
         :raises ValueError: the stamp is zero, or the frame differs from the first one
         """
         self._check("pose", self.frame if self.poses else frame, frame, stamp)
@@ -43,7 +44,7 @@ class LiveDrive:
     def add_truth(self, frame: str, stamp: int, T: np.ndarray) -> None:
         """Adds the true pose T (4, 4) at a stamp in nanoseconds; ignored before the first pose.
 
-        :raises ClockSetBack: the stamp is much older than the previous one
+        :raises JumpBack: the stamp is much older than the previous one
         :raises ValueError: the stamp is zero, or the frame differs from that of the poses
         """
         self._check("truth", self.frame if self.poses else frame, frame, stamp)
@@ -63,8 +64,8 @@ class LiveDrive:
     def _check(self, what: str, expected: str, frame: str, stamp: int) -> None:
         if stamp == 0:
             raise ValueError("its stamp is zero")
-        if stamp < self._newest.get(what, 0) - JUMP:
-            raise ClockSetBack(what)
+        if jumps_back(stamp, self._newest.get(what, 0)):
+            raise JumpBack(what)
         if frame != expected:
             raise ValueError(f"its frame is '{frame}', the frame of the poses is '{expected}'")
         self._newest[what] = max(stamp, self._newest.get(what, 0))

@@ -25,7 +25,7 @@ BOARD = 0.011  # minimum length of a marker's line, extents: 20 cm are invisible
 NORMAL = 0.009  # length of a marker's normal, extents
 MAX_ELLIPSE = 0.03  # semi-axis, extents
 FACTORS = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)  # exaggeration of the ellipses
-JUMP = 1.0  # m between two images, beyond which no path is drawn
+PATH_GAP = 1.0  # m between two images, beyond which no path is drawn
 UPRIGHT = 0.3  # minimum horizontal part of the normal of a marker that is drawn as a line
 
 
@@ -187,7 +187,7 @@ def _path(poses) -> np.ndarray:
     for pose in poses:
         if pose is None:
             continue
-        if points and np.linalg.norm(pose[:2, 3] - points[-1]) > JUMP:
+        if points and np.linalg.norm(pose[:2, 3] - points[-1]) > PATH_GAP:
             points.append(np.full(2, np.nan))
         points.append(pose[:2, 3])
     return np.array(points).reshape(-1, 2)

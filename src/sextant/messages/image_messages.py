@@ -13,7 +13,7 @@ from cv_bridge import CvBridge
 from cv_bridge.boost.cv_bridge_boost import cvtColor2
 
 from sextant.messages.damaged_message import DamagedMessage
-from sextant.objects.depth_image import metres_of
+from sextant.objects.depth_encodings import metres_of
 
 _BAYER = [f"bayer_{order}{bits}" for order in ("rggb", "bggr", "gbrg", "grbg") for bits in (8, 16)]
 _COLOURS = [f"{order}{bits}" for order in ("rgb", "rgba", "bgr", "bgra") for bits in (8, 16)]

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Localization of the objects in detected boxes by the depth image of a second camera."""
+"""Localization of the objects in detected boxes by the depth image of a second camera; ignores pixels without
+depth, and locates a near pillar by its width."""
 
 from dataclasses import dataclass
 from typing import List, NamedTuple, Optional, Sequence, Tuple
@@ -13,15 +14,18 @@ from sextant.objects.box_tangents import BOTTOM, LEFT, RIGHT, TANGENTS, TOP, Box
 from sextant.objects.circle_fit import CircleFit, TangentPlanes, candidate_ranges, extends_beyond, fit_circle
 from sextant.objects.object_kinds import ObjectKind
 
-BOX_MARGIN = 0.7  # box widths on either side of a box in which depths are used, too
+BOX_MARGIN = 0.7  # depths up to this many box widths to the left and right of a box are used, too
 MAX_POINTS = 800  # approximate number of depths used per box
 
-MIN_OCCLUDED = 0.25  # fraction of nearer points beside a box; above it the side is occluded
-AMBIGUOUS = 0.4  # fraction of the best fit's inliers; another fit with more makes the box ambiguous
-MIN_INLIERS = 0.25  # fraction of the depths in a box; fewer are of an object in front
-MAX_RANGE_BY_WIDTH = 0.5  # metres to a pillar without depths
-INNER = 0.3  # box widths on either side of its middle that must have no depths then
-MIN_SIDE = 2.0  # of a box, pixels
+MIN_OCCLUDED = 0.25  # a side is occluded if more than this fraction of the points beside it are nearer
+AMBIGUOUS = 0.4  # a box is ambiguous if another fit has more than this fraction of the best fit's inliers
+MIN_INLIERS = (
+    0.25  # minimum fraction of the depths in a box; a fit with fewer inliers is of an object in front
+)
+MAX_RANGE_BY_WIDTH = 0.5  # metres; pillars farther away are not located by their width
+# box widths to either side of the middle; for that, this strip must have fewer than min_points depths
+INNER = 0.3
+MIN_SIDE = 2.0  # minimum width and height of a box, pixels
 GATE_SIGMAS, MAX_WIDTH_SIGMAS = 3.0, 5.0  # standard deviations
 TILT_TOLERANCE = 0.1  # radians, error of the camera's assumed tilt
 
@@ -38,7 +42,8 @@ class ObjectLocatorParams(StrictParams):
     correlation_length: float = param(7.0, within(1, 1000))  # of the depth noise, pixels of the depth image
     depth_scale_sigma: float = param(0.001, within(0, 1))  # standard deviation of depth_scale
     pixel_sigma: float = param(1.1, within(0.01, 100))  # of a box's side, pixels
-    size_sigma: float = param(0.022, within(0, 1))  # further part, fraction of the box's size
+    # added in quadrature to pixel_sigma, as a fraction of the box's size
+    size_sigma: float = param(0.022, within(0, 1))
     max_sigma: float = param(0.05, within(0, 10))  # fraction of the range; less certain positions are dropped
 
 
@@ -76,8 +81,9 @@ class ObjectLocator:
     ) -> List[Optional[LocatedObject]]:
         """Locate the object in each box; None: it cannot be located.
 
-        :param depth: float32 (height, width), metres, 0: none, from sextant.objects.depth_image.metres_of()
-        :param boxes: (n, 4) left, top, right, bottom, pixels of the colour image; (0, 0) is its first corner
+        :param depth: float32 (height, width), metres, 0: none, as from depth_encodings.metres_of()
+        :param boxes: (n, 4) left, top, right, bottom, pixels of the colour image; (0, 0) is the outer
+            corner of its top-left pixel
         :param T_base_colour: (4, 4), z up in the robot frame
         :raises ValueError: the depth image and its camera differ in size
         """
@@ -189,7 +195,8 @@ class ObjectLocator:
         return points[near], pixels[near], step
 
     def _window(self, low: np.ndarray, high: np.ndarray) -> Tuple[int, int, int, int]:
-        """Left, top, right and bottom in the depth image that cover a box between two colour pixels (2,)."""
+        """Left, top, right and bottom in the depth image of a box in the colour image with these corners
+        (2,), at any depth in range."""
         around = np.array([[low[0], low[1]], [high[0], low[1]], [low[0], high[1]], [high[0], high[1]]]) - 0.5
         rays = self._colour.rays(around)
         T = self._T_depth_colour
@@ -204,8 +211,9 @@ class ObjectLocator:
     def _outlines(
         self, box: np.ndarray, tangents: BoxTangents, distance: float, kind: ObjectKind, pixels, visible
     ) -> Optional[TangentPlanes]:
-        """Tangent planes of the sides that are the object's outline, not the image's border or an occluder's.
-        None: at this distance the object would be much wider or narrower than its box without a reason."""
+        """Tangent planes of the sides of the box that are the object's outline, not the image border or an
+        occluder's edge. None: no left or right outline, or at this distance box and object differ in width
+        and no occlusion explains it."""
         params, size, focal = self._params, np.tile(box[2:] - box[:2], 2), self._colour.focal_length
         deviations = np.hypot(params.pixel_sigma, params.size_sigma * size)  # of the sides, pixels
         limits = np.array([*box[:2], *(np.array(self._colour.size) - box[2:])])
@@ -216,7 +224,8 @@ class ObjectLocator:
         left, right = normals[LEFT], normals[RIGHT]
         missing = (wide - np.arccos(np.clip(-left @ right, -1.0, 1.0))) * focal  # pixels
         sigmas, doubt = deviations * distance / focal, np.sqrt(2.0) * deviations[LEFT]
-        # A much wider box is of an object below the minimum depth; the depths are behind it.
+        # A box much wider than the object belongs to one below the minimum depth; the depths are of the
+        # background.
         if -missing > max(MAX_WIDTH_SIGMAS * doubt, 0.5 * wide * focal):
             return None
         if is_outline[LEFT] and is_outline[RIGHT] and abs(missing) > GATE_SIGMAS * doubt:

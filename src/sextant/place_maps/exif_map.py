@@ -4,19 +4,13 @@
 
 import math
 from pathlib import Path
-from typing import Dict, List, Sequence, Tuple
+from typing import Dict, Sequence, Tuple
 
-from sextant.place_maps.photo_file import SUFFIXES, GeoPosition, geo_position
-from sextant.place_maps.place_map import GeoCorners, PlaceMap, image_in
+from sextant.place_maps.photo_file import GeoPosition, geo_position
+from sextant.place_maps.place_map import METRES_PER_DEGREE, GeoCorners, PlaceMap, image_in
 from sextant.place_maps.place_map_addition import NewPhoto, add_photos
 
-METRES_PER_DEGREE = 111_320.0  # of latitude, correct within half a percent everywhere
 DIGITS = 7  # decimals of the corners of drawn overviews, degrees: a centimetre
-
-
-def find_photos(folder: Path) -> List[Path]:
-    """Image files in a folder and its subfolders, sorted by name."""
-    return sorted(path for path in folder.rglob("*") if path.suffix.lower() in SUFFIXES and path.is_file())
 
 
 def positions_of(photos: Sequence[Path]) -> Tuple[Dict[Path, GeoPosition], Dict[Path, str]]:
@@ -78,10 +72,3 @@ def corners_around(positions: Sequence[GeoPosition], margin: float) -> GeoCorner
     return GeoCorners(
         (round(north, DIGITS), round(west, DIGITS)), (round(south, DIGITS), round(east, DIGITS))
     )
-
-
-def extent(corners: GeoCorners) -> Tuple[float, float]:
-    """Extent in metres from west to east and from south to north."""
-    (north, west), (south, east) = corners
-    up = (north - south) * METRES_PER_DEGREE
-    return (east - west) * METRES_PER_DEGREE * math.cos(math.radians((north + south) / 2)), up

@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Reads photo files: grey or colour, optionally reduced, and the GPS position of their EXIF data."""
+"""Finds and reads photo files: grey or colour, optionally reduced, and their EXIF data's GPS position."""
 
 import math
 from io import BytesIO
 from pathlib import Path
-from typing import Any, Mapping, NamedTuple, Optional, Tuple, Union
+from typing import Any, List, Mapping, NamedTuple, Optional, Tuple, Union
 
 import numpy as np
 from PIL import ExifTags, Image, ImageOps, UnidentifiedImageError
@@ -25,6 +25,11 @@ class GeoPosition(NamedTuple):
     latitude: float  # degrees
     longitude: float  # degrees
     yaw: Optional[float] = None  # radians, counterclockwise from east (REP-103); None: unknown
+
+
+def find_photos(folder: Path) -> List[Path]:
+    """Image files in a folder and its subfolders, sorted by name."""
+    return sorted(path for path in folder.rglob("*") if path.suffix.lower() in SUFFIXES and path.is_file())
 
 
 def read_grey(path: Union[str, Path], max_side: int = 0) -> np.ndarray:

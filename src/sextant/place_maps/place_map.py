@@ -14,6 +14,7 @@ from typing import Dict, List, NamedTuple, Optional, Tuple, Union
 import numpy as np
 
 ID_LIMIT = 2**31  # messages have 32-bit ids
+METRES_PER_DEGREE = 111_320.0  # of latitude, correct within half a percent everywhere
 
 
 class Photo(NamedTuple):
@@ -103,6 +104,12 @@ class GeoCorners(NamedTuple):
             (longitude - west) / (east - west) * overview.width,
             (latitude - north) / (south - north) * overview.height,
         )
+
+    def extent(self) -> Tuple[float, float]:
+        """Extent in metres from west to east and from south to north."""
+        (north, west), (south, east) = self
+        up = (north - south) * METRES_PER_DEGREE
+        return (east - west) * METRES_PER_DEGREE * math.cos(math.radians((north + south) / 2)), up
 
     def check(self) -> None:
         """Checks the values.

@@ -9,8 +9,14 @@ from pathlib import Path
 from typing import Dict, List, Optional, Tuple
 
 from sextant.base.atomic_file import atomic_file
-from sextant.place_maps.exif_map import find_photos
-from sextant.place_maps.photo_file import SUFFIXES, decode_grey, geo_position, photo_size, read_grey
+from sextant.place_maps.photo_file import (
+    SUFFIXES,
+    decode_grey,
+    find_photos,
+    geo_position,
+    photo_size,
+    read_grey,
+)
 from sextant.place_maps.place_map import GeoCorners, Overview, Photo, PlaceMap, check_image, check_photo
 from sextant.place_maps.place_map_file import place_map_text, read_place_map, write_place_map
 

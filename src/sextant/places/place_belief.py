@@ -23,7 +23,10 @@ MAX_ENTRIES = 16_000_000  # nonzero entries of one transition matrix, and of all
 
 @dataclass(frozen=True)
 class BeliefParams(StrictParams):
-    """Motion model and weight of the evidence. The spacing is the median distance of neighbouring places."""
+    """Motion model and weight of the evidence.
+
+    The spacing is the median distance between neighbouring places.
+    """
 
     # two standard deviations of the distance driven between two images if there is no odometry, spacings
     reach: float = param(4.0, within(1, 20))
@@ -64,7 +67,7 @@ class PlaceBelief:
 
     places: np.ndarray  # (n,) probabilities
     unknown: float  # probability of a place that is not in the map
-    spacing: float  # median distance of neighbouring places, in the unit of the positions
+    spacing: float  # median distance between neighbouring places, in the unit of the positions
 
     def __init__(self, positions: np.ndarray, params: Optional[BeliefParams] = None):
         """:param positions: (n, 2) of the places, in the unit of the distances passed to predict()"""
@@ -111,7 +114,8 @@ class PlaceBelief:
     def peaks(self, count: int) -> List[BeliefPeak]:
         """Returns up to count maxima, most probable first, each merged with the places within `radius` of it.
 
-        A place belongs to one peak only: the one whose own place is the most probable.
+        A place belongs to one peak only: the most probable remaining place takes all remaining places within
+        the radius.
         """
         remaining = self.places.copy()
         peaks = []
@@ -126,7 +130,7 @@ class PlaceBelief:
         return sorted(peaks, key=lambda peak: -peak.probability)
 
     def _spacing(self) -> float:
-        """Median distance of neighbouring places; 1 if there are no two."""
+        """Median distance between neighbouring places; 1 if there are no two distinct positions."""
         if len(self._positions) < 2:
             return 1.0
         nearest = self._tree.query(self._positions, 2)[0][:, 1]
@@ -145,7 +149,8 @@ class PlaceBelief:
         return self._transitions[step]
 
     def _new_transition(self, distance: Optional[float]) -> Optional[csr_matrix]:
-        """Normalized Gaussian of the difference between the distance of two places and that of odometry."""
+        """Normalized Gaussian of the difference between the distance of two places and the distance
+        driven."""
         sigma, centre = self.spacing * self._params.reach / 2, 0.0
         if distance is not None:
             # half a spacing: the robot may be anywhere around its place

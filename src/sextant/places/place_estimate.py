@@ -8,7 +8,6 @@ from typing import NamedTuple, Optional, Sequence, Tuple
 import numpy as np
 
 import sextant
-from sextant.place_maps.exif_map import extent
 from sextant.place_maps.place_map import GeoCorners, MetricFrame, Overview, PlaceMap
 
 YAW_SIGMA = 0.35  # standard deviation of the camera's yaw relative to that of the recognized photo, radians
@@ -31,7 +30,7 @@ def scale_of(place_map: PlaceMap) -> Optional[Tuple[float, float]]:
     if isinstance(frame, MetricFrame):
         return frame.resolution, frame.resolution
     if isinstance(frame, GeoCorners):
-        east, north = extent(frame)
+        east, north = frame.extent()
         return east / overview.width, north / overview.height
     return None
 
@@ -44,7 +43,7 @@ def estimate(
     :param positions: (m, 2) pixels
     :param probabilities: (m,), not all 0
     :param yaws: (m,) of the photo recognized at each place, radians; None: unknown
-    :param spacing: (2,) distance of neighbouring places, pixels along x and y
+    :param spacing: (2,) distance between neighbouring places, pixels along x and y
     """
     weights = probabilities / probabilities.sum()
     mean = weights @ positions

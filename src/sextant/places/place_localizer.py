@@ -106,7 +106,7 @@ class PlaceLocalizer:
         positions, belief = self._positions * self._metres_per_pixel, self._params.belief
         mode = MODES["single" if self._params.mode == VOTES else self._params.mode]
         self._mode = mode(positions, belief, self._params.window)
-        # distance of neighbouring places along x and y
+        # distance between neighbouring places along x and y
         self._spacing = self._mode.belief.spacing / self._metres_per_pixel  # (2,) pixels
         self._relocalization = _RelocalizationDetector(self._mode.belief.spacing, belief)
 

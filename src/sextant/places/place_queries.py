@@ -14,7 +14,7 @@ from sextant.places.place_estimate import scale_of
 
 Position = Tuple[float, float]  # pixels of the overview
 COLUMNS = ("query", "right_refs")
-TOLERANCE = 2.0  # default tolerance, median distances of neighbouring places
+TOLERANCE = 2.0  # default tolerance, median distances between neighbouring places
 
 
 class Query(NamedTuple):

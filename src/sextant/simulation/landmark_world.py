@@ -26,8 +26,9 @@ class LandmarkWorldParams(StrictParams):
     seed: int = param(0, within(0, 2**31 - 1))  # of the world, the path and all noise
     landmarks: int = param(15, within(0, 10000))  # number of landmarks
     classes: int = param(3, within(1, 1000))  # number of landmark classes
-    half_side: float = param(8.0, within(1, 1e5))  # half the side of the square of landmarks, metres
-    min_separation: float = param(1.0, within(0, 100))  # minimum distance of two landmarks, metres
+    # half the side length of the square that contains the landmarks, metres
+    half_side: float = param(8.0, within(1, 1e5))
+    min_separation: float = param(1.0, within(0, 100))  # minimum distance between two landmarks, metres
     duration: float = param(300.0, within(1e-9, 1e6))  # of the drive, seconds
     odometry_rate: float = param(20.0, within(1e-9, 1000))  # Hz
     sensor_rate: float = param(5.0, within(1e-9, 1000))  # Hz
@@ -73,26 +74,26 @@ class SimulatedObservation(NamedTuple):
 
 
 class LandmarkScan(NamedTuple):
-    """All measurements of the sensor at one stamp; empty if nothing was in view."""
+    """All measurements of the sensor at one stamp; empty if nothing was detected."""
 
     stamp: float  # seconds, by the sensor's clock
     observations: List[SimulatedObservation]  # in the robot frame
 
 
-class WorldMoment(NamedTuple):
+class SimulationStep(NamedTuple):
     """One odometry reading, and the scan that arrives with it."""
 
     stamp: float  # seconds
     pose: np.ndarray  # (3,) x, y, heading in the map
-    step: np.ndarray  # (3,) x, y, yaw measured by odometry, in the robot frame of the last moment
-    noise: np.ndarray  # (3, 3) covariance of the step, in the same frame
+    odometry_step: np.ndarray  # (3,) x, y, yaw measured by odometry, in the robot frame at the previous step
+    noise: np.ndarray  # (3, 3) covariance of the odometry step, in the same frame
     scan: Optional[LandmarkScan]  # None: no scan arrives
-    speed: float  # m/s, forward, of the last step
-    turn_rate: float  # rad/s, of the last step
+    speed: float  # m/s, forward, during the step
+    turn_rate: float  # rad/s, during the step
 
 
 class LandmarkWorld:
-    """Landmarks in the plane; every call of moments() gives the same drive with the same noise."""
+    """Landmarks in the plane; every call of steps() gives the same drive with the same noise."""
 
     def __init__(self, params: LandmarkWorldParams):
         """:raises ValueError: a parameter is out of range, or there is no room for the landmarks"""
@@ -100,19 +101,19 @@ class LandmarkWorld:
         rng = np.random.default_rng([params.seed, 0])
         self.positions = _scattered(rng, params)  # (n, 2) metres
         self.classes = [class_name(number % params.classes) for number in range(params.landmarks)]
-        self.start = self.place(rng)
+        self.start = self.random_pose(rng)
 
-    def moments(self) -> Iterator[WorldMoment]:
-        """Yields all moments of the drive."""
+    def steps(self) -> Iterator[SimulationStep]:
+        """Yields all steps of the drive."""
         drive = LandmarkDrive(self)
         for _ in range(round(self.params.duration * self.params.odometry_rate)):
             yield drive.advance()
 
-    def place(self, rng: np.random.Generator) -> np.ndarray:
+    def random_pose(self, rng: np.random.Generator) -> np.ndarray:
         """Draws a pose (3,) in the middle of the world."""
         return np.array([*rng.uniform(-0.4, 0.4, 2) * self.params.half_side, rng.uniform(-np.pi, np.pi)])
 
-    def seen(self, rng: np.random.Generator, pose: np.ndarray) -> List[SimulatedObservation]:
+    def sense(self, rng: np.random.Generator, pose: np.ndarray) -> List[SimulatedObservation]:
         """Draws the measurements of the sensor at a pose (3,)."""
         positions = in_frame(pose, self.positions)
         bearings, params = np.arctan2(positions[:, 1], positions[:, 0]), self.params
@@ -154,7 +155,7 @@ class LandmarkDrive:
         self._number, self._turn_rate = 0, 0.0
         self._delayed: Deque[LandmarkScan] = deque()
 
-    def advance(self, command: Optional[Tuple[float, float]] = None) -> WorldMoment:
+    def advance(self, command: Optional[Tuple[float, float]] = None) -> SimulationStep:
         """Simulates the next odometry step.
 
         :param command: speed (m/s) and turn rate (rad/s); None: random motion
@@ -169,16 +170,16 @@ class LandmarkDrive:
         error = np.sqrt(np.diag(noise)) * self._rng.standard_normal(3)
         measured = composed(error, step * (params.scale, params.scale, 1))
         if self._number % max(1, round(params.odometry_rate / params.sensor_rate)) == 0:
-            scan = LandmarkScan(stamp - params.clock_offset, self._world.seen(self._rng, self._pose))
+            scan = LandmarkScan(stamp - params.clock_offset, self._world.sense(self._rng, self._pose))
             self._delayed.append(scan)
-        return WorldMoment(stamp, self._pose, measured, noise, self._arrived(stamp), speed, turn_rate)
+        return SimulationStep(stamp, self._pose, measured, noise, self._arrived(stamp), speed, turn_rate)
 
     def kidnap(self) -> float:
         """Moves the robot to a random pose; odometry does not measure it.
 
         :returns: distance between the poses, metres
         """
-        before, self._pose = self._pose, self._world.place(self._rng)
+        before, self._pose = self._pose, self._world.random_pose(self._rng)
         return float(np.hypot(*(self._pose - before)[:2]))
 
     def _arrived(self, stamp: float) -> Optional[LandmarkScan]:

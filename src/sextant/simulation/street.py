@@ -5,42 +5,21 @@
 Metres, x and y on the ground, z up. The arc length of the loop starts at 0 and grows counterclockwise.
 """
 
-from dataclasses import dataclass
 from typing import List, NamedTuple, Optional, Tuple
 
 import cv2
 import numpy as np
 
-from sextant.base.strict_params import StrictParams, one_of, param, within
+from sextant.simulation.street_conditions import CONDITIONS, StreetConditions
 from sextant.simulation.street_ground import ground
 from sextant.simulation.street_plants import bush, tree
 from sextant.simulation.street_sky import panorama
-from sextant.simulation.street_textures import SEASONS, Texture, car, facade
+from sextant.simulation.street_surface import Texture
+from sextant.simulation.street_textures import car, facade
 
 LENGTH, WIDTH, CORNER = 120.0, 70.0, 12.0  # of the block, and radius of its corners, metres
 COARSER = 4  # ratio of texel sizes of successive levels of detail
 SUN_HEIGHT = 0.7  # tangent of the sun's elevation
-
-
-@dataclass(frozen=True)
-class StreetConditions(StrictParams):
-    """Conditions that change between two walks along the same street."""
-
-    season: str = param("summer", one_of(*SEASONS))
-    look: int = 0  # random seed of blinds, posters, leaves and cars
-    sun: float = 0.6  # azimuth of the sun, radians from x
-    direct: float = param(0.35, within(0, 1))  # fraction of directional light
-    exposure: float = param(1.0, within(1e-3, 4))  # relative brightness
-    noise: float = param(3.0, within(0, 50))  # standard deviation of the image noise, grey levels
-
-
-CONDITIONS = {
-    "summer": StreetConditions(),
-    "evening": StreetConditions("summer", 1, 2.4, 0.55, 0.7),
-    "autumn": StreetConditions("autumn", 2, 1.2, 0.3, 0.9),
-    "winter": StreetConditions("winter", 3, -0.6, 0.1, 1.05),
-    "dusk": StreetConditions("winter", 4, 2.9, 0.6, 0.35, 6.0),
-}
 
 
 class Upright(NamedTuple):

@@ -10,7 +10,7 @@ from typing import List, NamedTuple, Sequence, Tuple
 import cv2
 import numpy as np
 
-from sextant.simulation.street_textures import SNOW, grain, noise, repeating_noise
+from sextant.simulation.street_surface import SNOW, grain, noise, repeating_noise
 
 ORIGIN, EXTENT = np.array([-25.0, -25.0]), (170.0, 120.0)  # of the layout, metres
 LAYOUT_TEXELS = 20.0  # per metre

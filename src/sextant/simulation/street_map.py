@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Writes place maps of a simulated street, with photos in one or several seasons."""
+"""Writes place maps of a simulated street, with photos in one or several conditions (season and light)."""
 
 import functools
 import json
@@ -16,7 +16,8 @@ from sextant.place_maps.place_clusters import clustered
 from sextant.place_maps.place_map import MetricFrame, Overview, PlaceMap
 from sextant.place_maps.place_map_addition import NewPhoto, add_photos
 from sextant.place_maps.place_map_file import write_place_map
-from sextant.simulation.street import CONDITIONS, Street
+from sextant.simulation.street import Street
+from sextant.simulation.street_conditions import CONDITIONS
 from sextant.simulation.street_overview import AerialImage, aerial_image
 from sextant.simulation.street_view import street_view
 
@@ -30,7 +31,7 @@ class StreetMap(NamedTuple):
     """Parameters of a map."""
 
     seed: int  # random seed of the street
-    seasons: Sequence[str]  # keys of sextant.simulation.street.CONDITIONS; one photo of each place per season
+    conditions: Sequence[str]  # keys of CONDITIONS; one photo of each place in each
     spacing: float  # distance between places, metres
     size: Tuple[int, int]  # width and height of a photo, pixels
     parts: int  # number of clusters in the map of clusters
@@ -40,7 +41,7 @@ class _Shot(NamedTuple):
     """A photo to render."""
 
     image: str  # file name
-    season: str  # key of CONDITIONS
+    conditions: str  # key of CONDITIONS
     pose: np.ndarray  # (x, y, yaw), metres and radians
     number: int  # of the place, seeds the image noise
 
@@ -63,7 +64,8 @@ def has_street_map(folder: Path, wanted: StreetMap) -> bool:
 
 
 def _record(wanted: StreetMap) -> str:
-    return json.dumps(wanted._asdict())
+    names = {"conditions": "seasons"}  # as the node's parameter is called
+    return json.dumps({names.get(name, name): value for name, value in wanted._asdict().items()})
 
 
 def write_street_map(folder: Path, wanted: StreetMap) -> Path:
@@ -71,15 +73,15 @@ def write_street_map(folder: Path, wanted: StreetMap) -> Path:
 
     :returns: the file of the map with exact positions; it is written last, so the others exist if it does
     :raises OSError: a file cannot be written
-    :raises ValueError: an unknown season, or more parts than places
+    :raises ValueError: unknown conditions, or more parts than places
     """
     folder.mkdir(parents=True, exist_ok=True)
-    street = _street(wanted.seed, wanted.seasons[0])
+    street = _street(wanted.seed, wanted.conditions[0])
     count = max(2, round(street.length / wanted.spacing))
     poses = [street.pose(arc) for arc in np.arange(count) * street.length / count]
     shots = [
-        _Shot(f"{season}_{i:04}.jpg", season, pose, i)
-        for season in wanted.seasons
+        _Shot(f"{conditions}_{i:04}.jpg", conditions, pose, i)
+        for conditions in wanted.conditions
         for i, pose in enumerate(poses)
     ]
     aerial = aerial_image(street)
@@ -110,7 +112,7 @@ def _map_of(folder: Path, aerial: AerialImage, shots: List[_Shot]) -> PlaceMap:
 def _take(folder: Path, wanted: StreetMap, shot: _Shot) -> None:
     _write(
         folder / shot.image,
-        street_view(_street(wanted.seed, shot.season), shot.pose, wanted.size, shot.number),
+        street_view(_street(wanted.seed, shot.conditions), shot.pose, wanted.size, shot.number),
     )
 
 
@@ -120,6 +122,6 @@ def _write(path: Path, image: np.ndarray) -> None:
         raise OSError(f"{path}: cannot be written")
 
 
-@functools.lru_cache(maxsize=1)  # photos are rendered season by season
-def _street(seed: int, season: str) -> Street:
-    return Street(seed, CONDITIONS[season])
+@functools.lru_cache(maxsize=1)  # photos are rendered by conditions
+def _street(seed: int, conditions: str) -> Street:
+    return Street(seed, CONDITIONS[conditions])

@@ -10,7 +10,7 @@ from typing import List, NamedTuple, Sequence, Tuple
 import cv2
 import numpy as np
 
-from sextant.simulation.street_textures import SNOW, TEXELS, Texture, grain, noise
+from sextant.simulation.street_surface import SNOW, TEXELS, Texture, grain, noise
 
 LEAVES = {"summer": (1.0, 84.0), "autumn": (0.1, 140.0), "winter": (0.0, 0.0)}  # density, brightness
 LEAF = 0.05  # size of a leaf, metres

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Walk along a simulated street; the season changes with each round."""
+"""Walk along a simulated street; season and light change with each round."""
 
 from dataclasses import dataclass
 from typing import List, NamedTuple, Optional
@@ -11,16 +11,17 @@ from sextant.base.strict_params import StrictParams, each, not_empty, one_of, pa
 from sextant.geometry.plane_poses import wrapped
 from sextant.simulation.motion import Motion
 from sextant.simulation.odometry import OdometryNoise, OdometryReading, WheelOdometry
-from sextant.simulation.street import CONDITIONS, Street
+from sextant.simulation.street import Street
+from sextant.simulation.street_conditions import CONDITIONS
 from sextant.simulation.street_view import street_view
 
 WAVE = 23.0  # wavelength of the lateral motion, metres
 STEP = 0.01  # of the numerical derivative for the heading, metres
 
 
-def known_seasons(seasons: List[str]) -> str:
-    """Check for param(): at least one season, all in CONDITIONS."""
-    return not_empty(seasons) or each(one_of(*CONDITIONS))(seasons)
+def known_conditions(conditions: List[str]) -> str:
+    """Check for param(): at least one name, all in CONDITIONS."""
+    return not_empty(conditions) or each(one_of(*CONDITIONS))(conditions)
 
 
 @dataclass(frozen=True)
@@ -28,7 +29,8 @@ class WalkParams(StrictParams):
     """Parameters of the walk."""
 
     seed: int = param(1, within(0, 2**31 - 1))  # random seed of the street and of all noise
-    seasons: List[str] = param(["autumn", "winter"], known_seasons)  # seasons of the rounds, repeated
+    # of the rounds, repeated; season or light: a key of CONDITIONS
+    seasons: List[str] = param(["autumn", "winter"], known_conditions)
     rate: float = param(2.0, within(0.1, 100.0))  # image rate, Hz
     speed: float = param(2.0, within(0.01, 20.0))  # walking speed, m/s
     sway: float = param(0.4, within(0.0, 1.5))  # amplitude of the lateral motion, m
@@ -40,7 +42,7 @@ class WalkFrame(NamedTuple):
     """State and measurements at one instant."""
 
     time: float  # seconds since the start
-    season: str  # key of CONDITIONS
+    conditions: str  # key of CONDITIONS
     truth: Motion  # in the frame map
     odometry: OdometryReading
     image: np.ndarray  # uint8 (height, width)
@@ -78,17 +80,17 @@ class StreetWalk:
         image = street_view(street, [motion.x, motion.y, motion.yaw], size, 1_000_000 + self._number)
         time = self._number / self._params.rate
         self._number += 1
-        return WalkFrame(time, self._season(), motion, reading, image)
+        return WalkFrame(time, self._conditions(), motion, reading, image)
 
-    def _season(self) -> str:
+    def _conditions(self) -> str:
         return self._params.seasons[self._round % len(self._params.seasons)]
 
     def _street_now(self) -> Street:
-        """The street in the season of the current round."""
+        """The street in the conditions of the current round."""
         number = int(self._arc / self._street.length) if self._street else 0
         if number != self._round:
             self._round = number
-            self._street = Street(self._params.seed, CONDITIONS[self._season()])
+            self._street = Street(self._params.seed, CONDITIONS[self._conditions()])
         return self._street
 
     def _motion(self, street: Street) -> Motion:

@@ -12,7 +12,7 @@ import sextant
 from sextant.commands.map_landmarks import main
 from sextant.evaluation.trajectory_files import read_trajectory
 from sextant.msg import Marker, MarkerArray
-from sextant.nodes.base.conversions import pose_to_message
+from sextant.nodes.base.pose_messages import pose_to_message
 
 TAGS = {0: [4.0, 1.0, 0.3, np.pi], 1: [3.0, -2.0, 0.3, np.pi / 2]}  # x, y, z, where the print looks
 

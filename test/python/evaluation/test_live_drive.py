@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sextant.evaluation.live_drive import KEPT, ClockSetBack, LiveDrive
+from sextant.evaluation.live_drive import KEPT, JumpBack, LiveDrive
 
 SECOND = 10**9
 START = 1_600_000_000 * SECOND
@@ -45,7 +45,7 @@ def test_a_clock_that_was_set_back_is_reported(what):
         drive.add_pose("map", stamp, T, np.eye(6)) if what == "pose" else drive.add_truth("map", stamp, T)
 
     add(START + 9 * SECOND)  # out of order
-    with pytest.raises(ClockSetBack):
+    with pytest.raises(JumpBack):
         add(START + 8 * SECOND)
     assert START + 8 * SECOND not in [pose[0] for pose in drive.poses] + list(drive.truth)
 

@@ -7,37 +7,20 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from random_drives import SECOND, pose, random_drive
 from scipy.spatial.transform import Rotation
-from scipy.stats import chi2
 
-import sextant
-from sextant.evaluation.trajectory import summarize, trajectory_errors
 from sextant.evaluation.trajectory_files import read_trajectory
 from sextant.evaluation.trajectory_metrics import (
     aligned,
-    aligned_covariances,
     alignment,
     interpolated_truth,
-    nees,
-    nees_band,
     relative_errors,
+    summarize,
+    trajectory_errors,
 )
 
 EVO = Path(__file__).resolve().parents[2] / "data" / "evo"
-SECOND = 10**9
-
-
-def pose(x=0.0, y=0.0, z=0.0, rotvec=(0.0, 0.0, 0.0)):
-    T = np.eye(4)
-    T[:3, :3] = Rotation.from_rotvec(rotvec).as_matrix()
-    T[:3, 3] = x, y, z
-    return T
-
-
-def random_drive(random, count, step=SECOND // 10):
-    position = np.cumsum(random.normal(0.0, 0.1, (count, 3)), axis=0)
-    rotvec = np.cumsum(random.normal(0.0, 0.1, (count, 3)), axis=0)
-    return {i * step: pose(*position[i], rotvec=rotvec[i]) for i in range(count)}
 
 
 def associate(truths, poses, tolerance):
@@ -84,6 +67,34 @@ def test_relative_errors_are_those_of_evo(golden, unit, delta):
     errors = relative_errors(truth, estimate, delta, unit)
     check(errors.position, of_evo["position"])
     check(errors.angle, of_evo["angle"])
+
+
+@pytest.mark.parametrize("angle", [0.0, 1e-9, 1e-3, 1.0, np.pi - 1e-6])
+def test_angle(angle):
+    axis = np.array([1.0, -2.0, 2.0]) / 3.0
+    truth = pose(rotvec=(0.1, 0.2, 0.3))
+    errors = trajectory_errors({0: truth}, {0: truth @ pose(rotvec=angle * axis)})
+    assert errors.angle[0] == pytest.approx(angle, abs=1e-12)
+
+
+def test_errors_do_not_depend_on_where_the_robot_is():
+    truth = {1: pose(5.0, -3.0, 1.0, (0.3, -0.8, 2.0)), 2: pose(), 3: pose(1.0)}
+    offset = pose(0.03, 0.0, 0.04, (0.0, 0.0, -0.1))
+    errors = trajectory_errors(truth, {2: truth[2] @ offset, 1: truth[1] @ offset})
+    assert errors.stamps.tolist() == [1, 2]
+    assert errors.position == pytest.approx([0.05, 0.05])
+    assert errors.angle == pytest.approx([0.1, 0.1])
+    assert errors.frames == 3
+
+
+def test_a_pose_without_truth_is_refused():
+    with pytest.raises(ValueError, match="1 poses without ground truth, the first at 7 ns"):
+        trajectory_errors({1: pose()}, {1: pose(), 7: pose()})
+
+
+def test_summary_of_known_numbers():
+    summary = summarize(np.arange(101.0))
+    assert (summary.mean, summary.p95, summary.worst) == (50.0, 95.0, 100.0)
 
 
 def test_interpolation_between_two_truths():
@@ -199,54 +210,3 @@ def test_a_drive_that_is_too_short_has_no_relative_errors(unit, count):
 def test_relative_errors_of_nothing_that_is_known(arguments, reason):
     with pytest.raises(ValueError, match=reason):
         relative_errors({0: pose()}, {0: pose()}, *arguments)
-
-
-def perturbed_drive(seed, count, scale):
-    """Poses whose errors have the returned covariance, times scale."""
-    random = np.random.default_rng(seed)
-    truth = random_drive(random, count)
-    estimate, covariances = {}, {}
-    for stamp, T in truth.items():
-        root = random.normal(0.0, 0.02, (6, 6))
-        covariances[stamp] = root @ root.T + 1e-6 * np.eye(6)
-        xi = np.linalg.cholesky(scale * covariances[stamp]) @ random.normal(size=6)
-        estimate[stamp] = sextant.perturbed(T, -xi)
-    return truth, estimate, covariances
-
-
-@pytest.mark.parametrize("seed", range(3))
-def test_honest_covariances_are_consistent(seed):
-    truth, estimate, covariances = perturbed_drive(seed, 200, 1.0)
-    found = nees(truth, estimate, covariances)
-    assert found.values.shape == (200,)
-    assert 0.0005 < chi2.cdf(200 * found.mean, 1200) < 0.9995
-    assert not nees(*perturbed_drive(seed, 200, 2.0)).consistent
-    assert not nees(*perturbed_drive(seed, 200, 0.5)).consistent
-
-
-def test_nees_of_known_errors():
-    truth = {1: pose(1.0), 2: pose(rotvec=(0.0, 0.0, 0.3)), 3: pose()}
-    estimate = {1: pose(0.8), 2: pose(), 3: pose(9.0), 4: pose()}
-    covariances = {1: np.diag([0.01] * 6), 2: np.diag([1.0] * 5 + [0.04]), 4: np.eye(6)}
-    assert nees(truth, estimate, covariances).values == pytest.approx([4.0, 2.25])
-    nothing = nees({}, {}, {})
-    assert np.isnan([nothing.mean, *nothing.band]).all() and not nothing.consistent
-
-
-def test_nees_does_not_depend_on_the_frame():
-    truth, estimate, covariances = perturbed_drive(5, 20, 1.0)
-    T = pose(1.0, 2.0, 3.0, (0.4, -1.0, 2.0))
-    moved = nees(aligned(T, truth), aligned(T, estimate), aligned_covariances(T, covariances))
-    assert moved.values == pytest.approx(nees(truth, estimate, covariances).values)
-
-
-@pytest.mark.parametrize("covariance", [np.zeros((6, 6)), -np.eye(6), np.full((6, 6), np.nan)])
-def test_nees_of_no_covariance(covariance):
-    with pytest.raises(ValueError, match="the covariance at 7 ns is not positive"):
-        nees({7: pose()}, {7: pose()}, {7: covariance})
-
-
-def test_band():
-    assert nees_band(1) == pytest.approx((chi2.ppf(0.025, 6), chi2.ppf(0.975, 6)))
-    low, high = nees_band(50)
-    assert chi2.cdf(50 * high, 300) - chi2.cdf(50 * low, 300) == pytest.approx(0.95)

@@ -55,9 +55,9 @@ def test_a_pose_that_is_no_newer_is_not_kept():
 
 def test_a_clock_that_was_set_back_differs_from_a_pose_that_comes_late():
     buffer = PoseBuffer(2)
-    assert not buffer.is_clock_reset(0)
+    assert not buffer.jumps_back(0)
     buffer.add(10 * SECOND, at(1.0))
-    assert buffer.is_clock_reset(8 * SECOND) and not buffer.is_clock_reset(95 * SECOND // 10)
+    assert buffer.jumps_back(8 * SECOND) and not buffer.jumps_back(95 * SECOND // 10)
     buffer.add_item(11 * SECOND, "seen")
     buffer.clear()
     assert buffer.newest is None and buffer.add(11 * SECOND, at(0.0)) and ready(buffer) == []

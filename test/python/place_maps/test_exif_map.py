@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from sextant.place_maps.exif_map import corners_around, exif_map, extent, find_photos, positions_of
-from sextant.place_maps.photo_file import GeoPosition
+from sextant.place_maps.exif_map import corners_around, exif_map, positions_of
+from sextant.place_maps.photo_file import GeoPosition, find_photos
 from sextant.place_maps.place_map import GeoCorners, Overview, Photo, PlaceMap
 
 LUND = Path(__file__).resolve().parents[4] / "shared" / "data" / "places" / "lund"
@@ -69,7 +69,7 @@ def test_a_map_without_corners_is_refused(tmp_path):
 
 def test_corners_leave_a_margin_all_around():
     positions = [GeoPosition(55.6, 13.0), GeoPosition(55.7, 13.2)]
-    width, height = extent(corners_around(positions, 50))
+    width, height = corners_around(positions, 50).extent()
     # a degree of latitude is 111.32 km; of longitude less by the cosine of 55.65 degrees
     assert height == pytest.approx(0.1 * 111_320 + 100, rel=1e-3)
     assert width == pytest.approx(0.2 * 111_320 * 0.56425 + 100, rel=1e-3)
@@ -86,6 +86,6 @@ def test_all_street_photos_are_placed():
     positions, unknown = positions_of(photos)
     assert unknown == {}
     corners = corners_around(list(positions.values()), 20)
-    assert extent(corners) == pytest.approx((56 + 40, 170 + 40), abs=12)
+    assert corners.extent() == pytest.approx((56 + 40, 170 + 40), abs=12)
     made, left_out = exif_map(PlaceMap(LUND, Overview("street.png", 1000, 2000), (), corners), photos)
     assert len(made.photos) == 29 and left_out == {}

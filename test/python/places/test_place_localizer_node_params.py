@@ -6,12 +6,12 @@ import pytest
 from made_photos import written_photos
 
 from sextant.base.strict_params import parse_params
-from sextant.nodes.places.place_localizer_node_params import PlaceLocalizerParams
+from sextant.nodes.places.place_localizer_node_params import PlaceLocalizerNodeParams
 from sextant.places.place_localizer import PlaceLocalizationParams
 
 
 def made(**values):
-    return parse_params(PlaceLocalizerParams, {"map_file": "park.txt", **values}, "/robot")
+    return parse_params(PlaceLocalizerNodeParams, {"map_file": "park.txt", **values}, "/robot")
 
 
 def test_without_any_the_defaults_are_the_librarys():

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The files around the code agree with it, and the scripts do what their comments state."""
 
+import ast
 import os
 import re
 import subprocess
@@ -67,7 +68,7 @@ Test time =   0.50 sec
 Test Passed.
 "_ctest_sextant_gtest_test_base" end time: Nov 23 15:00 UTC
 
-2/2 Testing: _ctest_sextant_rostest_test_ros_ball_ball_task.test
+2/2 Testing: _ctest_sextant_rostest_test_ros_ball_ball_task_launch.test
 Output:
 ----------------------------------------------------------
 no ball
@@ -83,8 +84,8 @@ def test_every_test_has_a_log_and_a_failed_ones_path_is_printed(tmp_path):
     arguments = [tmp_path / "LastTest.log", tmp_path / "logs"]
     command = [sys.executable, str(TOOLS / "test_logs.py"), *map(str, arguments)]
     done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True)
-    failed = tmp_path / "logs/ball_ball_task.test.log"
-    assert done.stdout == f"FAILED after 12 s: rostest_test_ros_ball_ball_task.test, see {failed}\n"
+    failed = tmp_path / "logs/ball_ball_task_launch.test.log"
+    assert done.stdout == f"FAILED after 12 s: rostest_test_ros_ball_ball_task_launch.test, see {failed}\n"
     assert failed.read_text() == "no ball\n"
     assert (tmp_path / "logs/gtest_test_base.log").read_text() == "all is well\n"
 
@@ -152,6 +153,15 @@ def test_every_nodelet_is_described():
     description = ElementTree.parse(str(ROOT / "nodelet_plugins.xml"))
     described = {each.get("type") for each in description.iter("class")}
     assert exported and exported == described
+
+
+def test_the_header_of_every_node_begins_with_its_name():
+    nodes = [
+        path for path in (ROOT / "src/sextant/nodes").rglob("*.py") if (ROOT / "scripts" / path.stem).exists()
+    ]
+    headers = {path.stem: ast.get_docstring(ast.parse(path.read_text())) for path in nodes}
+    assert len(headers) > 10
+    assert [name for name, text in headers.items() if not text.startswith(f"Node {name}: ")] == []
 
 
 def test_version_is_in_the_changelog():

@@ -21,7 +21,7 @@ from sextant.nodes.evaluation.drive_recorder import RecorderParams
 from sextant.nodes.images.publish_image import PublisherParams
 from sextant.nodes.markers.marker_broadcaster import BroadcasterParams
 from sextant.nodes.objects.object_locator_node_params import ObjectLocatorNodeParams
-from sextant.nodes.places.place_localizer_node_params import PlaceLocalizerParams
+from sextant.nodes.places.place_localizer_node_params import PlaceLocalizerNodeParams
 from sextant.nodes.places.place_visualizer import VisualizerParams
 from sextant.nodes.simulation.ball_simulator import BallSimulatorParams
 from sextant.nodes.simulation.landmark_simulator import LandmarkSimulatorParams
@@ -94,7 +94,7 @@ RECORDS = {
     "drive_recorder": RecorderParams,
     "landmark_simulator": LandmarkSimulatorParams,
     "object_locator": ObjectLocatorNodeParams,
-    "place_localizer": PlaceLocalizerParams,
+    "place_localizer": PlaceLocalizerNodeParams,
     "place_visualizer": VisualizerParams,
     "publish_image": PublisherParams,
     "simulator": SimulatorParams,

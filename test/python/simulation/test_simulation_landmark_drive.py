@@ -26,7 +26,7 @@ def drive_of(**params):
     return world, LandmarkDrive(world)
 
 
-def moments_of(drive, seconds, rate=20.0, command=None):
+def steps_of(drive, seconds, rate=20.0, command=None):
     return [drive.advance(command) for _ in range(round(seconds * rate))]
 
 
@@ -37,24 +37,24 @@ def in_band(squares, width):
 
 def test_a_command_leads_around_a_circle():
     world, drive = drive_of(odometry_rate=1000.0, **EXACT)
-    moments = moments_of(drive, 2.0, 1000.0, command=(0.4, 0.8))
-    x, y, turn = relative(world.start, moments[-1].pose)
+    steps = steps_of(drive, 2.0, 1000.0, command=(0.4, 0.8))
+    x, y, turn = relative(world.start, steps[-1].pose)
     np.testing.assert_allclose([x, y, turn], [0.5 * np.sin(1.6), 0.5 * (1 - np.cos(1.6)), 1.6], atol=1e-3)
-    assert (moments[-1].speed, moments[-1].turn_rate) == (0.4, 0.8)
+    assert (steps[-1].speed, steps[-1].turn_rate) == (0.4, 0.8)
 
 
 def test_a_drive_without_commands_is_that_of_the_world_and_stays_in_it():
     world, drive = drive_of(seed=3, duration=200.0)
-    for moment, expected in itertools.zip_longest(moments_of(drive, 200.0), world.moments()):
-        np.testing.assert_array_equal(moment.pose, expected.pose)
-        np.testing.assert_array_equal(moment.step, expected.step)
-        assert np.hypot(*moment.pose[:2]) < 8.0
+    for step, expected in itertools.zip_longest(steps_of(drive, 200.0), world.steps()):
+        np.testing.assert_array_equal(step.pose, expected.pose)
+        np.testing.assert_array_equal(step.odometry_step, expected.odometry_step)
+        assert np.hypot(*step.pose[:2]) < 8.0
 
 
 def test_odometry_without_noise_is_the_way_times_its_scale():
     _, drive = drive_of(scale=1.25, **EXACT)
-    for moment in moments_of(drive, 5.0, command=(0.4, -0.2)):
-        np.testing.assert_allclose(moment.step, [1.25 * 0.4 / 20, 0.0, -0.2 / 20], atol=1e-12)
+    for step in steps_of(drive, 5.0, command=(0.4, -0.2)):
+        np.testing.assert_allclose(step.odometry_step, [1.25 * 0.4 / 20, 0.0, -0.2 / 20], atol=1e-12)
 
 
 @pytest.mark.parametrize("command, variances", [((1, 0), [0.09, 0.01, 0.04]), ((0, 1), [0.16, 0, 0.25])])
@@ -69,10 +69,10 @@ def test_odometry_errs_by_way_and_by_turn(command, variances):
     )
     _, drive = drive_of(odometry_rate=1.0, sensor_rate=1.0, landmarks=0, **noise)
     true = np.array([command[0], 0.0, command[1]], float)
-    moments = moments_of(drive, 500, 1.0, command)
-    np.testing.assert_allclose(moments[0].noise, np.diag(variances), atol=1e-12)
+    steps = steps_of(drive, 500, 1.0, command)
+    np.testing.assert_allclose(steps[0].noise, np.diag(variances), atol=1e-12)
     back = relative(true, np.zeros(3))  # the step's inverse
-    felt = np.array([composed(moment.step, back) for moment in moments])
+    felt = np.array([composed(step.odometry_step, back) for step in steps])
     for values, variance in zip(felt.T, variances):
         assert in_band(values**2 / variance, 500) if variance else np.allclose(values, 0.0)
 
@@ -80,9 +80,9 @@ def test_odometry_errs_by_way_and_by_turn(command, variances):
 def test_observations_err_as_their_covariances_state():
     world, drive = drive_of(seed=1, field_of_view=6.0)
     squares = []
-    for moment in moments_of(drive, 60.0):
-        for seen in moment.scan.observations if moment.scan else []:
-            off = seen.position - in_frame(moment.pose, world.positions[seen.truth])
+    for step in steps_of(drive, 60.0):
+        for seen in step.scan.observations if step.scan else []:
+            off = seen.position - in_frame(step.pose, world.positions[seen.truth])
             squares.append(off @ np.linalg.solve(seen.covariance, off))
             assert seen.class_name == world.classes[seen.truth]
     assert len(squares) > 500 and in_band(squares, 2 * len(squares))
@@ -92,7 +92,7 @@ def test_missed_detections_and_false_alarms():
     world, drive = drive_of(
         detection_probability=0.7, false_alarm_probability=0.2, field_of_view=6.2832, max_range=100.0
     )
-    scans = [moment.scan.observations for moment in moments_of(drive, 60.0) if moment.scan]
+    scans = [step.scan.observations for step in steps_of(drive, 60.0) if step.scan]
     true = sum(seen.truth is not None for scan in scans for seen in scan)
     assert stats.binomtest(true, len(scans) * len(world.positions), 0.7).pvalue > 0.001
     assert stats.binomtest(sum(map(len, scans)) - true, true, 0.2).pvalue > 0.001
@@ -102,12 +102,12 @@ def test_missed_detections_and_false_alarms():
 def test_looks_come_late_with_the_stamp_of_their_clock(delay, offset):
     world, drive = drive_of(delay=delay, clock_offset=offset, bearing_noise=1e-9, range_noise=(1e-9, 0.0))
     poses, scans = {}, 0
-    for moment in moments_of(drive, 20.0):
-        poses[round(moment.stamp, 3)] = moment.pose
-        if moment.scan:
-            scans, taken = scans + 1, moment.scan.stamp + offset
-            assert moment.stamp == pytest.approx(taken + delay)
-            for seen in moment.scan.observations:
+    for step in steps_of(drive, 20.0):
+        poses[round(step.stamp, 3)] = step.pose
+        if step.scan:
+            scans, taken = scans + 1, step.scan.stamp + offset
+            assert step.stamp == pytest.approx(taken + delay)
+            for seen in step.scan.observations:
                 expected = in_frame(poses[round(taken, 3)], world.positions[seen.truth])
                 np.testing.assert_allclose(seen.position, expected, atol=1e-6)
     assert scans == 20 * 5 - np.ceil(delay * 5)
@@ -115,11 +115,11 @@ def test_looks_come_late_with_the_stamp_of_their_clock(delay, offset):
 
 def test_who_is_carried_away_does_not_feel_it():
     _, drive = drive_of(seed=2, **EXACT)
-    before = moments_of(drive, 1.0)[-1].pose
+    before = steps_of(drive, 1.0)[-1].pose
     distance = drive.kidnap()
     after = drive.advance((0.0, 0.0))
     assert distance == pytest.approx(np.hypot(*(after.pose - before)[:2]), abs=1e-9) and distance > 0.5
-    np.testing.assert_array_equal(after.step, np.zeros(3))
+    np.testing.assert_array_equal(after.odometry_step, np.zeros(3))
 
 
 @pytest.mark.slow
@@ -137,13 +137,13 @@ def test_odometry_in_its_frame_is_as_uncertain_as_it_states():
     for seed in range(150):
         _, drive = drive_of(seed=seed, landmarks=0, odometry_rate=50.0, **noise)
         odometry = SteppedOdometry()
-        for moment in moments_of(drive, 4.0, 50.0, command):
-            reading = odometry.add(moment.step, moment.noise, 0.02)
+        for step in steps_of(drive, 4.0, 50.0, command):
+            reading = odometry.add(step.odometry_step, step.noise, 0.02)
         off = np.array([reading.motion.x, reading.motion.y, reading.motion.yaw]) - true
         distances.append(off @ np.linalg.solve(reading.covariance, off))
     assert in_band(distances, 3 * len(distances))
-    assert reading.motion.speed == pytest.approx(moment.step[0] / 0.02)
-    assert reading.turn_rate_variance == pytest.approx(moment.noise[2, 2] / 0.02**2)
+    assert reading.motion.speed == pytest.approx(step.odometry_step[0] / 0.02)
+    assert reading.turn_rate_variance == pytest.approx(step.noise[2, 2] / 0.02**2)
 
 
 def test_classes_have_names_of_their_own():

@@ -10,7 +10,8 @@ import cv2
 import numpy as np
 import pytest
 
-from sextant.simulation.street import CONDITIONS, LENGTH, WIDTH, Street, StreetConditions, Upright
+from sextant.simulation.street import LENGTH, WIDTH, Street, Upright
+from sextant.simulation.street_conditions import CONDITIONS, StreetConditions
 from sextant.simulation.street_view import EYE, street_view
 
 STILL = replace(CONDITIONS["summer"], noise=0.0)

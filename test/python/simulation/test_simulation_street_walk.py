@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from sextant.place_maps.place_map_file import read_place_map
-from sextant.simulation.street import CONDITIONS, LENGTH, WIDTH, Street
+from sextant.simulation.street import LENGTH, WIDTH, Street
+from sextant.simulation.street_conditions import CONDITIONS
 from sextant.simulation.street_map import CLUSTERS, MAP, StreetMap, has_street_map, write_street_map
 from sextant.simulation.street_overview import LOW, aerial_image
 from sextant.simulation.street_view import street_view
@@ -76,7 +77,7 @@ def test_a_swaying_walker_looks_where_it_goes():
 def test_every_round_has_its_season(street):
     seasons = ["summer", "evening"]
     fast = walk(seasons=seasons, speed=10.0, rate=0.2)  # 50 m a frame
-    shown = [frame.season for frame in islice(iter(fast.frame, None), 12)]
+    shown = [frame.conditions for frame in islice(iter(fast.frame, None), 12)]
     length = street.length
     assert shown == [seasons[int(50 * i / length) % 2] for i in range(12)]
 
@@ -139,7 +140,7 @@ def test_a_map_of_another_street_is_not_taken_for_it(street_map):
     wanted, path = street_map
     folder = path.parent
     assert has_street_map(folder, wanted) and not has_street_map(folder / "elsewhere", wanted)
-    others = {"seed": 2, "seasons": ["summer"], "spacing": 41.0, "size": (48, 64), "parts": 4}
+    others = {"seed": 2, "conditions": ["summer"], "spacing": 41.0, "size": (48, 64), "parts": 4}
     assert set(others) == set(wanted._fields)
     for name, value in others.items():
         with pytest.raises(ValueError, match=r'map.txt: is of {"seed": 1.*, expected {.*remove the folder'):

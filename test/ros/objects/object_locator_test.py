@@ -15,7 +15,7 @@ from std_msgs.msg import Header
 from visualization_msgs.msg import Marker, MarkerArray
 
 from sextant.msg import LandmarkObservations, ObjectBox, Objects
-from sextant.nodes.base.conversions import pose_to_message
+from sextant.nodes.base.pose_messages import pose_to_message
 from sextant.nodes.simulation.simulator_messages import calibration_to_message
 from sextant.simulation.ball_ground import Pillar
 from sextant.simulation.ball_simulation import BallSimulation, BallSimulationParams

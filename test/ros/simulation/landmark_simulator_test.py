@@ -26,7 +26,7 @@ START = 10_000_000_000  # nanoseconds
 
 
 def stamp_of(seconds):
-    """Of a moment of the drive."""
+    """Of a step of the drive."""
     return rospy.Time(nsecs=START + round(1e9 * seconds))
 
 
@@ -57,25 +57,25 @@ class DriveTest(unittest.TestCase):
         cls.tf = TransformRecorder()
         assert cls.odometry.connected() and cls.truth.connected()
         cls.observations = Watch("landmarks", LandmarkObservations)  # the drive waits for it
-        cls.moments = list(LandmarkWorld(PARAMS).moments())
+        cls.steps = list(LandmarkWorld(PARAMS).steps())
         assert until(lambda: cls.odometry.has(stamp_of(DURATION)), 60)
 
     def test_odometry_and_truth_are_those_of_the_world(self):
         pose, start = np.zeros(3), LandmarkWorld(PARAMS).start
-        for moment in self.moments:
-            stamp, pose = stamp_of(moment.stamp), composed(pose, moment.step)
+        for step in self.steps:
+            stamp, pose = stamp_of(step.stamp), composed(pose, step.odometry_step)
             published, true = self.odometry.at(stamp), self.truth.at(stamp)
             np.testing.assert_allclose(planar(published), pose, atol=1e-9)
-            np.testing.assert_allclose(planar(true), relative(start, moment.pose), atol=1e-9)
+            np.testing.assert_allclose(planar(true), relative(start, step.pose), atol=1e-9)
             self.assertEqual((published.header.frame_id, published.child_frame_id), ("odom", "base_link"))
             self.assertEqual((true.header.frame_id, true.child_frame_id), ("map", "base_link"))
-            self.assertAlmostEqual(published.twist.twist.linear.x, moment.step[0] * RATE)
-            self.assertAlmostEqual(true.twist.twist.angular.z, moment.turn_rate)
+            self.assertAlmostEqual(published.twist.twist.linear.x, step.odometry_step[0] * RATE)
+            self.assertAlmostEqual(true.twist.twist.angular.z, step.turn_rate)
             T = self.tf.at("odom", "base_link", stamp)
             np.testing.assert_allclose(T, matrix(published.pose.pose), atol=1e-12)
 
     def test_observations_come_late_with_the_stamp_of_their_moment(self):
-        scans = [moment.scan for moment in self.moments if moment.scan]
+        scans = [step.scan for step in self.steps if step.scan]
         stamps = [stamp_of(scan.stamp) for scan in scans]
         self.assertEqual(sorted(message.header.stamp for message in self.observations.all()), stamps)
         for stamp, scan in zip(stamps, scans):

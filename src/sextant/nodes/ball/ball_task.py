@@ -32,7 +32,7 @@ from sextant.nodes.base.params import read_params
 
 MAX_SLEEP = 0.05  # seconds of wall time between checks for missing poses
 REPORT_EVERY = 1.0  # seconds of wall time
-SEND_TIME = 0.1  # seconds, in which the last command is sent
+SEND_TIME = 0.1  # seconds to wait until the last command has been sent
 BUFFER = 2**24  # bytes, receive buffer of a subscription
 
 
@@ -48,13 +48,13 @@ class BallTaskNode:
         self._command_lock = threading.RLock()  # no command after the final stop
         self._is_updated, self._stop = threading.Event(), threading.Event()
         self._is_running, self._stamp, self._robot = False, -np.inf, np.zeros(2)  # at the last step
-        self._reported, self._waits_since = 0.0, np.inf
+        self._reported, self._waiting_since = 0.0, np.inf
         rospy.on_shutdown(self._end)
         self._advertise()
         if params.autostart:
             self._start_task()
         else:
-            self._rest("stopped", "waiting for ~start")
+            self._stop_task("stopped", "waiting for ~start")
         self._subscribe()
         rospy.Service("~start", Trigger, self._on_start)
         rospy.Service("~stop", Trigger, self._on_stop)
@@ -133,7 +133,7 @@ class BallTaskNode:
 
     def _on_stop(self, _request: TriggerRequest) -> TriggerResponse:
         with self._task_lock:
-            self._rest("stopped", "stopped by ~stop")
+            self._stop_task("stopped", "stopped by ~stop")
         return TriggerResponse(True, "the robot stops")
 
     def _start_task(self) -> None:
@@ -143,10 +143,10 @@ class BallTaskNode:
             self._inputs.clear_touches()
         self._grid = FloorGrid(self._params.grid)
         self._is_running, self._stamp, self._report.kicks = True, -np.inf, 0
-        self._waits_since = np.inf
+        self._waiting_since = np.inf
         self._publish_state("waiting", "no pose yet")
 
-    def _rest(self, state: str, reason: str) -> None:
+    def _stop_task(self, state: str, reason: str) -> None:
         """Stop the robot until the task is started again."""
         self._is_running = False
         self._command(HALT)
@@ -172,7 +172,7 @@ class BallTaskNode:
             self._step(view)
 
     def _missing(self, stamp: float) -> str:
-        """The required input that is too old; empty: none. A stamp in the future is of another clock."""
+        """Which required input is too old, or stamped in the future (by another clock); empty: none."""
         now, params, inputs = rospy.get_time(), self._params, self._inputs
         if abs(now - stamp) > params.pose_timeout:
             where = rospy.resolve_name("odometry/filtered")
@@ -189,16 +189,16 @@ class BallTaskNode:
         """Stop the robot while an input is missing."""
         self._command(HALT)
         now = rospy.get_time()
-        self._waits_since = min(self._waits_since, now or np.inf)  # 0: no clock yet
-        if now - self._waits_since > self._params.patience:
-            self._rest("failed", f"{missing}, for {self._params.patience:g} s")
+        self._waiting_since = min(self._waiting_since, now or np.inf)  # 0: no clock yet
+        if now - self._waiting_since > self._params.patience:
+            self._stop_task("failed", f"{missing}; gave up after {self._params.patience:g} s")
         elif (self._report.state, self._report.reason) != ("waiting", missing):
             self._publish_state("waiting", missing)
 
     def _step(self, view: TaskView) -> None:
         begin = time.perf_counter()
         action = self._task.step(view)
-        self._stamp, self._robot, self._waits_since = view.stamp, view.pose[:2], np.inf
+        self._stamp, self._robot, self._waiting_since = view.stamp, view.pose[:2], np.inf
         self._report.set_view(view)
         self._report.longest_step = max(self._report.longest_step, time.perf_counter() - begin)
         self._command(action.command)
@@ -206,7 +206,7 @@ class BallTaskNode:
         self._publish_state(action.state, action.reason)
         self._publish_plan(action, view)
         if action.is_ended:
-            self._rest(action.state, action.reason)
+            self._stop_task(action.state, action.reason)
 
     def _command(self, command: Command) -> None:
         """Publish a command, clipped to the limits. :raises ValueError: it is not finite"""
@@ -249,7 +249,7 @@ class BallTaskNode:
 
 
 def main() -> None:
-    """Runs the node; an invalid parameter ends it with status 1 and the reason."""
+    """Runs the node; exits with status 1 and the reason if a parameter is invalid."""
     init_node("ball_task")
     node = BallTaskNode(read_params(BallTaskNodeParams))
     with until_shutdown():

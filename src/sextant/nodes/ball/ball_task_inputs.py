@@ -11,7 +11,7 @@ from sextant.ball.floor_grid import FloorGrid
 from sextant.ball.task_view import SeenBall, SeenPillar, TaskView
 from sextant.geometry.plane_poses import planar
 from sextant.msg import LandmarkMapEntries, Objects
-from sextant.nodes.base.conversions import pose_from_message
+from sextant.nodes.base.pose_messages import pose_from_message
 from sextant.nodes.base.stamp_pairs import Pair, StampPairs
 from sextant.nodes.objects.pose_buffer import PoseBuffer
 from sextant.objects.ball_motion import roll
@@ -110,7 +110,7 @@ class BallTaskInputs:
     def _add_pairs(self, pairs: List[Pair]) -> None:
         for pose, odometry in pairs:
             stamp, T_map_base = pose.header.stamp.to_nsec(), pose_from_message(pose.pose.pose)
-            if self._poses.is_clock_reset(stamp):
+            if self._poses.jumps_back(stamp):
                 self._poses.clear()
                 self._ball, self._ball_seen, self._pillars = None, np.inf, []
                 self.newest_image, self.newest_depth = np.nan, -np.inf

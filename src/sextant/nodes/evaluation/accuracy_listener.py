@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Computes the accuracy of poses in a running system, at measured positions or against ground truth."""
+"""Node accuracy_listener: accuracy of live poses, at measured positions or against ground truth."""
 
 import threading
 import time
@@ -19,7 +19,7 @@ from std_srvs.srv import Trigger, TriggerResponse
 from sextant.base.strict_params import each, not_empty, one_of, param, within
 from sextant.evaluation.accuracy_report import AccuracyFiles, write_accuracy
 from sextant.evaluation.drive_accuracy import compare, drive_table
-from sextant.evaluation.live_drive import ClockSetBack, LiveDrive
+from sextant.evaluation.live_drive import JumpBack, LiveDrive
 from sextant.evaluation.pose_series import (
     AXES,
     GroundTruth,
@@ -31,10 +31,10 @@ from sextant.evaluation.pose_series import (
 )
 from sextant.evaluation.trajectory_metrics import RPE
 from sextant.geometry.poses import pose_of_fields
-from sextant.nodes.base.conversions import pose_from_message
 from sextant.nodes.base.exits import fatal
 from sextant.nodes.base.init_node import init_node
 from sextant.nodes.base.params import read_params
+from sextant.nodes.base.pose_messages import pose_from_message
 from sextant.srv import MeasureAccuracy, MeasureAccuracyResponse
 
 TF_TIMEOUT = 5 * 10**9  # nanoseconds that tf may arrive later than a pose
@@ -108,7 +108,7 @@ class AccuracyListener:
             with self._lock:
                 try:
                     add(self._drive, frame, stamp, T)
-                except ClockSetBack:
+                except JumpBack:
                     rospy.logwarn("%s: the clock was set back: earlier poses are dropped", rospy.get_name())
                     self._drive = LiveDrive()
                     self._tf.clear()

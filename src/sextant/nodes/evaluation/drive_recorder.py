@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Compares the poses of several locators with the ground truth of a simulated drive."""
+"""Node drive_recorder: collects the poses of a simulated drive until it ends, then compares them with the
+ground truth."""
 
 import os
 import threading
@@ -17,12 +18,13 @@ from std_srvs.srv import SetBool
 
 from sextant.base.strict_params import not_empty, param, within
 from sextant.evaluation.drive_plot import plot_drive
-from sextant.evaluation.trajectory import error_table, trajectory_errors
+from sextant.evaluation.error_table import error_table
+from sextant.evaluation.trajectory_metrics import trajectory_errors
 from sextant.msg import MarkerMapEntries
-from sextant.nodes.base.conversions import pose_from_message
 from sextant.nodes.base.exits import fatal
 from sextant.nodes.base.init_node import init_node
 from sextant.nodes.base.params import read_params
+from sextant.nodes.base.pose_messages import pose_from_message
 from sextant.nodes.markers.marker_map_messages import marker_from_entry
 
 SETTLE = 1.0  # seconds without a new pose, after which the last image is considered processed

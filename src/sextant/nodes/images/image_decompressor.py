@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Decompresses images on the machine that displays them.
+"""Node image_decompressor: decompresses images on the machine that displays them.
 
 rviz displays topics through image_transport, and Debian has no plugin for compressed images. Without a
 subscriber, nothing is transmitted over the network.

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Publishes a photo, or the photos of a folder, as a camera would, rotated upright by their EXIF data.
+"""Node publish_image: publishes photos as a camera would, rotated upright by their EXIF data.
 
 camera_driver does not rotate photos, since it publishes the calibration of the unrotated sensor.
 """
@@ -19,13 +19,12 @@ from sensor_msgs.msg import Image
 from std_msgs.msg import Header
 
 from sextant.base.strict_params import not_empty, param, required, within
-from sextant.nodes.base.conversions import image_to_message
 from sextant.nodes.base.exits import fatal
 from sextant.nodes.base.init_node import init_node
 from sextant.nodes.base.params import read_params
 from sextant.nodes.base.subscriber_wait import wait_for_subscriber
-from sextant.place_maps.exif_map import find_photos
-from sextant.place_maps.photo_file import read_rgb
+from sextant.nodes.images.image_message import image_to_message
+from sextant.place_maps.photo_file import find_photos, read_rgb
 
 LINGER = 1.0  # minimum time from the last photo to the end, seconds, so that it is transmitted
 

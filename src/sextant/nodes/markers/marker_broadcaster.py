@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Publishes a marker map to tf, to the locators and to rviz."""
+"""Node marker_broadcaster: publishes a marker map to tf, to the locators and to rviz."""
 
 import threading
 from dataclasses import dataclass

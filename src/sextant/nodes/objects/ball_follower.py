@@ -7,7 +7,7 @@ from typing import Iterator, NamedTuple, Optional
 from nav_msgs.msg import Odometry
 
 from sextant.geometry.plane_poses import planar
-from sextant.nodes.base.conversions import pose_from_message
+from sextant.nodes.base.pose_messages import pose_from_message
 from sextant.nodes.objects.pose_buffer import PoseBuffer
 from sextant.objects.ball_observations import BallObservations
 from sextant.objects.ball_tracker import BallEstimate, BallTracker
@@ -40,7 +40,7 @@ class BallFollower:
         :raises ValueError: the pose is not valid
         """
         stamp, T = odometry.header.stamp.to_nsec(), pose_from_message(odometry.pose.pose)
-        if self._poses.is_clock_reset(stamp) or odometry.header.frame_id != self._frame:
+        if self._poses.jumps_back(stamp) or odometry.header.frame_id != self._frame:
             self._poses.clear()
             self._tracker.clear()
             self._frame = odometry.header.frame_id

@@ -11,10 +11,10 @@ from sensor_msgs.msg import Image
 from sextant.messages.damaged_message import DamagedMessage
 from sextant.messages.image_messages import colour_image
 from sextant.msg import Objects
-from sextant.nodes.base.conversions import image_to_message
 from sextant.nodes.base.exits import fatal, until_shutdown
 from sextant.nodes.base.init_node import init_node
 from sextant.nodes.base.params import read_params
+from sextant.nodes.images.image_message import image_to_message
 from sextant.nodes.images.latest_image import LatestImage
 from sextant.nodes.objects.object_detector_node_params import ObjectDetectorParams
 from sextant.nodes.objects.object_detector_report import ObjectDetectorReport
@@ -69,7 +69,7 @@ def _rgb_image(message: Image) -> np.ndarray:
 
 
 def main() -> None:
-    """Runs the node; an invalid parameter or model ends it with status 1 and the reason."""
+    """Runs the node; exits with status 1 and the reason if a parameter or the model is invalid."""
     init_node("object_detector")
     params = read_params(ObjectDetectorParams)
     if params.threads:

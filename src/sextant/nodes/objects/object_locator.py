@@ -149,7 +149,7 @@ class ObjectLocatorNode:
 
 
 def main() -> None:
-    """Runs the node; an invalid parameter ends it with status 1 and the reason."""
+    """Runs the node; exits with status 1 and the reason if a parameter is invalid."""
     init_node("object_locator")
     node = ObjectLocatorNode(read_params(ObjectLocatorNodeParams))
     with until_shutdown():

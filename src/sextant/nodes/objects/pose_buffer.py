@@ -7,10 +7,10 @@ from typing import Any, Deque, Iterator, Optional, Tuple
 
 import numpy as np
 
+from sextant.base.stamp_jump import jumps_back
 from sextant.geometry.poses import MAX_GAP, interpolated_poses
 
 MAX_POSES = 500  # poses
-CLOCK_RESET = 10**9  # nanoseconds; stamps that jump back farther mean that the clock was reset
 
 
 class PoseBuffer:
@@ -27,9 +27,9 @@ class PoseBuffer:
         """Newest stamp in nanoseconds and T_frame_base (4, 4); None: empty."""
         return self._poses[-1] if self._poses else None
 
-    def is_clock_reset(self, stamp: int) -> bool:
-        """Whether a pose with this stamp (nanoseconds) shows that the clock was reset."""
-        return bool(self._poses) and stamp < self._poses[-1][0] - CLOCK_RESET
+    def jumps_back(self, stamp: int) -> bool:
+        """Whether a pose with this stamp (nanoseconds) shows that the clock was set back."""
+        return bool(self._poses) and jumps_back(stamp, self._poses[-1][0])
 
     def clear(self) -> None:
         """Remove all poses and waiting items."""

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Localizes a robot in a map of remembered places."""
+"""Node place_localizer: localizes a robot in a map of remembered places."""
 
 import threading
 import time
@@ -18,13 +18,13 @@ from sextant.base.jobs import JobError, SchedulerError
 from sextant.messages.damaged_message import DamagedMessage
 from sextant.messages.image_messages import colour_compressed, colour_image
 from sextant.msg import PlaceHypotheses, Places
-from sextant.nodes.base.conversions import image_to_message
 from sextant.nodes.base.exits import fatal
 from sextant.nodes.base.file_wait import wait_for_file
 from sextant.nodes.base.init_node import init_node
 from sextant.nodes.base.params import read_params
+from sextant.nodes.images.image_message import image_to_message
 from sextant.nodes.images.latest_image import LatestImage
-from sextant.nodes.places.place_localizer_node_params import PlaceLocalizerParams
+from sextant.nodes.places.place_localizer_node_params import PlaceLocalizerNodeParams
 from sextant.nodes.places.place_messages import fix_message, hypotheses_message, places_message, pose_message
 from sextant.nodes.places.place_report import PlaceReport
 from sextant.place_maps.photo_file import read_rgb
@@ -48,7 +48,7 @@ class LoadedMap:
     :raises OSError, ValueError, JobError, SchedulerError: map, photos or parameters cannot be used
     """
 
-    def __init__(self, params: PlaceLocalizerParams):
+    def __init__(self, params: PlaceLocalizerNodeParams):
         begin = time.monotonic()
         indexer = params.place_indexer(rospy.loginfo)
         self.place_map, index = indexer.place_map, indexer.index()
@@ -62,7 +62,7 @@ class LoadedMap:
 class PlaceLocalizerNode:
     """Node that processes the newest image in the main thread."""
 
-    def __init__(self, params: PlaceLocalizerParams, loaded: LoadedMap):
+    def __init__(self, params: PlaceLocalizerNodeParams, loaded: LoadedMap):
         self._params, self._loaded = params, loaded
         self._lock = threading.Lock()
         self._input = ("image/compressed", CompressedImage) if params.compressed else ("image", Image)
@@ -199,7 +199,7 @@ class PlaceLocalizerNode:
 def main() -> None:
     """Runs the node; exits with status 1 and the reason if the map cannot be used."""
     init_node("place_localizer")
-    params = read_params(PlaceLocalizerParams)
+    params = read_params(PlaceLocalizerNodeParams)
     wait_for_file(params.map_file, params.wait_for_map)
     with fatal(OSError, ValueError, JobError, SchedulerError):
         node = PlaceLocalizerNode(params, LoadedMap(params))

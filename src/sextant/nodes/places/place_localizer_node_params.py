@@ -24,7 +24,7 @@ _NETWORK = ("backend", "width", "height", "channels", "mean", "std")
 
 
 @dataclass(frozen=True)
-class PlaceLocalizerParams(StrictParams):
+class PlaceLocalizerNodeParams(StrictParams):
     """Private parameters of the node."""
 
     map_file: str = required(not_empty)  # place map

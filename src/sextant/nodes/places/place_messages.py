@@ -1,18 +1,20 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Conversion of localizations in a place map to messages."""
+"""Conversion of localizations in a place map to messages, and of hypotheses from messages."""
 
 import math
+from typing import List
 
 from geometry_msgs.msg import Point, PoseWithCovarianceStamped
 from sensor_msgs.msg import NavSatFix, NavSatStatus
 from std_msgs.msg import Header
 
 from sextant import msg
-from sextant.nodes.base.conversions import pose_to_message
+from sextant.nodes.base.pose_messages import pose_to_message
 from sextant.place_maps.place_map import GeoCorners, MetricFrame, PlaceMap
 from sextant.places.place_estimate import PlaceEstimate, geographic_covariance, metric_pose, scale_of
 from sextant.places.place_localizer import Localization, PlaceHypothesis, Status
+from sextant.places.place_renderer import Hypothesis
 
 NAN = float("nan")
 
@@ -42,6 +44,19 @@ def _hypothesis(place_map: PlaceMap, hypothesis: PlaceHypothesis) -> msg.PlaceHy
     return msg.PlaceHypothesis(
         photo.id, photo.image, hypothesis.probability, photo.x, photo.y, position, latitude, longitude
     )
+
+
+def hypotheses_from_message(message: msg.Places) -> List[Hypothesis]:
+    """The hypotheses of a message in its order.
+
+    :raises ValueError: the numbers of ids and probabilities differ, or a probability is invalid
+    """
+    if len(message.poses) != len(message.probabilities):
+        raise ValueError(f"{len(message.poses)} places with {len(message.probabilities)} probabilities")
+    wrong = [value for value in message.probabilities if not 0 <= value <= 1.0001]  # nan, too
+    if wrong:
+        raise ValueError(f"a probability is {wrong[0]:g}")
+    return [Hypothesis(*each) for each in zip(message.poses, message.probabilities)]
 
 
 def pose_message(place_map: PlaceMap, place: PlaceEstimate, stamp) -> PoseWithCovarianceStamped:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Visualizes the hypotheses of place_localizer on a map's overview: as image, in a window and in rviz."""
+"""Node place_visualizer: shows place_localizer's hypotheses on the overview, in a window and in rviz."""
 
 import tempfile
 import threading
@@ -18,13 +18,14 @@ from visualization_msgs.msg import MarkerArray
 
 from sextant.base.strict_params import not_empty, param, required, within
 from sextant.msg import Places
-from sextant.nodes.base.conversions import image_to_message
 from sextant.nodes.base.exits import fatal
 from sextant.nodes.base.file_wait import wait_for_file
 from sextant.nodes.base.init_node import init_node
 from sextant.nodes.base.params import read_params
+from sextant.nodes.images.image_message import image_to_message
 from sextant.nodes.images.image_window import ImageWindow
-from sextant.nodes.places.place_markers import PlaceMarkers, delete_all, hypotheses_from_message
+from sextant.nodes.places.place_messages import hypotheses_from_message
+from sextant.nodes.places.place_visualization import PlaceVisualization, delete_all
 from sextant.place_maps.overview_mesh import write_overview_mesh
 from sextant.place_maps.place_map import MetricFrame
 from sextant.place_maps.place_map_file import read_place_map
@@ -47,7 +48,7 @@ class VisualizerParams:
 
 
 class ShownMap:
-    """A map with its renderer and, if it has a metric frame, its markers.
+    """A map with its renderer and, if it has a metric frame, its rviz markers.
 
     :raises OSError: the map or the overview cannot be read, or the mesh cannot be written
     :raises ValueError: "file:line: reason"
@@ -57,20 +58,20 @@ class ShownMap:
         place_map = read_place_map(params.map_file)
         self.renderer = PlaceRenderer(place_map, params.max_side)
         self.count = len(place_map.photos)
-        self.frame, self.markers, self.map_markers = "", None, MarkerArray([delete_all()])
+        self.frame, self.visualization, self.map_markers = "", None, MarkerArray([delete_all()])
         frame, overview = place_map.georeference, place_map.overview
         if isinstance(frame, MetricFrame):
             size = (overview.width * frame.resolution, overview.height * frame.resolution)
             mesh = write_overview_mesh(mesh_folder, self.renderer.backdrop, *size)
-            self.markers = PlaceMarkers(place_map, frame, self.renderer.radii)
-            self.frame, self.map_markers = frame.frame, self.markers.map_markers(mesh)
+            self.visualization = PlaceVisualization(place_map, frame, self.renderer.radii)
+            self.frame, self.map_markers = frame.frame, self.visualization.map_markers(mesh)
 
     def hypothesis_markers(self, hypotheses: Sequence[Hypothesis], trail: Sequence[int]) -> MarkerArray:
         """Markers of hypotheses; without a metric frame, those that delete all previous ones."""
-        if self.markers is None:
+        if self.visualization is None:
             return MarkerArray([delete_all()])
         known = [number for number in trail if number in self.renderer.at]
-        return self.markers.hypothesis_markers(self.renderer.likely(hypotheses), known)
+        return self.visualization.hypothesis_markers(self.renderer.likely(hypotheses), known)
 
 
 class PlaceVisualizer(rospy.SubscribeListener):
@@ -125,7 +126,7 @@ class PlaceVisualizer(rospy.SubscribeListener):
         self._map_markers.publish(shown.map_markers)
         self._changed.set()
         rospy.loginfo("%s: %d photos", self._params.map_file, shown.count)
-        if shown.markers is None:
+        if shown.visualization is None:
             rospy.loginfo("the map has no metric frame: places/image is published, but no markers")
 
     def _reload(self, _request) -> TriggerResponse:

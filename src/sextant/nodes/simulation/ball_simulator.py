@@ -19,9 +19,9 @@ import sextant
 from sextant.base.strict_params import nested, not_empty, one_of, param, within
 from sextant.geometry.plane_poses import relative
 from sextant.msg import Objects
-from sextant.nodes.base.conversions import image_to_message
 from sextant.nodes.base.params import read_params
 from sextant.nodes.base.subscriber_wait import wait_for_subscriber
+from sextant.nodes.images.image_message import image_to_message
 from sextant.nodes.simulation.ball_messages import (
     ball_to_message,
     depth_to_message,
@@ -208,6 +208,6 @@ class BallSimulator(SimulatedRobot):
 
 
 def main() -> None:
-    """Runs the node; an invalid parameter ends it with status 1 and the reason."""
+    """Runs the node; exits with status 1 and the reason if a parameter is invalid."""
     with simulated_time("ball_simulator"):
         BallSimulator(read_params(BallSimulatorParams)).run()

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Node: simulated robot with odometry and a sensor of landmarks."""
+"""Node landmark_simulator: a simulated robot with odometry and a sensor of landmarks."""
 
 from dataclasses import dataclass
 from typing import List
@@ -26,7 +26,7 @@ from sextant.simulation.landmark_world import (
     LandmarkWorld,
     LandmarkWorldParams,
     SimulatedObservation,
-    WorldMoment,
+    SimulationStep,
 )
 from sextant.simulation.motion import Motion
 from sextant.simulation.odometry import SteppedOdometry
@@ -75,24 +75,24 @@ class LandmarkSimulator(SimulatedRobot):
         for _ in range(round(self._params.duration * self._params.odometry_rate)):
             with self._lock:
                 command = self._commanded() if self._command else None  # random motion until the first one
-                moment = self._drive.advance(command)
-            stamp = START + round(1e9 * moment.stamp)
+                step = self._drive.advance(command)
+            stamp = START + round(1e9 * step.stamp)
             self._clock.advance(stamp)
             if self._stop.is_set():
                 return
-            self._publish(moment, rospy.Time(nsecs=stamp))
+            self._publish(step, rospy.Time(nsecs=stamp))
         while not self._stop.is_set():
             self._clock.advance(self._clock.now + START)
 
-    def _publish(self, moment: WorldMoment, stamp: rospy.Time) -> None:
+    def _publish(self, step: SimulationStep, stamp: rospy.Time) -> None:
         """Odometry before observations, so that a subscriber knows the pose of the robot at their stamp."""
         params, seconds = self._params, 1.0 / self._params.odometry_rate
-        reading = self._wheels.add(moment.step, moment.noise, seconds)
-        x, y, yaw = relative(self._world.start, moment.pose)
-        truth = Motion(x, y, 0.0, yaw, moment.speed, moment.turn_rate)
+        reading = self._wheels.add(step.odometry_step, step.noise, seconds)
+        x, y, yaw = relative(self._world.start, step.pose)
+        truth = Motion(x, y, 0.0, yaw, step.speed, step.turn_rate)
         self._publish_motion(stamp, reading, truth, params.map_frame)
-        if moment.scan is not None:
-            self._observations.publish(scan_to_message(moment.scan, params.base_frame))
+        if step.scan is not None:
+            self._observations.publish(scan_to_message(step.scan, params.base_frame))
 
     def _kidnap(self, _request) -> TriggerResponse:
         with self._lock:
@@ -126,7 +126,7 @@ def outlines(positions: np.ndarray, frame: str) -> MarkerArray:
 
 
 def main() -> None:
-    """Runs the node; exits with status 1 and the reason if a parameter is not valid."""
+    """Runs the node; exits with status 1 and the reason if a parameter is invalid."""
     with simulated_time("landmark_simulator"):
         params = read_params(LandmarkSimulatorParams)
         with fatal(ValueError, separator="/"):

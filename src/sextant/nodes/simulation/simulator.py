@@ -16,10 +16,10 @@ from std_msgs.msg import Bool, Header
 
 import sextant
 from sextant.base.strict_params import not_empty, one_of, param, within
-from sextant.nodes.base.conversions import image_to_message
 from sextant.nodes.base.exits import fatal
 from sextant.nodes.base.params import read_params
 from sextant.nodes.base.subscriber_wait import wait_for_subscriber
+from sextant.nodes.images.image_message import image_to_message
 from sextant.nodes.simulation.simulated_clock import simulated_time
 from sextant.nodes.simulation.simulated_robot import SimulatedRobot, SimulatedRobotParams
 from sextant.nodes.simulation.simulator_messages import calibration_to_message
@@ -132,7 +132,7 @@ class Simulator(SimulatedRobot):
 
 
 def main() -> None:
-    """Runs the node; an invalid parameter or map file ends it with status 1 and the reason."""
+    """Runs the node; exits with status 1 and the reason if a parameter or the map file is invalid."""
     with simulated_time("simulator"):
         with fatal(ValueError, RuntimeError):
             simulator = Simulator(read_params(SimulatorParams))

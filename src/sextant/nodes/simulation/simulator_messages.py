@@ -9,7 +9,7 @@ from sensor_msgs.msg import CameraInfo
 from std_msgs.msg import Header
 
 import sextant
-from sextant.nodes.base.conversions import pose_to_message, transform_to_message
+from sextant.nodes.base.pose_messages import pose_to_message, transform_to_message
 from sextant.simulation.motion import Motion
 from sextant.simulation.odometry import OdometryReading
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Simulates a walk along a street: images, odometry, ground truth and a place map."""
+"""Node street_simulator: a simulated walk along a street: images, odometry, ground truth and a place map."""
 
 import threading
 from dataclasses import dataclass
@@ -15,14 +15,14 @@ from std_srvs.srv import Trigger, TriggerResponse
 
 from sextant.base.jobs import JobError
 from sextant.base.strict_params import not_empty, param, within
-from sextant.nodes.base.conversions import image_to_message
 from sextant.nodes.base.exits import fatal, until_shutdown
 from sextant.nodes.base.init_node import init_node
 from sextant.nodes.base.params import read_params
 from sextant.nodes.base.subscriber_wait import wait_for_subscriber
+from sextant.nodes.images.image_message import image_to_message
 from sextant.nodes.simulation.simulator_messages import reading_to_message, truth_to_message
 from sextant.simulation.street_map import FRAME, StreetMap, has_street_map, write_street_map
-from sextant.simulation.street_walk import StreetWalk, WalkFrame, WalkParams, known_seasons
+from sextant.simulation.street_walk import StreetWalk, WalkFrame, WalkParams, known_conditions
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,8 @@ class StreetParams(WalkParams):
     """Private parameters of the node: those of the walk, the map and the frames."""
 
     map_folder: str = param("")  # folder of the map, which is written if missing; empty: no map
-    map_seasons: List[str] = param(["summer"], known_seasons)  # seasons of the map's photos
+    # of the map's photos; season or light: a key of CONDITIONS
+    map_seasons: List[str] = param(["summer"], known_conditions)
     spacing: float = param(3.0, within(0.5, 100.0))  # distance between places, m
     parts: int = param(12, within(1, 100))  # number of places in the map of clusters
     wait_for_subscriber: float = param(0.0, within(0.0, 3600.0))  # maximum time to wait for a subscriber, s
@@ -59,13 +60,13 @@ class StreetSimulator:
     def run(self) -> None:
         """Publishes frames until the node is shut down."""
         wait_for_subscriber(self._image, self._params.wait_for_subscriber, self._stop)
-        pace, season = rospy.Rate(self._params.rate, reset=True), ""
+        pace, conditions = rospy.Rate(self._params.rate, reset=True), ""
         while not self._stop.is_set():
             with self._lock:
                 frame = self._walk.frame()
-            if frame.season != season:
-                season = frame.season
-                rospy.loginfo("season: %s", season)
+            if frame.conditions != conditions:
+                conditions = frame.conditions
+                rospy.loginfo("season: %s", conditions)
             self._publish(frame, rospy.Time.now())
             pace.sleep()
 

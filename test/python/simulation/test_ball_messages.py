@@ -12,7 +12,7 @@ from sextant.nodes.simulation.ball_messages import (
     robot_motion,
     world_to_visualization,
 )
-from sextant.objects.depth_image import metres_of
+from sextant.objects.depth_encodings import metres_of
 from sextant.simulation.ball_ground import BallGround
 from sextant.simulation.ball_world import random_world
 

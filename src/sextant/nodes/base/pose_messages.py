@@ -1,11 +1,9 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Converts poses (4x4 arrays, metres) to messages and back, and images to messages."""
+"""Converts poses (4x4 arrays, metres) to messages and back."""
 
 import numpy as np
 from geometry_msgs.msg import Point, Pose, Quaternion, Transform, Vector3
-from sensor_msgs.msg import Image
-from std_msgs.msg import Header
 
 from sextant.geometry.poses import pose_of_fields, quaternion_of
 
@@ -28,10 +26,3 @@ def pose_from_message(pose: Pose) -> np.ndarray:
 def pose_from_transform(transform: Transform) -> np.ndarray:
     """Converts a geometry_msgs/Transform to a 4x4 pose; raises as sextant.pose_from_quaternion()."""
     return pose_of_fields(transform.translation, transform.rotation)
-
-
-def image_to_message(image: np.ndarray, header: Header) -> Image:
-    """Converts a uint8 array to sensor_msgs/Image: (height, width) to mono8, (height, width, 3) to rgb8."""
-    height, width = image.shape[:2]
-    encoding, channels = ("mono8", 1) if image.ndim == 2 else ("rgb8", 3)
-    return Image(header, height, width, encoding, 0, channels * width, image.tobytes())

@@ -2,30 +2,16 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The parameters of landmark SLAM offline are those of the nodelet."""
 
-import re
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 import sextant
 from sextant.base.params_file import read_params_file
 from sextant.base.strict_params import parse_struct
-from sextant.landmarks.landmark_colours import NAMED
-
-ROOT = Path(__file__).resolve().parents[3]
 
 
 def params_of(values, where="here"):
     return parse_struct(sextant.LandmarkSlamNodeParams, values, where, ": ")
-
-
-def test_the_colours_are_those_in_rviz():
-    source = (ROOT / "src/ros/landmarks/landmark_visualization.cpp").read_text()
-    found = re.findall(r'\{"(\w+)", colour\(([\d.f, ]+)\)\}', source)
-    assert {
-        name: tuple(float(value.strip("f ")) for value in values.split(",")) for name, values in found
-    } == NAMED
 
 
 def test_parameters_arrive_in_the_parts():
@@ -44,7 +30,7 @@ def test_the_first_pose_is_the_origin_or_the_one_that_is_set():
 
 
 def test_every_parameter_is_an_attribute_of_its_type():
-    params, types = params_of({}), {"whole": int, "real": float, "text": str, "true/false": bool}
+    params, types = params_of({}), {"int": int, "double": float, "string": str, "bool": bool}
     for name, kind, _, _, what in sextant.LandmarkSlamNodeParams.fields():
         value = getattr(params, name)
         assert isinstance(value, types.get(kind, list)) and what

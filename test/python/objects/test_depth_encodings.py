@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sextant.objects.depth_image import metres_of
+from sextant.objects.depth_encodings import metres_of
 
 
 def test_millimetres_and_metres_are_the_same():

@@ -80,5 +80,5 @@ class BallTaskTest(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rospy.init_node("ball_task_test")
-    rostest.rosrun("sextant", "ball_task_test", BallTaskTest)
+    rospy.init_node("ball_task_launch_test")
+    rostest.rosrun("sextant", "ball_task_launch_test", BallTaskTest)

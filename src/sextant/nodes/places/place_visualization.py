@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Markers of a place map and its hypotheses for rviz, and conversion of sextant/Places."""
+"""Visualization of a place map and its hypotheses in rviz."""
 
 import math
 from pathlib import Path
@@ -10,7 +10,6 @@ from geometry_msgs.msg import Point, Pose, Quaternion, Vector3
 from std_msgs.msg import ColorRGBA, Header
 from visualization_msgs.msg import Marker, MarkerArray
 
-from sextant.msg import Places
 from sextant.place_maps.place_map import MetricFrame, Photo, PlaceMap
 from sextant.places.place_renderer import (
     INK,
@@ -24,21 +23,8 @@ from sextant.places.place_renderer import (
 from sextant.places.probability_scale import Colour, probability_colour
 
 
-def hypotheses_from_message(message: Places) -> List[Hypothesis]:
-    """The hypotheses of a message in its order.
-
-    :raises ValueError: the numbers of ids and probabilities differ, or a probability is invalid
-    """
-    if len(message.poses) != len(message.probabilities):
-        raise ValueError(f"{len(message.poses)} places with {len(message.probabilities)} probabilities")
-    wrong = [value for value in message.probabilities if not 0 <= value <= 1.0001]  # nan, too
-    if wrong:
-        raise ValueError(f"a probability is {wrong[0]:g}")
-    return [Hypothesis(*each) for each in zip(message.poses, message.probabilities)]
-
-
-class PlaceMarkers:
-    """Markers in the metric frame of a map: the overview in its plane, dots on it."""
+class PlaceVisualization:
+    """rviz markers in the metric frame of a map: the overview in its plane, dots on it."""
 
     def __init__(self, place_map: PlaceMap, frame: MetricFrame, radii: Radii):
         self._overview, self._frame = place_map.overview, frame
