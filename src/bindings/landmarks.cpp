@@ -10,7 +10,7 @@
 #include "sextant/landmarks/landmark_slam.hpp"
 #include "sextant/landmarks/landmark_timeline.hpp"
 #include "sextant/landmarks/observation_2d.hpp"
-#include "sextant/landmarks/odometry_history.hpp"
+#include "sextant/landmarks/odometry_noise.hpp"
 
 namespace py = pybind11;
 using namespace py::literals;

@@ -10,7 +10,7 @@
 #include "sextant/geometry/pose2.hpp"
 #include "sextant/landmarks/covariance_store.hpp"
 #include "sextant/landmarks/observation_2d.hpp"
-#include "sextant/landmarks/odometry_history.hpp"
+#include "sextant/landmarks/odometry_noise.hpp"
 #include "sextant/landmarks/unscented_transform.hpp"
 
 namespace sextant {
