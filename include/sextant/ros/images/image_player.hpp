@@ -12,9 +12,9 @@
 #include <string>
 #include <thread>
 
+#include "sextant/images/image_source.hpp"
 #include "sextant/ros/base/rate_limit.hpp"
 #include "sextant/ros/base/trouble_log.hpp"
-#include "sextant/ros/images/image_source.hpp"
 
 namespace sextant {
 
