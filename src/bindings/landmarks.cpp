@@ -156,8 +156,8 @@ void bindLandmarkSlamParams(py::module_& module) {
 void bindSensorParams(py::module_& module) {
   bindParams<LandmarkSensorParams>(module, "LandmarkSensorParams",
                                    "Field of view and detection model of a sensor.");
-  bindParams<LandmarkMatchingParams>(module, "LandmarkMatchingParams",
-                                     "Parameters of the relocalization of a lost robot in its map.");
+  bindParams<LandmarkMapMatchingParams>(module, "LandmarkMapMatchingParams",
+                                        "Parameters of the relocalization of a lost robot in its map.");
 }
 
 void bindSlamParams(py::module_& module) {
@@ -166,7 +166,7 @@ void bindSlamParams(py::module_& module) {
       .def_readwrite("association", &LandmarkSlamParams::association, "AssociationParams")
       .def_readwrite("candidates", &LandmarkSlamParams::candidates, "CandidateParams")
       .def_readwrite("sensor", &LandmarkSlamParams::sensor, "LandmarkSensorParams")
-      .def_readwrite("matching", &LandmarkSlamParams::matching, "LandmarkMatchingParams");
+      .def_readwrite("matching", &LandmarkSlamParams::matching, "LandmarkMapMatchingParams");
 }
 
 void bindLandmarkSlamReport(py::module_& module) {

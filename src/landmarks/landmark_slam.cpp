@@ -236,7 +236,7 @@ bool LandmarkSlam::isProvisionalMapElsewhere() {
   if (params_.lost_after < 1 || provisional.size() < kMinProvisional || provisional.size() == matched_size_)
     return false;
   matched_size_ = provisional.size();
-  const auto match = matchLandmarks(provisional, established, params_.matching);
+  const auto match = matchLandmarkMaps(provisional, established, params_.matching);
   if (!match && provisional.size() >= kMaxProvisional) kidnap_detector_.confirm(register_.nextKey());
   if (!match) return false;
   const Pose2 matched = match->T_map_local * filter().pose();
@@ -267,7 +267,7 @@ LandmarkReport LandmarkSlam::observeLost(double stamp, const std::vector<Labelle
   report.associated = report.ambiguous = report.nis_dof = 0;
   if (report.initialized > 0 || ++lost_scans_ % kMatchingInterval == 0)
     if (const auto match =
-            matchLandmarks(local_.front().register_.points(), register_.points(), params_.matching))
+            matchLandmarkMaps(local_.front().register_.points(), register_.points(), params_.matching))
       applyMatch(*match);
   report.initialized = 0;
   report.lost = isLost();
@@ -275,7 +275,7 @@ LandmarkReport LandmarkSlam::observeLost(double stamp, const std::vector<Labelle
 }
 
 /// Observes the matched landmarks of the map with the joint covariance of the local ones, in one update.
-void LandmarkSlam::applyMatch(const LandmarkMatch& match) {
+void LandmarkSlam::applyMatch(const LandmarkMapMatch& match) {
   std::vector<size_t> of_local;
   bool headings = true;  // whether all of them have one in both maps
   for (const auto& [own, of_map] : match.pairs) {

@@ -12,7 +12,7 @@
 #include "sextant/landmarks/landmark_association.hpp"
 #include "sextant/landmarks/landmark_candidates.hpp"
 #include "sextant/landmarks/landmark_filter.hpp"
-#include "sextant/landmarks/landmark_matching.hpp"
+#include "sextant/landmarks/landmark_map_matching.hpp"
 #include "sextant/landmarks/landmark_register.hpp"
 #include "sextant/landmarks/landmark_sensor.hpp"
 
@@ -20,11 +20,11 @@ namespace sextant {
 
 /// Parameters of LandmarkSlam.
 struct LandmarkSlamParams {
-  LandmarkFilterParams filter;      ///< of the UKF
-  AssociationParams association;    ///< of data association
-  CandidateParams candidates;       ///< of landmarks that are not confirmed yet
-  LandmarkSensorParams sensor;      ///< of the sensor's field of view
-  LandmarkMatchingParams matching;  ///< of relocalization
+  LandmarkFilterParams filter;         ///< of the UKF
+  AssociationParams association;       ///< of data association
+  CandidateParams candidates;          ///< of landmarks that are not confirmed yet
+  LandmarkSensorParams sensor;         ///< of the sensor's field of view
+  LandmarkMapMatchingParams matching;  ///< of relocalization
   int lost_after = 10;
   bool read_only = false;
 
@@ -105,7 +105,7 @@ class LandmarkSlam {
   void initialize(double stamp, const std::vector<LabelledObservation>& unknown, LandmarkReport& report);
   void detectKidnapping(const Sorted& sorted, const LandmarkReport& report);
   bool isProvisionalMapElsewhere();
-  void applyMatch(const LandmarkMatch& match);
+  void applyMatch(const LandmarkMapMatch& match);
   void clearHypotheses();
 
   LandmarkSlamParams params_;
