@@ -8,8 +8,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "marker_innovation.hpp"
 #include "sextant/localization/mapped_observation.hpp"
+#include "sextant/localization/marker_innovation.hpp"
 #include "sextant/localization/pose_posterior.hpp"
 #include "sextant/markers/marker_pose.hpp"
 #include "sextant/markers/reprojection.hpp"
