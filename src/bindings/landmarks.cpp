@@ -173,10 +173,12 @@ void bindLandmarkSlamReport(py::module_& module) {
   py::class_<LandmarkReport>(module, "LandmarkReport", "Result of one scan.")
       .def_readonly("associated", &LandmarkReport::associated, "observations of landmarks in the map")
       .def_readonly("initialized", &LandmarkReport::initialized, "observations that initialized a landmark")
-      .def_readonly("ambiguous", &LandmarkReport::ambiguous, "observations that were not used")
-      .def_readonly("tentative", &LandmarkReport::tentative, "observations of candidates")
+      .def_readonly("ambiguous", &LandmarkReport::ambiguous,
+                    "observations not used: ambiguous, or an id that occurs twice in the scan")
+      .def_readonly("tentative", &LandmarkReport::tentative,
+                    "observations of candidates; all observations while the robot is lost")
       .def_readonly("rejected", &LandmarkReport::rejected,
-                    "observations with an id whose landmark is outside of the gate")
+                    "observations with an id, outside of the gate of the landmark with this id")
       .def_readonly("merged", &LandmarkReport::merged, "landmarks merged with another one")
       .def_readonly("removed", &LandmarkReport::removed, "landmarks removed")
       .def_readonly("lost", &LandmarkReport::lost, "whether the robot is lost")
