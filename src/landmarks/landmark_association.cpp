@@ -141,8 +141,8 @@ class JointSearch {
     const JointHypothesis all = extended(others, observation, chosen);
     const double distance = all.distance();
     const double own = distance - others.distance();
-    const double area =
-        2 * M_PI * all.cholesky_factor.diagonal().tail<2>().prod();  // sqrt(det(2 pi S)), square metres
+    // sqrt(det(2 pi S)), square metres
+    const double area = 2 * M_PI * all.cholesky_factor.diagonal().tail<2>().prod();
     if (own + 2 * std::log(area * params_.new_landmark_density) > -params_.new_landmark_margin) return false;
     return std::none_of(compatible_[observation].begin(), compatible_[observation].end(), [&](int other) {
       return other != chosen && !isTaken(others, other) &&
@@ -155,8 +155,8 @@ class JointSearch {
   const std::vector<PositionObservation>& observations_;
   const AssociationParams& params_;
   std::vector<double> gates_;  // of one pair, two pairs, ...
-  std::vector<std::vector<int>>
-      compatible_;  // individually compatible landmarks of each observation, nearest first
+  // individually compatible landmarks of each observation, nearest first
+  std::vector<std::vector<int>> compatible_;
   JointHypothesis best_;
   int hypotheses_ = 0;
 };

@@ -211,11 +211,11 @@ class Matcher {
 ParamList LandmarkMapMatchingParams::fields() {
   return {
       {"gate", &gate, Range::openHigh(0.5, 1), "",
-       "lost: probability of the gate within which two landmarks match"},
+       "relocalization: probability of the gate within which two landmarks match"},
       {"min_probability", &min_probability, Range::openHigh(0.5, 1), "",
-       "lost: minimum probability of a match that is accepted"},
+       "relocalization: minimum probability at which a match is accepted"},
       {"inlier_probability", &inlier_probability, Range::closed(0.01, 0.99), "",
-       "lost: prior probability that an observed landmark is in the map"},
+       "relocalization: prior probability that an observed landmark is in the map"},
   };
 }
 

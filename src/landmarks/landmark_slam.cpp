@@ -36,10 +36,11 @@ long countLabels(const LandmarkLabel& label, const std::vector<LabelledObservati
 
 ParamList LandmarkSlamParams::fields() {
   const ParamList own = {
-      {"read_only", &read_only, Allowed(), "", "keep the map as it is: no landmark is added or removed"},
+      {"read_only", &read_only, Allowed(), "",
+       "no landmark is added, merged or removed; the positions of mapped landmarks are still refined"},
       {"lost_after", &lost_after, Range::closed(0, 10000), "",
-       "number of scans in which no landmark is observed where it is predicted after which the robot is "
-       "lost; each scan that confirms the map cancels three; 0: never"},
+       "number of scans that contradict the map after which the robot is lost; each scan that confirms the "
+       "map cancels three of them; 0: never"},
   };
   return joined({sensor.fields(), prefixed("candidate_", candidates.fields()), association.fields(), own,
                  prefixed("match_", matching.fields()), filter.fields()});

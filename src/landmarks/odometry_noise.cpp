@@ -15,7 +15,8 @@ ParamList OdometryNoiseParams::fields() {
   return {
       {"rotation_from_rotation", &rotation_from_rotation, range, "rad",
        "[odometry](../how_to/landmarks.md#odometry-noise): standard deviation of the heading after 1 rad, "
-       "growing with the root of the angle; the next four also grow with the root of angle or distance"},
+       "growing with the square root of the angle; the next four also grow with the square root of angle or "
+       "distance"},
       {"rotation_from_translation", &rotation_from_translation, range, "rad",
        "standard deviation of the heading after 1 m"},
       {"translation_from_translation", &translation_from_translation, range, "m",
