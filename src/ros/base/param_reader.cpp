@@ -40,7 +40,7 @@ struct Reader {
 
   void operator()(bool* value) const { get(*value, "true or false"); }
   void operator()(double* value) const { get(*value, "a number"); }
-  void operator()(std::vector<std::string>* value) const { get(*value, "a list of texts"); }
+  void operator()(std::vector<std::string>* value) const { get(*value, "a list of strings"); }
   void operator()(std::vector<double>* value) const { get(*value, "a list of numbers"); }
   void operator()(std::map<std::string, std::string>* value) const {
     get(*value, "a table of names and texts");

@@ -44,7 +44,7 @@ def test_the_first_pose_is_the_origin_or_the_one_that_is_set():
 
 
 def test_every_parameter_is_an_attribute_of_its_type():
-    params, types = params_of({}), {"whole": int, "real": float, "text": str, "true/false": bool}
+    params, types = params_of({}), {"int": int, "double": float, "string": str, "bool": bool}
     for name, kind, _, _, what in sextant.LandmarkSlamNodeParams.fields():
         value = getattr(params, name)
         assert isinstance(value, types.get(kind, list)) and what
