@@ -116,10 +116,8 @@ void bindMapMaker(py::module_& module) {
       py::call_guard<py::gil_scoped_release>(),
       "Makes a map; returns a MappingResult. recording: list of RecordedInstant in order of time; sizes: "
       "MarkerSizes of unknown markers; known: MarkerMap that defines the frame; if empty, the first marker "
-      "of the "
-      "largest connected group is upright at the origin, facing along -y; params: MappingParams. "
-      "RuntimeError if "
-      "no marker can be located.");
+      "of the largest connected group is upright at the origin, facing along -y; params: MappingParams. "
+      "RuntimeError if no marker can be located.");
 }
 
 }  // namespace

@@ -14,10 +14,10 @@ namespace {
 
 constexpr int kMaxSteps = 40;
 constexpr double kTilt = 0.5;  // radians about the occluded edge, of the additional starts
-constexpr double kSettledDeviations =
-    1e-3;  // converged if a step reduces the residual norm by less, standard deviations
-constexpr double kSolved =
-    4;  // maximum residual norm of a solution; seen head-on, noise may leave no exact one
+// converged if a step reduces the residual norm by less, standard deviations
+constexpr double kSettledDeviations = 1e-3;
+// maximum residual norm of a solution; seen head-on, noise may leave no exact one
+constexpr double kSolved = 4;
 
 // Residuals of the equations divided by their standard deviations, and their Jacobian with respect to the
 // pose.

@@ -57,14 +57,14 @@ struct MappingResult {
   double correlated_images = 1.0;  ///< number of consecutive images that count as one, see correlatedImages()
   double known_position_scale = 1.0;  ///< factor on the standard deviations of the known markers' positions
   double known_rotation_scale = 1.0;  ///< factor on the standard deviations of the known markers' rotations
-  std::vector<ObservationResidual>
-      residuals;                        ///< of every observation of a mapped marker at an instant with a pose
+  /// Of every observation of a mapped marker at an instant with a pose.
+  std::vector<ObservationResidual> residuals;
   std::vector<KnownMarkerCheck> known;  ///< observed known markers with a covariance
   std::vector<MarkerKey> ambiguous;     ///< not in the map: two poses explain their observations
-  std::vector<MarkerKey>
-      unconnected;  ///< not in the map: no usable image or odometry connects them with the others
-  std::vector<MarkerKey>
-      inconsistent;  ///< not in the map: moved during the recording, or the id is used twice
+  /// Not in the map: no usable image or odometry connects them with the others.
+  std::vector<MarkerKey> unconnected;
+  /// Not in the map: moved during the recording, or the id is used twice.
+  std::vector<MarkerKey> inconsistent;
   std::vector<ConflictingPose> conflicting_poses;  ///< of markers in the map
 };
 
