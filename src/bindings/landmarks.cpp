@@ -210,8 +210,7 @@ void bindLandmarkSlam(py::module_& module) {
           "step"_a, "noise"_a, "duration"_a = 0.0, "Moves the robot, as LandmarkFilter.predict()")
       .def("observe", &LandmarkSlam::observe, "stamp"_a, "observations"_a, "T_base_sensor"_a = Pose2{},
            "Applies one scan of one sensor, a list of LabelledObservation with its stamp in seconds, and "
-           "returns "
-           "a LandmarkReport")
+           "returns a LandmarkReport")
       .def_property_readonly("filter", &LandmarkSlam::filter, py::return_value_policy::reference_internal,
                              "LandmarkFilter")
       .def_property_readonly("labels", &LandmarkSlam::labels,

@@ -12,7 +12,7 @@
 namespace sextant {
 namespace {
 
-constexpr int kMaxSteps = 40;
+constexpr int kMaxIterations = 40;
 constexpr double kTilt = 0.5;  // radians about the occluded edge, of the additional starts
 // converged if a step reduces the residual norm by less, standard deviations
 constexpr double kSettledDeviations = 1e-3;
@@ -83,7 +83,7 @@ class Solver {
     auto now = equations(pose);
     if (!now) return std::nullopt;
     double damping = 1e-6;
-    for (int i = 0; i < kMaxSteps; ++i) {
+    for (int i = 0; i < kMaxIterations; ++i) {
       Matrix6d H = now->jacobian.transpose() * now->jacobian;
       H.diagonal() *= 1 + damping;
       const Pose next = perturbed(pose, -H.ldlt().solve(now->jacobian.transpose() * now->residual));
