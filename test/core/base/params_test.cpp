@@ -77,7 +77,7 @@ TEST(Params, DescribeThemselves) {
   EXPECT_EQ(fields[0].allowed.text, "[0, 10]");
   EXPECT_EQ(typeName(fields[0].value), "double");
   EXPECT_EQ(fields[2].allowed.text, "fast, exact");
-  EXPECT_EQ(typeName(fields[2].value), "text");
+  EXPECT_EQ(typeName(fields[2].value), "string");
   EXPECT_EQ(typeName(fields[3].value), "dictionary of doubles");
   EXPECT_EQ(typeName(fields[4].value), "list of strings");
   EXPECT_EQ(typeName(fields[5].value), "list of doubles");
