@@ -62,13 +62,4 @@ void writeFileAtomically(const std::string& path, const std::string& content) {
   syncFolder(path);
 }
 
-std::string shortestDecimal(double value) {
-  char text[32];
-  for (int digits = 15; digits <= 17; ++digits) {  // %g drops trailing zeros
-    std::snprintf(text, sizeof text, "%.*g", digits, value);
-    if (std::strtod(text, nullptr) == value) break;
-  }
-  return text;
-}
-
 }  // namespace sextant

@@ -98,9 +98,16 @@ ParamList joined(std::initializer_list<ParamList> lists) {
 
 std::string typeName(const ParamValue& value) {
   // In the order of the types of ParamValue.
-  static const char* const names[] = {"true/false",     "whole",         "real",          "text",
-                                      "list of texts",  "list of reals", "list of reals", "table of reals",
-                                      "table of reals", "table of texts"};
+  static const char* const names[] = {"bool",
+                                      "int",
+                                      "double",
+                                      "string",
+                                      "list of strings",
+                                      "list of doubles",
+                                      "list of doubles",
+                                      "dictionary of doubles",
+                                      "dictionary of doubles",
+                                      "dictionary of strings"};
   static_assert(std::size(names) == std::variant_size_v<ParamValue>);
   return names[value.index()];
 }

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "sextant/base/atomic_file.hpp"
+#include "sextant/base/decimal_text.hpp"
 
 namespace sextant {
 

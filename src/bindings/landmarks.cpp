@@ -10,7 +10,7 @@
 #include "sextant/landmarks/landmark_slam.hpp"
 #include "sextant/landmarks/landmark_timeline.hpp"
 #include "sextant/landmarks/observation_2d.hpp"
-#include "sextant/landmarks/odometry_history.hpp"
+#include "sextant/landmarks/odometry_noise.hpp"
 
 namespace py = pybind11;
 using namespace py::literals;
@@ -116,7 +116,8 @@ py::class_<LandmarkFilter> bindLandmarkFilterState(py::module_& module) {
           "Moves the robot by a step (3,) with noise (3, 3), both in the robot frame at its beginning, that "
           "took duration seconds")
       .def("update", &updateKnown, "landmarks"_a, "observations"_a,
-           "Corrects the state with the Observation2D of one scan, given the index of the landmark of each")
+           "Corrects the state with one scan: the landmark index of each observation, and the list of "
+           "Observation2D")
       .def("add", &LandmarkFilter::add, "observation"_a,
            "Initializes a landmark from an Observation2D and returns its index")
       .def_property_readonly("pose", &LandmarkFilter::pose, "(3,) of the robot in the map")
@@ -134,7 +135,7 @@ void bindLandmarkFilter(py::module_& module) {
   bindLandmarkFilterParams(module);
   bindLandmarkFilterState(module)
       .def_property_readonly("scale", &LandmarkFilter::scale,
-                             "factor of the distances that odometry measures")
+                             "estimated factor by which the distances of odometry are multiplied")
       .def_property_readonly("clock_offset", &LandmarkFilter::clockOffset,
                              "seconds to add to the stamps of observations")
       .def_property_readonly("scale_variance", &LandmarkFilter::scaleVariance,
@@ -143,8 +144,9 @@ void bindLandmarkFilter(py::module_& module) {
                              "variance of clock_offset, square seconds; 0: not estimated")
       .def_property_readonly("nis", &LandmarkFilter::nis, "normalized innovation squared of the last update")
       .def_property_readonly("nis_dof", &LandmarkFilter::nisDof, "degrees of freedom of nis")
-      .def_property_readonly("repairs", &LandmarkFilter::repairs,
-                             "number of covariances that rounding made indefinite");
+      .def_property_readonly(
+          "repairs", &LandmarkFilter::repairs,
+          "number of times that a covariance was repaired because rounding had made it indefinite");
 }
 
 void bindLandmarkSlamParams(py::module_& module) {
@@ -156,8 +158,8 @@ void bindLandmarkSlamParams(py::module_& module) {
 void bindSensorParams(py::module_& module) {
   bindParams<LandmarkSensorParams>(module, "LandmarkSensorParams",
                                    "Field of view and detection model of a sensor.");
-  bindParams<LandmarkMatchingParams>(module, "LandmarkMatchingParams",
-                                     "Parameters of the relocalization of a lost robot in its map.");
+  bindParams<LandmarkMapMatchingParams>(module, "LandmarkMapMatchingParams",
+                                        "Parameters of the relocalization of a lost robot in its map.");
 }
 
 void bindSlamParams(py::module_& module) {
@@ -166,17 +168,19 @@ void bindSlamParams(py::module_& module) {
       .def_readwrite("association", &LandmarkSlamParams::association, "AssociationParams")
       .def_readwrite("candidates", &LandmarkSlamParams::candidates, "CandidateParams")
       .def_readwrite("sensor", &LandmarkSlamParams::sensor, "LandmarkSensorParams")
-      .def_readwrite("matching", &LandmarkSlamParams::matching, "LandmarkMatchingParams");
+      .def_readwrite("matching", &LandmarkSlamParams::matching, "LandmarkMapMatchingParams");
 }
 
 void bindLandmarkSlamReport(py::module_& module) {
   py::class_<LandmarkReport>(module, "LandmarkReport", "Result of one scan.")
       .def_readonly("associated", &LandmarkReport::associated, "observations of landmarks in the map")
       .def_readonly("initialized", &LandmarkReport::initialized, "observations that initialized a landmark")
-      .def_readonly("ambiguous", &LandmarkReport::ambiguous, "observations that were not used")
-      .def_readonly("tentative", &LandmarkReport::tentative, "observations of candidates")
+      .def_readonly("ambiguous", &LandmarkReport::ambiguous,
+                    "observations not used: ambiguous, or an id that occurs twice in the scan")
+      .def_readonly("tentative", &LandmarkReport::tentative,
+                    "observations of candidates; all observations while the robot is lost")
       .def_readonly("rejected", &LandmarkReport::rejected,
-                    "observations with an id whose landmark is outside of the gate")
+                    "observations with an id, outside of the gate of the landmark with this id")
       .def_readonly("merged", &LandmarkReport::merged, "landmarks merged with another one")
       .def_readonly("removed", &LandmarkReport::removed, "landmarks removed")
       .def_readonly("lost", &LandmarkReport::lost, "whether the robot is lost")
@@ -205,8 +209,8 @@ void bindLandmarkSlam(py::module_& module) {
           },
           "step"_a, "noise"_a, "duration"_a = 0.0, "Moves the robot, as LandmarkFilter.predict()")
       .def("observe", &LandmarkSlam::observe, "stamp"_a, "observations"_a, "T_base_sensor"_a = Pose2{},
-           "Applies the LabelledObservation of one scan of one sensor, stamp in seconds, and returns a "
-           "LandmarkReport")
+           "Applies one scan of one sensor, a list of LabelledObservation with its stamp in seconds, and "
+           "returns a LandmarkReport")
       .def_property_readonly("filter", &LandmarkSlam::filter, py::return_value_policy::reference_internal,
                              "LandmarkFilter")
       .def_property_readonly("labels", &LandmarkSlam::labels,
@@ -215,7 +219,7 @@ void bindLandmarkSlam(py::module_& module) {
       .def_property_readonly("candidates", &LandmarkSlam::candidates, "number of landmark candidates")
       .def_property_readonly("is_lost", &LandmarkSlam::isLost, "whether the pose is unknown")
       .def("relocalize", &LandmarkSlam::relocalize,
-           "Discards the pose: the robot is lost until it is found in its map")
+           "Discards the pose: the robot is lost until it is relocalized in its map")
       .def("set_pose", &LandmarkSlam::setPose, "pose"_a, "covariance"_a,
            "Replaces the pose (3,) and its covariance (3, 3)")
       .def("set_map", &LandmarkSlam::setMap, "pose"_a, "landmarks"_a, "labels"_a, "covariance"_a,
@@ -226,20 +230,20 @@ void bindLandmarkSlam(py::module_& module) {
 void bindLandmarkTimelineParts(py::module_& module) {
   bindParams<LandmarkTimelineParams>(module, "LandmarkTimelineParams", "Parameters of LandmarkTimeline.")
       .def_readwrite("odometry", &LandmarkTimelineParams::odometry, "OdometryNoiseParams");
-  py::enum_<Arrival>(module, "Arrival", "Result of the arrival of a scan.")
+  py::enum_<Arrival>(module, "Arrival", "What is done with a scan when it arrives.")
       .value("APPLIED", Arrival::applied, "applied at its own stamp")
       .value("WAITING", Arrival::waiting, "waits for odometry of its stamp")
-      .value("TOO_LATE", Arrival::too_late, "older than the lag, or than the first odometry")
+      .value("TOO_LATE", Arrival::too_late, "delayed by more than the lag, or older than the first odometry")
       .value("DUPLICATE", Arrival::duplicate, "received before");
-  py::class_<LandmarkTimeline::Applied>(module, "LandmarkApplied", "A scan that was applied.")
+  py::class_<LandmarkTimeline::Applied>(module, "AppliedScan", "A scan that was applied.")
       .def_readonly("stamp", &LandmarkTimeline::Applied::stamp, "seconds, as received")
       .def_readonly("report", &LandmarkTimeline::Applied::report, "LandmarkReport");
-  py::class_<LandmarkTimeline::Now>(module, "LandmarkNow", "Pose of the robot at the newest odometry.")
+  py::class_<LandmarkTimeline::Now>(module, "LandmarkEstimate", "Pose of the robot at the newest odometry.")
       .def_readonly("stamp", &LandmarkTimeline::Now::stamp, "seconds")
       .def_readonly("pose", &LandmarkTimeline::Now::T_map_base, "(3,) in the map")
       .def_readonly("covariance", &LandmarkTimeline::Now::covariance,
                     "(3, 3) of x, y, heading, in the map frame")
-      .def_readonly("T_map_odom", &LandmarkTimeline::Now::T_map_odom, "(3,); changes with scans only");
+      .def_readonly("T_map_odom", &LandmarkTimeline::Now::T_map_odom, "(3,); constant between scans");
 }
 
 py::class_<LandmarkTimeline> bindLandmarkTimelineState(py::module_& module) {
@@ -251,15 +255,17 @@ py::class_<LandmarkTimeline> bindLandmarkTimelineState(py::module_& module) {
       .def("odometry", &LandmarkTimeline::odometry, "stamp"_a, "T_odom_base"_a,
            "Adds an odometry pose (3,), stamp in seconds; False: ignored, it is not newer than the last one")
       .def("observe", &LandmarkTimeline::observe, "stamp"_a, "observations"_a, "T_base_sensor"_a = Pose2{},
-           "Adds the LabelledObservation of one scan, stamp in seconds, and returns its Arrival")
-      .def_property_readonly("now", &LandmarkTimeline::now, "LandmarkNow, or None before the first odometry")
+           "Adds one scan, a list of LabelledObservation with its stamp in seconds, and returns its Arrival")
+      .def_property_readonly("now", &LandmarkTimeline::now,
+                             "LandmarkEstimate, or None before the first odometry")
       .def_property_readonly("slam", &LandmarkTimeline::slam, py::return_value_policy::copy,
                              "copy of the LandmarkSlam after the newest scan")
       .def_property_readonly(
           "applied", &LandmarkTimeline::applied,
-          "list of LandmarkApplied: scans that the last odometry() or observe() applied for the first time")
-      .def_property_readonly("jumps", &LandmarkTimeline::jumps,
-                             "number of odometry jumps too large to be driven; each makes the robot lost");
+          "list of AppliedScan: scans that the last odometry() or observe() applied for the first time")
+      .def_property_readonly(
+          "jumps", &LandmarkTimeline::jumps,
+          "number of odometry jumps larger than any robot can drive; the robot is lost after each");
 }
 
 void bindLandmarkTimeline(py::module_& module) {
@@ -271,7 +277,7 @@ void bindLandmarkTimeline(py::module_& module) {
       .def(
           "relocalize",
           [](LandmarkTimeline& self) { self.change([](LandmarkSlam& slam) { slam.relocalize(); }); },
-          "Discards the pose: the robot is lost until it is found in its map")
+          "Discards the pose: the robot is lost until it is relocalized in its map")
       .def(
           "set_pose",
           [](LandmarkTimeline& self, const Pose2& pose, const Eigen::Matrix3d& covariance) {

@@ -61,7 +61,8 @@ void bindFindings(py::module_& module) {
           "(6,) pose from the recording alone minus known pose: position, rotation in the map's axes; "
           "metres, radians")
       .def_readonly("squared_distance", &KnownMarkerCheck::squared_distance,
-                    "squared Mahalanobis distance of position or rotation, the larger; 3 degrees of freedom")
+                    "the larger of the squared Mahalanobis distances of position and of rotation, each with "
+                    "3 degrees of freedom")
       .def_readonly("wrong", &KnownMarkerCheck::wrong,
                     "contradicts the recording; the known pose was not used");
   py::class_<ConflictingPose>(
@@ -93,17 +94,19 @@ void bindMapMaker(py::module_& module) {
       .def_readonly("correlated_images", &MappingResult::correlated_images,
                     "number of consecutive images that count as one")
       .def_readonly("known_position_scale", &MappingResult::known_position_scale,
-                    "factor applied to the known markers' position deviations")
+                    "factor on the standard deviations of the known markers' positions")
       .def_readonly("known_rotation_scale", &MappingResult::known_rotation_scale,
-                    "factor applied to the known markers' rotation deviations")
-      .def_readonly("residuals", &MappingResult::residuals, "list of ObservationResidual")
+                    "factor on the standard deviations of the known markers' rotations")
+      .def_readonly(
+          "residuals", &MappingResult::residuals,
+          "list of ObservationResidual, of every observation of a mapped marker at an instant with a pose")
       .def_readonly("known", &MappingResult::known, "list of KnownMarkerCheck")
       .def_property_readonly(
           "ambiguous", [](const MappingResult& self) { return pairs(self.ambiguous); },
           "(family, id) of markers not in the map: two poses explain their observations")
       .def_property_readonly(
           "unconnected", [](const MappingResult& self) { return pairs(self.unconnected); },
-          "(family, id) of markers not in the map: never observed together with the others")
+          "(family, id) of markers not in the map: no usable image or odometry connects them with the others")
       .def_property_readonly(
           "inconsistent", [](const MappingResult& self) { return pairs(self.inconsistent); },
           "(family, id) of markers not in the map: moved during the recording, or the id is used twice")
@@ -112,8 +115,9 @@ void bindMapMaker(py::module_& module) {
       "make_marker_map", &makeMarkerMap, "recording"_a, "sizes"_a, "known"_a, "params"_a,
       py::call_guard<py::gil_scoped_release>(),
       "Makes a map; returns a MappingResult. recording: list of RecordedInstant in order of time; sizes: "
-      "MarkerSizes of unknown markers; known: MarkerMap that defines the frame, may be empty; params: "
-      "MappingParams. RuntimeError if no marker can be located.");
+      "MarkerSizes of unknown markers; known: MarkerMap that defines the frame; if empty, the first marker "
+      "of the largest connected group is upright at the origin, facing along -y; params: MappingParams. "
+      "RuntimeError if no marker can be located.");
 }
 
 }  // namespace

@@ -10,8 +10,8 @@
 #include <optional>
 
 #include "edge_fit.hpp"
-#include "hidden_edge.hpp"
 #include "module_grid.hpp"
+#include "occluded_edge.hpp"
 
 namespace sextant {
 namespace {
@@ -35,7 +35,7 @@ constexpr double kMaxBitOffset = 0.35;   // pixels; maximum difference between o
 constexpr double kMaxBitShift = 0.12;    // modules, likewise; more than the distortion of a wide lens
 constexpr double kClearModule = 2;       // pixels; minimum size of modules that can be separated
 constexpr double kCommon = 0.15;         // pixels; standard deviation of systematic errors of lens and marker
-constexpr double kHiddenDoubt = 0.5;     // modules; standard deviation of an initial edge that was not found
+constexpr double kOccludedDoubt = 0.5;   // modules; standard deviation of an initial edge that was not found
 
 // Width of a module perpendicular to a side, pixels.
 double moduleAcross(const Corners& corners, int side, int modules) {
@@ -217,7 +217,7 @@ class SquareFit {
         refined.sigmas[i] = std::sqrt(kFloor * kFloor + cornerVariance(i, sample));
       } else {
         const double doubtful = std::max(doubt(before), doubt(after));
-        const double unknown = kHiddenDoubt * std::max(before.module, after.module);
+        const double unknown = kOccludedDoubt * std::max(before.module, after.module);
         refined.sigmas[i] = std::hypot(square_.start_sigma, doubtful > 0 ? doubtful : unknown);
       }
     }
@@ -225,7 +225,7 @@ class SquareFit {
   }
 
   // Index of the occluded edge if there is exactly one, unless its modules are tiny.
-  std::optional<int> hidden() const {
+  std::optional<int> occludedEdge() const {
     std::optional<int> only;
     for (int i = 0; i < 4; ++i) {
       if (edges_[i].found && edges_[i].doubt == 0) continue;
@@ -239,7 +239,7 @@ class SquareFit {
   // more accurate.
   RefinedCorners completed() const {
     RefinedCorners refined = result();
-    const auto i = hidden();
+    const auto i = occludedEdge();
     if (!camera_ || !i) return refined;
     const Edge &before = edges_[(*i + 3) % 4], &after = edges_[(*i + 1) % 4];
     const double sample = scatter();
@@ -248,7 +248,7 @@ class SquareFit {
     };
     CornerSigmas corner_sigmas = refined.sigmas;
     for (double& each : corner_sigmas) each = std::hypot(kCommon, each);
-    const auto found = findHidden(
+    const auto found = reconstructEdge(
         *camera_, refined.corners,
         {*i, before.fit->curve, after.fit->curve, sigma(before, 1), sigma(after, -1), corner_sigmas});
     for (int k = 0; found && k < 2; ++k) {
@@ -260,7 +260,7 @@ class SquareFit {
     return refined;
   }
 
-  static double doubt(const Edge& edge) { return edge.found ? edge.doubt : kHiddenDoubt * edge.module; }
+  static double doubt(const Edge& edge) { return edge.found ? edge.doubt : kOccludedDoubt * edge.module; }
 
   const cv::Mat& image_;
   const Corners& start_;

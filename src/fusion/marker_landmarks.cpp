@@ -34,7 +34,8 @@ Eigen::Matrix<double, 3, 6> planeJacobian(const Matrix3d& R) {
 ParamList MarkerLandmarkParams::fields() {
   return {
       {"heading_min_probability", &heading_min_probability, Range::openHigh(0.5, 1), "",
-       "printed markers: minimum probability of a marker's pose to use its heading"},
+       "printed markers: the heading is used if the probability of the better of the marker's two poses is "
+       "at least this"},
       {"corner_sigma", &corner_sigma, Range::openLow(0, 10), "px",
        "printed markers: standard deviation of a corner coordinate if the detection has none"},
       {"tilt_sigma", &tilt_sigma, Range::closed(0, 1), "rad",

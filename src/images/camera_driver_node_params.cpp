@@ -48,7 +48,7 @@ ParamList ImageSourceParams::fields() {
   };
 }
 
-ParamList ImagePlayerParams::fields() {
+ParamList ImageFeedParams::fields() {
   return {
       {"loop", &loop, Allowed(), "", "restart a file after its end"},
       {"frames", &frames, Allowed(Range::closed(0, std::numeric_limits<int>::max()), "≥ 0"), "",
@@ -67,7 +67,7 @@ ParamList CameraDriverNodeParams::fields() {
        "it"},
       {"frame_id", &frame_id, notEmpty(), "", "optical frame of the images"},
   };
-  return joined({source.fields(), player.fields(), own});
+  return joined({source.fields(), feed.fields(), own});
 }
 
 }  // namespace sextant

@@ -19,18 +19,20 @@ using Eigen::VectorXd;
 
 constexpr int kNone = -1;
 
-/// Quantile of chi-squared for the squared Mahalanobis distance of a number of pairs.
+/// Gate on the squared Mahalanobis distance of a joint hypothesis: chi-squared quantile, two degrees of
+/// freedom per pair.
 double squaredGate(double probability, size_t pairs) {
   return quantile(boost::math::chi_squared(2.0 * static_cast<double>(pairs)), probability);
 }
 
-/// Jointly considered pairs: Cholesky factor of the innovation covariance, and the whitened innovations.
-struct Joint {
-  MatrixXd root;
-  VectorXd white;
+/// A joint hypothesis: its pairs, the Cholesky factor of their innovation covariance, and the whitened
+/// innovations.
+struct JointHypothesis {
+  MatrixXd cholesky_factor;
+  VectorXd whitened;
   std::vector<std::pair<int, int>> pairs;  // observation, landmark
 
-  double distance() const { return white.squaredNorm(); }
+  double distance() const { return whitened.squaredNorm(); }
 };
 
 class JointSearch {
@@ -41,55 +43,55 @@ class JointSearch {
     for (size_t pairs = 1; pairs <= observations.size(); ++pairs)
       gates_.push_back(squaredGate(params.gate, pairs));
     for (const PositionObservation& observation : observations)
-      compatible_.push_back(within(observation, gates_[0]));
+      compatible_.push_back(individuallyCompatible(observation, gates_[0]));
   }
 
   std::vector<Association> run() {
     branch(0, {}, static_cast<int>(observations_.size()));
     std::vector<Association> found(observations_.size());
     for (const auto& [observation, landmark] : best_.pairs)
-      found[observation] = {isClear(observation) ? Outcome::associated : Outcome::ambiguous,
+      found[observation] = {isUnambiguous(observation) ? Outcome::associated : Outcome::ambiguous,
                             static_cast<size_t>(landmark)};
     for (size_t i = 0; i < found.size(); ++i)
-      if (found[i].outcome == Outcome::unassociated && isNear(observations_[i]))
+      if (found[i].outcome == Outcome::unassociated && isInsideOuterGate(observations_[i]))
         found[i].outcome = Outcome::ambiguous;
     return found;
   }
 
  private:
   /// Extends a joint hypothesis by one pair.
-  Joint with(const Joint& joint, int observation, int landmark) const {
-    const Index size = joint.white.size();
+  JointHypothesis extended(const JointHypothesis& joint, int observation, int landmark) const {
+    const Index size = joint.whitened.size();
     MatrixXd cross(2, size);
     for (size_t k = 0; k < joint.pairs.size(); ++k)
       cross.middleCols<2>(2 * k) = covariance_.block<2, 2>(2 * landmark, 2 * joint.pairs[k].second);
-    const MatrixXd along = joint.root.triangularView<Eigen::Lower>().solve(cross.transpose());
+    const MatrixXd along = joint.cholesky_factor.triangularView<Eigen::Lower>().solve(cross.transpose());
     const Matrix2d rest = covariance_.block<2, 2>(2 * landmark, 2 * landmark) +
                           observations_[observation].covariance - along.transpose() * along;
     const Matrix2d root = rest.llt().matrixL();
-    Joint more{MatrixXd::Zero(size + 2, size + 2), VectorXd(size + 2), joint.pairs};
-    more.root.topLeftCorner(size, size) = joint.root;
-    more.root.bottomLeftCorner(2, size) = along.transpose();
-    more.root.bottomRightCorner<2, 2>() = root;
+    JointHypothesis more{MatrixXd::Zero(size + 2, size + 2), VectorXd(size + 2), joint.pairs};
+    more.cholesky_factor.topLeftCorner(size, size) = joint.cholesky_factor;
+    more.cholesky_factor.bottomLeftCorner(2, size) = along.transpose();
+    more.cholesky_factor.bottomRightCorner<2, 2>() = root;
     const Vector2d innovation = observations_[observation].position - landmarks_[landmark].position;
-    more.white.head(size) = joint.white;
-    more.white.tail<2>() =
-        root.triangularView<Eigen::Lower>().solve(innovation - along.transpose() * joint.white);
+    more.whitened.head(size) = joint.whitened;
+    more.whitened.tail<2>() =
+        root.triangularView<Eigen::Lower>().solve(innovation - along.transpose() * joint.whitened);
     more.pairs.emplace_back(observation, landmark);
     return more;
   }
 
-  double alone(const PositionObservation& observation, int landmark) const {
+  double individualDistance(const PositionObservation& observation, int landmark) const {
     const Vector2d innovation = observation.position - landmarks_[landmark].position;
     const Matrix2d S = covariance_.block<2, 2>(2 * landmark, 2 * landmark) + observation.covariance;
     return innovation.dot(S.llt().solve(innovation));
   }
 
-  std::vector<int> within(const PositionObservation& observation, double gate) const {
+  std::vector<int> individuallyCompatible(const PositionObservation& observation, double gate) const {
     std::vector<std::pair<double, int>> found;
     for (size_t j = 0; j < landmarks_.size(); ++j) {
       if (!(landmarks_[j].label == observation.label)) continue;
-      const double distance = alone(observation, static_cast<int>(j));
+      const double distance = individualDistance(observation, static_cast<int>(j));
       if (distance < gate) found.emplace_back(distance, static_cast<int>(j));
     }
     std::sort(found.begin(), found.end());
@@ -97,52 +99,54 @@ class JointSearch {
     for (const auto& each : found) indices.push_back(each.second);
     return indices;
   }
-  bool isNear(const PositionObservation& observation) const {
-    return !within(observation, squaredGate(params_.new_landmark_gate, 1)).empty();
+  bool isInsideOuterGate(const PositionObservation& observation) const {
+    return !individuallyCompatible(observation, squaredGate(params_.new_landmark_gate, 1)).empty();
   }
 
-  bool isBetter(const Joint& joint) const {
+  bool isBetter(const JointHypothesis& joint) const {
     if (joint.pairs.size() != best_.pairs.size()) return joint.pairs.size() > best_.pairs.size();
     return joint.distance() < best_.distance();
   }
 
-  void branch(size_t observation, const Joint& joint, int left) {
-    if (isBetter(joint)) best_ = joint;  // all other observations may be false alarms
+  void branch(size_t observation, const JointHypothesis& joint, int left) {
+    if (isBetter(joint)) best_ = joint;  // the remaining observations may stay unassociated
     if (left == 0 || joint.pairs.size() + left < best_.pairs.size() || hypotheses_ > params_.max_hypotheses)
       return;
     for (const int landmark : compatible_[observation]) {
       if (isTaken(joint, landmark)) continue;
       ++hypotheses_;
-      const Joint more = with(joint, static_cast<int>(observation), landmark);
+      const JointHypothesis more = extended(joint, static_cast<int>(observation), landmark);
       if (more.distance() < gates_[more.pairs.size() - 1]) branch(observation + 1, more, left - 1);
     }
     branch(observation + 1, joint, left - 1);
   }
 
-  static bool isTaken(const Joint& joint, int landmark) {
+  static bool isTaken(const JointHypothesis& joint, int landmark) {
     return std::any_of(joint.pairs.begin(), joint.pairs.end(),
                        [&](const auto& pair) { return pair.second == landmark; });
   }
 
-  /// Whether no other landmark explains an observation nearly as well, given all other pairs.
-  bool isClear(int observation) const {
-    Joint others;
+  /// Whether neither another landmark nor a new one explains an observation nearly as well, given all other
+  /// pairs.
+  bool isUnambiguous(int observation) const {
+    JointHypothesis others;
     int chosen = kNone;
     for (const auto& [i, j] : best_.pairs) {
       if (i == observation) {
         chosen = j;
       } else {
-        others = with(others, i, j);
+        others = extended(others, i, j);
       }
     }
-    const Joint all = with(others, observation, chosen);
+    const JointHypothesis all = extended(others, observation, chosen);
     const double distance = all.distance();
     const double own = distance - others.distance();
-    const double area = 2 * M_PI * all.root.diagonal().tail<2>().prod();  // sqrt(det(2 pi S)), square metres
+    // sqrt(det(2 pi S)), square metres
+    const double area = 2 * M_PI * all.cholesky_factor.diagonal().tail<2>().prod();
     if (own + 2 * std::log(area * params_.new_landmark_density) > -params_.new_landmark_margin) return false;
     return std::none_of(compatible_[observation].begin(), compatible_[observation].end(), [&](int other) {
       return other != chosen && !isTaken(others, other) &&
-             with(others, observation, other).distance() < distance + params_.ambiguity_margin;
+             extended(others, observation, other).distance() < distance + params_.ambiguity_margin;
     });
   }
 
@@ -150,9 +154,10 @@ class JointSearch {
   const MatrixXd& covariance_;
   const std::vector<PositionObservation>& observations_;
   const AssociationParams& params_;
-  std::vector<double> gates_;                 // of one pair, two pairs, ...
-  std::vector<std::vector<int>> compatible_;  // landmarks of each observation, nearest first
-  Joint best_;
+  std::vector<double> gates_;  // of one pair, two pairs, ...
+  // individually compatible landmarks of each observation, nearest first
+  std::vector<std::vector<int>> compatible_;
+  JointHypothesis best_;
   int hypotheses_ = 0;
 };
 
@@ -163,10 +168,12 @@ ParamList AssociationParams::fields() {
       {"gate", &gate, Range::openHigh(0.5, 1), "",
        "probability that a correct observation is inside the gate"},
       {"new_landmark_gate", &new_landmark_gate, Allowed(Range::openHigh(gate, 1), "[`gate`, 1)"), "",
-       "probability that a correct observation is inside the outer gate: outside of it an observation may be "
-       "of a new landmark; between both gates it is ambiguous"},
+       "probability that a correct observation is inside the outer gate: an observation outside of it may be "
+       "of a new landmark; an unassociated one inside it is ambiguous and not used. Also the gate of "
+       "observations with an id"},
       {"ambiguity_margin", &ambiguity_margin, Range::closed(0, 100), "",
-       "minimum difference of the squared Mahalanobis distances of the second best and the best landmark"},
+       "minimum difference between the squared Mahalanobis distances to the second best and to the best "
+       "landmark"},
       {"new_landmark_margin", &new_landmark_margin, Range::closed(0, 100), "",
        "as `ambiguity_margin`, but relative to the hypothesis that the landmark is new"},
       {"new_landmark_density", &new_landmark_density, Range::openLow(0, 1000), "1/m²",

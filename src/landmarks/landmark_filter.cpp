@@ -85,7 +85,8 @@ ParamList LandmarkFilterParams::fields() {
       {"scale_sigma", &scale_sigma, Range::closed(0, 1), "",
        "initial standard deviation of the scale of odometry; 0: not estimated"},
       {"scale_drift", &scale_drift, Range::closed(0, 1), "",
-       "standard deviation of the scale's random walk after 1 m, growing with the root of the distance"},
+       "standard deviation of the scale's random walk after 1 m, growing with the square root of the "
+       "distance"},
       {"clock_sigma", &clock_sigma, Range::closed(0, 10), "s",
        "initial standard deviation of the clock offset of observations; 0: not estimated"},
   };

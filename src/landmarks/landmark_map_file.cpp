@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "sextant/base/atomic_file.hpp"
+#include "sextant/base/decimal_text.hpp"
 #include "sextant/base/strict_yaml.hpp"
 
 namespace sextant {

@@ -36,10 +36,11 @@ long countLabels(const LandmarkLabel& label, const std::vector<LabelledObservati
 
 ParamList LandmarkSlamParams::fields() {
   const ParamList own = {
-      {"read_only", &read_only, Allowed(), "", "keep the map as it is: no landmark is added or removed"},
+      {"read_only", &read_only, Allowed(), "",
+       "no landmark is added, merged or removed; the positions of mapped landmarks are still refined"},
       {"lost_after", &lost_after, Range::closed(0, 10000), "",
-       "number of scans in which no landmark is observed where it is predicted after which the robot is "
-       "lost; each scan that confirms the map cancels three; 0: never"},
+       "number of scans that contradict the map after which the robot is lost; each scan that confirms the "
+       "map cancels three of them; 0: never"},
   };
   return joined({sensor.fields(), prefixed("candidate_", candidates.fields()), association.fields(), own,
                  prefixed("match_", matching.fields()), filter.fields()});
@@ -71,21 +72,21 @@ LandmarkReport LandmarkSlam::observeLocalized(double stamp,
                                               const Pose2& T_base_sensor) {
   const std::vector<size_t> near = inReach(observations);
   LandmarkReport report;
-  const Sorted sorted = sort(near, observations, T_base_sensor, report);
-  register_.filter().update(sorted.known);
+  const ScanAssociation scan = associateScan(near, observations, T_base_sensor, report);
+  register_.filter().update(scan.known);
   if (report.associated > 0) report.nis = filter().nis(), report.nis_dof = filter().nisDof();
-  detectKidnapping(sorted, report);
+  detectKidnapping(scan, report);
   if (isLost()) {
     report.lost = true;
   } else if (!params_.read_only) {
     // Observed landmarks confirm the pose: only then a missed one is evidence of its absence.
-    register_.addEvidence(sorted.observed, sensor_.evidence(true));
-    if (!sorted.observed.empty()) {
-      register_.addEvidence(sorted.missed, sensor_.evidence(false));
-      register_.addEvidence(sorted.relocated, sensor_.evidence(false));
+    register_.addEvidence(scan.observed, sensor_.evidence(true));
+    if (!scan.observed.empty()) {
+      register_.addEvidence(scan.missed, sensor_.evidence(false));
+      register_.addEvidence(scan.relocated, sensor_.evidence(false));
     }
-    initialize(stamp, sorted.unknown, report);
-    report.merged = register_.mergeDuplicates(sorted.observed, params_.sensor.min_separation, report.keys);
+    initialize(stamp, scan.unknown, report);
+    report.merged = register_.mergeDuplicates(scan.observed, params_.sensor.min_separation, report.keys);
     report.removed = register_.removeUnlikely();
   }
   return report;
@@ -112,43 +113,43 @@ std::vector<size_t> LandmarkSlam::inReach(const std::vector<LabelledObservation>
   return found;
 }
 
-LandmarkSlam::Sorted LandmarkSlam::sort(const std::vector<size_t>& near,
-                                        const std::vector<LabelledObservation>& observations,
-                                        const Pose2& T_base_sensor, LandmarkReport& report) {
+LandmarkSlam::ScanAssociation LandmarkSlam::associateScan(
+    const std::vector<size_t>& near, const std::vector<LabelledObservation>& observations,
+    const Pose2& T_base_sensor, LandmarkReport& report) {
   const ObservationPrediction expected = register_.filter().predictObservations(near);
-  Sorted sorted = sortByOutcome(associateAll(near, expected, observations), observations, report);
+  ScanAssociation scan = groupByOutcome(associateAll(near, expected, observations), observations, report);
   // A printed marker is visible from the front only: a missed detection is no evidence of its absence, but a
   // detection elsewhere is.
   for (const size_t which : sensor_.expectedInView(expected, T_base_sensor))
-    if (!labels()[near[which]].id && !contains(sorted.observed, near[which]))
-      sorted.missed.push_back(near[which]);
-  return sorted;
+    if (!labels()[near[which]].id && !contains(scan.observed, near[which]))
+      scan.missed.push_back(near[which]);
+  return scan;
 }
 
-LandmarkSlam::Sorted LandmarkSlam::sortByOutcome(const std::vector<Association>& outcomes,
-                                                 const std::vector<LabelledObservation>& observations,
-                                                 LandmarkReport& report) const {
+LandmarkSlam::ScanAssociation LandmarkSlam::groupByOutcome(
+    const std::vector<Association>& outcomes, const std::vector<LabelledObservation>& observations,
+    LandmarkReport& report) const {
   report.keys.resize(observations.size());
-  Sorted sorted;
+  ScanAssociation scan;
   for (size_t i = 0; i < observations.size(); ++i) {
     const auto& [outcome, landmark] = outcomes[i];
-    const bool is_twin = outcome == Outcome::associated &&
-                         contains(sorted.observed, landmark);  // the same id twice in one scan
+    const bool is_twin =
+        outcome == Outcome::associated && contains(scan.observed, landmark);  // the same id twice in one scan
     if (outcome == Outcome::associated && !is_twin) {
-      sorted.known.push_back({landmark, observations[i].observation});
-      sorted.observed.push_back(landmark);
+      scan.known.push_back({landmark, observations[i].observation});
+      scan.observed.push_back(landmark);
       report.keys[i] = keys()[landmark];
       ++report.associated;
     } else if (outcome == Outcome::unassociated) {
-      sorted.unknown.push_back(observations[i]);
+      scan.unknown.push_back(observations[i]);
     } else if (observations[i].label.id && !is_twin) {
       ++report.rejected;
-      sorted.relocated.push_back(landmark);
+      scan.relocated.push_back(landmark);
     } else {
       ++report.ambiguous;
     }
   }
-  return sorted;
+  return scan;
 }
 
 std::vector<Association> LandmarkSlam::associateAll(const std::vector<size_t>& near,
@@ -211,11 +212,11 @@ void LandmarkSlam::initialize(double stamp, const std::vector<LabelledObservatio
 
 // ---- kidnapping and relocalization
 
-void LandmarkSlam::detectKidnapping(const Sorted& sorted, const LandmarkReport& report) {
+void LandmarkSlam::detectKidnapping(const ScanAssociation& scan, const LandmarkReport& report) {
   KidnapDetector::Evidence evidence;
-  for (const size_t landmark : sorted.observed) evidence.observed.push_back(keys()[landmark]);
-  for (const size_t landmark : sorted.missed) evidence.missed.push_back(keys()[landmark]);
-  evidence.unknown = static_cast<int>(sorted.unknown.size());
+  for (const size_t landmark : scan.observed) evidence.observed.push_back(keys()[landmark]);
+  for (const size_t landmark : scan.missed) evidence.missed.push_back(keys()[landmark]);
+  evidence.unknown = static_cast<int>(scan.unknown.size());
   evidence.contradictions = report.rejected;
   if (params_.read_only) evidence.contradictions += evidence.unknown / 2;  // not all are false alarms
   evidence.next_key = register_.nextKey();
@@ -224,11 +225,11 @@ void LandmarkSlam::detectKidnapping(const Sorted& sorted, const LandmarkReport& 
       kidnap_detector_.isConsistent() && kidnap_detector_.firstProvisional() == register_.nextKey();
   if (is_consistent) trusted_.reset(), matched_size_ = 0;
   if (!is_consistent && !trusted_) trusted_ = std::make_shared<const LandmarkRegister>(register_);
-  if (kidnap_detector_.isLost() || isProvisionalMapElsewhere()) relocalize();
+  if (kidnap_detector_.isLost() || provisionalLandmarksMatchElsewhere()) relocalize();
 }
 
 /// Whether the provisional landmarks match the established map at another pose.
-bool LandmarkSlam::isProvisionalMapElsewhere() {
+bool LandmarkSlam::provisionalLandmarksMatchElsewhere() {
   std::vector<MapPoint> provisional, established;
   const std::vector<MapPoint> all = register_.points();
   for (size_t i = 0; i < all.size(); ++i)
@@ -236,7 +237,7 @@ bool LandmarkSlam::isProvisionalMapElsewhere() {
   if (params_.lost_after < 1 || provisional.size() < kMinProvisional || provisional.size() == matched_size_)
     return false;
   matched_size_ = provisional.size();
-  const auto match = matchLandmarks(provisional, established, params_.matching);
+  const auto match = matchLandmarkMaps(provisional, established, params_.matching);
   if (!match && provisional.size() >= kMaxProvisional) kidnap_detector_.confirm(register_.nextKey());
   if (!match) return false;
   const Pose2 matched = match->T_map_local * filter().pose();
@@ -267,7 +268,7 @@ LandmarkReport LandmarkSlam::observeLost(double stamp, const std::vector<Labelle
   report.associated = report.ambiguous = report.nis_dof = 0;
   if (report.initialized > 0 || ++lost_scans_ % kMatchingInterval == 0)
     if (const auto match =
-            matchLandmarks(local_.front().register_.points(), register_.points(), params_.matching))
+            matchLandmarkMaps(local_.front().register_.points(), register_.points(), params_.matching))
       applyMatch(*match);
   report.initialized = 0;
   report.lost = isLost();
@@ -275,7 +276,7 @@ LandmarkReport LandmarkSlam::observeLost(double stamp, const std::vector<Labelle
 }
 
 /// Observes the matched landmarks of the map with the joint covariance of the local ones, in one update.
-void LandmarkSlam::applyMatch(const LandmarkMatch& match) {
+void LandmarkSlam::applyMatch(const LandmarkMapMatch& match) {
   std::vector<size_t> of_local;
   bool headings = true;  // whether all of them have one in both maps
   for (const auto& [own, of_map] : match.pairs) {

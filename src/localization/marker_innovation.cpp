@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Sextant authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "marker_innovation.hpp"
+#include "sextant/localization/marker_innovation.hpp"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -16,7 +16,7 @@ constexpr double kMinCondition = 1e-14;  // reciprocal condition number of the o
 struct PoseFromOthers {
   Pose T_map_base;
   Matrix6d covariance;
-  double squared;  // squared Mahalanobis distance of the marker's corners from their projection
+  double squared_distance;  // squared Mahalanobis distance of the marker's corners from their projection
 };
 
 // Removes a marker from the pose: with its whitened residual r, Jacobian J and information A = J' J, and
@@ -53,7 +53,7 @@ std::optional<MarkerInnovation> markerInnovation(const MarkerObservation& observ
       markerPoseCovariance(*observation.camera, T_camera_marker, observation.size, sigma);
   const Eigen::Matrix3d R = T_map_camera.linear();
   if (marker_covariance) covariance += R * marker_covariance->topLeftCorner<3, 3>() * R.transpose();
-  return MarkerInnovation{others->squared, p_map, covariance};
+  return MarkerInnovation{others->squared_distance, p_map, covariance};
 }
 
 }  // namespace sextant

@@ -8,8 +8,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "marker_innovation.hpp"
 #include "sextant/localization/mapped_observation.hpp"
+#include "sextant/localization/marker_innovation.hpp"
 #include "sextant/localization/pose_posterior.hpp"
 #include "sextant/markers/marker_pose.hpp"
 #include "sextant/markers/reprojection.hpp"
@@ -244,7 +244,7 @@ ParamList LocatorParams::fields() {
       {"max_reprojection_error", &max_reprojection_error, Range::openLow(0, 1000), "px",
        "maximum reprojection error (RMS over all used corners) of a pose"},
       {"robust_width", &robust_width, Range::closed(0.5, 1000), "",
-       "width of the Huber loss of a marker in the first minimization, standard deviations"},
+       "threshold of the Huber loss of a marker in the first minimization, standard deviations"},
       {"gate", &gate, Range::closed(8, 1e6), "",
        "squared Mahalanobis distance of a marker's eight coordinates beyond which it is an outlier"},
       {"floor_height_sigma", &floor_height_sigma, Range::closed(0, 10), "m",
@@ -255,8 +255,8 @@ ParamList LocatorParams::fields() {
       {"min_probability", &min_probability, Range::closed(0.5, 0.9999999), "",
        "minimum probability of a pose to be considered unambiguous"},
       {"ambiguous_pose", &ambiguous_pose, oneOf({"inflate", "skip"}), "",
-       "if no pose has `min_probability`: `inflate`: publish the most probable one with a covariance that "
-       "includes the others; `skip`: publish none"},
+       "if no pose reaches `min_probability`: `inflate`: publish the most probable one with a covariance "
+       "that includes the others; `skip`: publish none"},
       {"constant_covariance", &constant_covariance, Allowed("empty or 36", requireCovariance), "",
        "published instead of the computed covariance: row by row, order x y z roll pitch yaw"},
   };

@@ -29,7 +29,8 @@ ParamList MarkerLocatorNodeParams::fields() {
       {"camera_window", &camera_window, Range::closed(0, 1), "s",
        "maximum difference between the stamps of images of one instant"},
       {"camera_timeout", &camera_timeout, Range::closed(0, 1), "s",
-       "maximum time to wait for the images of the other cameras, except cameras that were silent for 1 s"},
+       "maximum time to wait for the images of the other cameras; cameras that were silent for 1 s are not "
+       "waited for"},
       {"map_file", &map_file, Allowed(), "",
        "[marker map](marker_map.md) file; empty: wait for `marker_map/entries`"},
       {"tf_output", &tf_output, oneOf({"none", "map_to_odom", "map_to_base"}), "",

@@ -38,8 +38,8 @@ void MovedMarkerDetector::add(const LocatedPose& pose, const MarkerMap& map) {
     Statistics& sums = statistics_[marker.key];
     sums.images = kForgetting * sums.images + 1;
     sums.squared_innovations =
-        kForgetting * sums.squared_innovations + std::min(innovation.squared, kMaxInnovation);
-    sums.outliers += innovation.squared > kContradiction;
+        kForgetting * sums.squared_innovations + std::min(innovation.squared_distance, kMaxInnovation);
+    sums.outliers += innovation.squared_distance > kContradiction;
     sums.information = kForgetting * sums.information + information;
     sums.weighted_offset = kForgetting * sums.weighted_offset +
                            information * (innovation.p_map - mapped->T_map_marker.translation());

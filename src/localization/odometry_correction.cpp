@@ -36,11 +36,14 @@ PosePrior movedByOdometry(const PosePrior& pose, const Pose& step, const Odometr
 ParamList OdometryParams::fields() {
   return {
       {"position_drift", &position_drift, Range::openLow(0, 10), "m",
-       "standard deviation of position along each axis after 1 m, growing with the root of the distance"},
+       "standard deviation of position along each axis after 1 m, growing with the square root of the "
+       "distance"},
       {"heading_drift", &heading_drift, Range::openLow(0, 10), "rad",
-       "standard deviation of rotation about each axis after 1 m, growing with the root of the distance"},
+       "standard deviation of rotation about each axis after 1 m, growing with the square root of the "
+       "distance"},
       {"turn_drift", &turn_drift, Range::openLow(0, 10), "rad",
-       "standard deviation of rotation about each axis after 1 rad, growing with the root of the angle"},
+       "standard deviation of rotation about each axis after 1 rad, growing with the square root of the "
+       "angle"},
       {"gate", &gate, Range::closed(12, 1e6), "",
        "squared Mahalanobis distance from the prediction beyond which a pose is rejected and not published"},
       {"max_rejections", &max_rejections, Range::closed(1, 1000), "",

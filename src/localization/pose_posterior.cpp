@@ -11,7 +11,7 @@
 #include <limits>
 #include <map>
 
-#include "tilt_lattice.hpp"
+#include "tilt_grid.hpp"
 
 namespace sextant {
 namespace {
@@ -21,9 +21,11 @@ constexpr double kRegion95 = 12.591587;  // 95 % of chi-square with 6 degrees of
 // on average regions contain 95 %.
 constexpr double kMinContained = 0.92;
 constexpr double kNegligible = 1e-7;  // probability up to which a hypothesis is dropped
-// Maximum ratio, and its inverse the minimum ratio, of the mixture's variance of a rotation to the minimum's.
+// A hypothesis is distinct if, about every axis, the ratio of its components' rotational second moment to the
+// covariance at its minimum is between 1 / kMaxVarianceRatio and kMaxVarianceRatio.
 constexpr double kMaxVarianceRatio = 2.25;
-// Squared Mahalanobis distance by which the mean may be off the tangent of the arc about the markers.
+// Maximum squared Mahalanobis distance from 0 of the second-order term's mean, up to which Gaussians are
+// used.
 constexpr double kMaxNonlinearity = 0.01;
 
 // A component of the Gaussian mixture.
@@ -133,33 +135,34 @@ std::vector<size_t> withSameMarkers(const std::vector<PoseHypothesis>& hypothese
   return same;
 }
 
-// Replaces the Gaussians of the hypotheses `same` by the cells of the lattice, with the same total weight.
+// Replaces the Gaussians of the hypotheses `same` by the cells of the grid, with the same total weight.
 // The prior only weights groups of minima: within a group it would change the pose.
-std::vector<Component> withLattice(const std::vector<Component>& gaussians,
-                                   const std::vector<PoseHypothesis>& hypotheses,
-                                   const std::vector<size_t>& same, const TiltLattice& lattice) {
+std::vector<Component> withGrid(const std::vector<Component>& gaussians,
+                                const std::vector<PoseHypothesis>& hypotheses,
+                                const std::vector<size_t>& same, const TiltGrid& grid) {
   std::map<size_t, double> log_prior;
   for (size_t k = 0; k < same.size(); ++k) {
-    const auto entry = log_prior.insert({lattice.group[k], hypotheses[same[k]].log_prior}).first;
+    const auto entry = log_prior.insert({grid.group[k], hypotheses[same[k]].log_prior}).first;
     entry->second = std::max(entry->second, hypotheses[same[k]].log_prior);
   }
   const auto log_weight = [&](const TiltCell& cell) {
-    return cell.log_density + log_prior.at(lattice.group[cell.hypothesis]);
+    return cell.log_density + log_prior.at(grid.group[cell.hypothesis]);
   };
   double total = 0.0, sum = 0.0, largest = -std::numeric_limits<double>::infinity();
   for (const size_t i : same) total += hypotheses[i].weight;
-  for (const TiltCell& cell : lattice.cells) largest = std::max(largest, log_weight(cell));
-  for (const TiltCell& cell : lattice.cells) sum += std::exp(log_weight(cell) - largest);
+  for (const TiltCell& cell : grid.cells) largest = std::max(largest, log_weight(cell));
+  for (const TiltCell& cell : grid.cells) sum += std::exp(log_weight(cell) - largest);
   std::vector<Component> mixture;
-  for (const TiltCell& cell : lattice.cells)
+  for (const TiltCell& cell : grid.cells)
     mixture.push_back({cell.T_map_base, cell.covariance, total * std::exp(log_weight(cell) - largest) / sum,
-                       same[cell.hypothesis], same[lattice.group[cell.hypothesis]]});
+                       same[cell.hypothesis], same[grid.group[cell.hypothesis]]});
   for (const Component& other : gaussians)
     if (std::find(same.begin(), same.end(), other.hypothesis) == same.end()) mixture.push_back(other);
   return mixture;
 }
 
-// The posterior as a mixture: of the hypotheses' Gaussians, or with a lattice where these are poor.
+// The posterior as a Gaussian mixture: one component per hypothesis or, where a Gaussian is a poor
+// approximation, the cells of a tilt grid.
 std::vector<Component> posteriorMixture(const std::vector<MarkerObservation>& observations,
                                         const std::vector<PoseHypothesis>& hypotheses,
                                         const PosteriorParams& params) {
@@ -171,8 +174,8 @@ std::vector<Component> posteriorMixture(const std::vector<MarkerObservation>& ob
   const auto same = withSameMarkers(hypotheses);
   std::vector<PoseHypothesis> minima;
   for (const size_t i : same) minima.push_back(hypotheses[i]);
-  const TiltLattice lattice = tiltLattice(used, minima, params.floor);
-  return lattice.cells.empty() ? gaussians : withLattice(gaussians, hypotheses, same, lattice);
+  const TiltGrid grid = tiltGrid(used, minima, params.floor);
+  return grid.cells.empty() ? gaussians : withGrid(gaussians, hypotheses, same, grid);
 }
 
 // Second moment of a mixture about a pose.
@@ -230,9 +233,9 @@ std::map<size_t, double> probabilities(const std::vector<Component>& mixture, si
   return result;
 }
 
-// Whether the mixture's components of a minimum have about the minimum's covariance. Where two minima merge
-// (a marker is seen nearly head-on), the valley of the cost is flat or asymmetric, and the two poses cannot
-// be distinguished.
+// Whether the second moment of a hypothesis' components agrees with the covariance at its minimum. Where two
+// minima merge (a marker is seen nearly head-on), the valley of the cost is flat or asymmetric, and the two
+// poses cannot be distinguished.
 bool isDistinct(const std::vector<Component>& mixture, size_t hypothesis, const PoseHypothesis& minimum) {
   std::vector<Component> own;
   std::copy_if(mixture.begin(), mixture.end(), std::back_inserter(own),

@@ -149,7 +149,7 @@ ParamList MappingParams::fields() {
       {"estimate_noise", &estimate_noise, Allowed(), "",
        "estimate a factor on `corner_sigma` for each camera from the residuals"},
       {"robust_width", &robust_width, Range::closed(0.5, 1000), "",
-       "width of the Huber loss of a marker in the first minimization, standard deviations"},
+       "threshold of the Huber loss of a marker in the first minimization, standard deviations"},
       {"gate", &gate, Range::closed(8, 1e6), "",
        "squared Mahalanobis distance beyond which an observation is excluded"},
       {"min_probability", &min_probability, Range::closed(0.5, 0.9999999), "",

@@ -8,7 +8,7 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "sextant/base/atomic_file.hpp"
+#include "sextant/base/decimal_text.hpp"
 #include "sextant/markers/marker_family.hpp"
 
 namespace sextant {

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "yaml_marker_map.hpp"
 
-#include "sextant/base/atomic_file.hpp"
+#include "sextant/base/decimal_text.hpp"
 #include "sextant/base/strict_yaml.hpp"
 
 namespace sextant {

@@ -15,7 +15,7 @@
 #include "sextant/ros/base/param_reader.hpp"
 #include "sextant/ros/base/trouble_log.hpp"
 #include "sextant/ros/images/driver_calibration.hpp"
-#include "sextant/ros/images/image_player.hpp"
+#include "sextant/ros/images/image_feed.hpp"
 
 namespace sextant {
 
@@ -28,7 +28,7 @@ class CameraDriverNodelet : public nodelet::Nodelet {
     std::string calibration_url;
     try {
       params_ = readParams<CameraDriverNodeParams>(getPrivateNodeHandle());
-      params_.player.rate = params_.source.rate;
+      params_.feed.rate = params_.source.rate;
       calibration_url = calibrationUrl(params_.camera_info_url);
       source = makeImageSource(params_.source);
     } catch (const std::exception& error) {
@@ -36,9 +36,9 @@ class CameraDriverNodelet : public nodelet::Nodelet {
       throw;
     }
     advertise(calibration_url);
-    player_ = std::make_unique<ImagePlayer>(
-        std::move(source), params_.player,
-        ImagePlayer::Outlet{
+    feed_ = std::make_unique<ImageFeed>(
+        std::move(source), params_.feed,
+        ImageFeed::Outlet{
             [this] { return image_pub_.getNumSubscribers() > 0; },
             [this] { return image_pub_.getNumSubscribers() > 0 || info_pub_.getNumSubscribers() > 0; },
             [this](const cv::Mat& frame, const ros::Time& stamp) { publish(frame, stamp); }},
@@ -67,7 +67,7 @@ class CameraDriverNodelet : public nodelet::Nodelet {
         ros::WallDuration(1.0), [this](const ros::WallTimerEvent&) { diagnostics_->force_update(); });
   }
 
-  // In the player's thread. A new message for every image, because subscribers in this process may keep it.
+  // In the feed's thread. A new message for every image, because subscribers in this process may keep it.
   void publish(const cv::Mat& frame, const ros::Time& stamp) {
     auto image = boost::make_shared<sensor_msgs::Image>();
     image->header.stamp = stamp;
@@ -92,7 +92,7 @@ class CameraDriverNodelet : public nodelet::Nodelet {
 
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
     trouble_->fill(status);
-    const ImagePlayer::Counts counts = player_->counts();
+    const ImageFeed::Counts counts = feed_->counts();
     const ros::SteadyTime now = ros::SteadyTime::now();
     if (counts.finished)
       status.summary(diagnostic_msgs::DiagnosticStatus::OK, "finished");
@@ -116,7 +116,7 @@ class CameraDriverNodelet : public nodelet::Nodelet {
   unsigned long published_ = 0;  // at the last diagnostics
   ros::SteadyTime diagnosed_ = ros::SteadyTime::now();
   // Last, because their threads use the members above.
-  std::unique_ptr<ImagePlayer> player_;
+  std::unique_ptr<ImageFeed> feed_;
   std::unique_ptr<diagnostic_updater::Updater> diagnostics_;
   ros::WallTimer diagnostics_timer_;
 };

@@ -19,6 +19,7 @@
 #include "sextant/ros/base/param_reader.hpp"
 #include "sextant/ros/base/rate_limit.hpp"
 #include "sextant/ros/base/stage_clock.hpp"
+#include "sextant/ros/base/stamp_jump.hpp"
 #include "sextant/ros/base/start_in_queue.hpp"
 #include "sextant/ros/base/trouble_log.hpp"
 #include "sextant/ros/geometry/map_transform.hpp"
@@ -33,7 +34,6 @@ namespace sextant {
 
 /// Localizes the robot by odometry and landmarks, and maps the landmarks.
 class LandmarkSlamNodelet : public nodelet::Nodelet {
-  static constexpr double kJumpBack = 1.0;            // seconds; less is a message out of order
   static constexpr double kVisualizationRate = 10.0;  // Hz
 
   void onInit() override {

@@ -18,10 +18,11 @@
 #include "sextant/localization/marker_localization.hpp"
 #include "sextant/localization/marker_locator_node_params.hpp"
 #include "sextant/localization/stamp_groups.hpp"
-#include "sextant/ros/base/param_config.hpp"
 #include "sextant/ros/base/param_reader.hpp"
 #include "sextant/ros/base/reconfigure_server.hpp"
+#include "sextant/ros/base/reconfigure_values.hpp"
 #include "sextant/ros/base/stage_clock.hpp"
+#include "sextant/ros/base/stamp_jump.hpp"
 #include "sextant/ros/base/start_in_queue.hpp"
 #include "sextant/ros/base/trouble_log.hpp"
 #include "sextant/ros/geometry/map_transform.hpp"
@@ -34,8 +35,7 @@ namespace sextant {
 
 /// Publishes the pose of the base in the map, from the markers that the cameras detect.
 class MarkerLocatorNodelet : public nodelet::Nodelet {
-  static constexpr size_t kMaxPending = 30;  // instants that wait for a transform
-  static constexpr double kJumpBack = 1.0;   // seconds; less: images out of order
+  static constexpr size_t kMaxPending = 30;  // maximum number of instants that wait for a transform
 
   using Groups = StampGroups<MarkerArrayConstPtr>;
 
@@ -156,9 +156,9 @@ class MarkerLocatorNodelet : public nodelet::Nodelet {
     while (auto images = groups_->take(now.toSec()))
       pending_.push_back(instant(std::move(*images), now + ros::WallDuration(params_.transform_timeout)));
     while (!pending_.empty()) {
-      const bool over = pending_.size() > kMaxPending || now >= pending_.front().deadline;
+      const bool give_up = pending_.size() > kMaxPending || now >= pending_.front().deadline;
       if (!tryLocate(pending_.front())) {
-        if (!over) break;
+        if (!give_up) break;
         trouble_->report("transform", pending_.front().missing);
       }
       pending_.pop_front();

@@ -10,7 +10,4 @@ namespace sextant {
 /// @throws std::runtime_error with the path and the system's error message
 void writeFileAtomically(const std::string& path, const std::string& content);
 
-/// The shortest decimal text that reads back as the same number.
-std::string shortestDecimal(double value);
-
 }  // namespace sextant

@@ -69,8 +69,8 @@ ParamList prefixed(const std::string& prefix, ParamList params);
 /// All parameters of several lists, in order.
 ParamList joined(std::initializer_list<ParamList> lists);
 
-/// Returns the type for the documentation: "true/false", "whole", "real", "text", "list of texts", "list of
-/// reals", "table of reals" or "table of texts".
+/// Returns the type for the documentation: "bool", "int", "double", "string", "list of strings", "list of
+/// doubles", "dictionary of doubles" or "dictionary of strings".
 std::string typeName(const ParamValue& value);
 
 /// Checks every parameter.

@@ -42,7 +42,7 @@ struct RefinedCorners {
 /// the bits inside. The edge of an occluder is at another distance, which is detected from errors of 0.35 px
 /// and 0.12 modules on if the code has steps near the edge. If one edge is occluded and the camera is known,
 /// its corners follow from the other three edges: two corners and the edges through the others determine the
-/// square's pose (see hidden_edge.hpp). 0.15 px are added in quadrature to the sigmas of the visible edges
+/// square's pose (see occluded_edge.hpp). 0.15 px are added in quadrature to the sigmas of the visible edges
 /// and corners, because extrapolation amplifies their systematic errors. Otherwise the initial corner is
 /// returned; its sigma then contains the possible error of the edge.
 /// @param image 8-bit grey

@@ -22,7 +22,7 @@ struct ImageSourceParams {
 };
 
 /// How the images of a source are published.
-struct ImagePlayerParams {
+struct ImageFeedParams {
   double rate = 0.0;  ///< Hz; 0: the source's own
   bool loop = false;
   int frames = 0;
@@ -34,7 +34,7 @@ struct ImagePlayerParams {
 /// Parameters of the nodelet sextant/CameraDriver.
 struct CameraDriverNodeParams {
   ImageSourceParams source;
-  ImagePlayerParams player;  ///< how they are published
+  ImageFeedParams feed;  ///< how they are published
   std::string camera_name = "camera";
   std::string camera_info_url;
   std::string frame_id = "camera_optical_frame";

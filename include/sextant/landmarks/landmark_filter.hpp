@@ -10,7 +10,7 @@
 #include "sextant/geometry/pose2.hpp"
 #include "sextant/landmarks/covariance_store.hpp"
 #include "sextant/landmarks/observation_2d.hpp"
-#include "sextant/landmarks/odometry_history.hpp"
+#include "sextant/landmarks/odometry_noise.hpp"
 #include "sextant/landmarks/unscented_transform.hpp"
 
 namespace sextant {
@@ -81,7 +81,8 @@ class LandmarkFilter {
 
   const Pose2& pose() const { return state_.pose; }                              ///< T_map_base
   const std::vector<Landmark2D>& landmarks() const { return state_.landmarks; }  ///< in the map frame
-  double scale() const { return state_.scale; }        ///< factor of the distances that odometry measures
+  /// Estimated factor by which the distances of odometry are multiplied.
+  double scale() const { return state_.scale; }
   double clockOffset() const { return state_.clock; }  ///< seconds to add to the stamps of observations
   /// Variance of scale(), and of clockOffset() in square seconds; 0: not estimated @{
   double scaleVariance() const { return scale_index_ < 0 ? 0.0 : P_(scale_index_, scale_index_); }
@@ -93,7 +94,8 @@ class LandmarkFilter {
       const std::vector<size_t>& landmarks) const;  ///< of (x, y, heading) and these landmarks
   double nis() const { return nis_; }               ///< normalized innovation squared of the last update
   int nisDof() const { return nis_dof_; }           ///< its degrees of freedom
-  int repairs() const { return repairs_; }          ///< number of covariances that rounding made indefinite
+  /// Number of times that a covariance was repaired because rounding had made it indefinite.
+  int repairs() const { return repairs_; }
 
  private:
   struct State {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "sextant/landmarks/landmark_filter.hpp"
-#include "sextant/landmarks/landmark_matching.hpp"
+#include "sextant/landmarks/landmark_map_matching.hpp"
 
 namespace sextant {
 

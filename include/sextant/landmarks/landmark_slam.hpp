@@ -12,7 +12,7 @@
 #include "sextant/landmarks/landmark_association.hpp"
 #include "sextant/landmarks/landmark_candidates.hpp"
 #include "sextant/landmarks/landmark_filter.hpp"
-#include "sextant/landmarks/landmark_matching.hpp"
+#include "sextant/landmarks/landmark_map_matching.hpp"
 #include "sextant/landmarks/landmark_register.hpp"
 #include "sextant/landmarks/landmark_sensor.hpp"
 
@@ -20,11 +20,11 @@ namespace sextant {
 
 /// Parameters of LandmarkSlam.
 struct LandmarkSlamParams {
-  LandmarkFilterParams filter;      ///< of the UKF
-  AssociationParams association;    ///< of data association
-  CandidateParams candidates;       ///< of landmarks that are not confirmed yet
-  LandmarkSensorParams sensor;      ///< of the sensor's field of view
-  LandmarkMatchingParams matching;  ///< of relocalization
+  LandmarkFilterParams filter;         ///< of the UKF
+  AssociationParams association;       ///< of data association
+  CandidateParams candidates;          ///< of landmarks that are not confirmed yet
+  LandmarkSensorParams sensor;         ///< of the sensor's field of view
+  LandmarkMapMatchingParams matching;  ///< of relocalization
   int lost_after = 10;
   bool read_only = false;
 
@@ -33,16 +33,16 @@ struct LandmarkSlamParams {
 
 /// Result of one scan.
 struct LandmarkReport {
-  int associated = 0;                    ///< observations of landmarks in the map
-  int initialized = 0;                   ///< observations that initialized a landmark
-  int ambiguous = 0;                     ///< observations that were not used
-  int tentative = 0;                     ///< observations of candidates
-  int rejected = 0;                      ///< observations with an id whose landmark is outside of the gate
-  int merged = 0;                        ///< landmarks merged with another one
-  int removed = 0;                       ///< landmarks removed
-  bool lost = false;                     ///< whether the robot is lost
-  double nis = 0;                        ///< normalized innovation squared of the update
-  int nis_dof = 0;                       ///< its degrees of freedom; 0: no update
+  int associated = 0;   ///< observations of landmarks in the map
+  int initialized = 0;  ///< observations that initialized a landmark
+  int ambiguous = 0;    ///< observations not used: ambiguous, or an id that occurs twice in the scan
+  int tentative = 0;    ///< observations of candidates; all observations while the robot is lost
+  int rejected = 0;     ///< observations with an id, outside of the gate of the landmark with this id
+  int merged = 0;       ///< landmarks merged with another one
+  int removed = 0;      ///< landmarks removed
+  bool lost = false;    ///< whether the robot is lost
+  double nis = 0;       ///< normalized innovation squared of the update
+  int nis_dof = 0;      ///< its degrees of freedom; 0: no update
   std::vector<std::optional<int>> keys;  ///< key of the landmark of each observation, if associated
 };
 
@@ -69,8 +69,8 @@ class LandmarkSlam {
   const std::vector<int>& keys() const { return register_.keys(); }
   size_t candidates() const { return candidates_.size(); }  ///< number of landmark candidates
 
-  /// Discards the pose. The robot builds a local map from the next scans until that is matched with the map.
-  /// Does nothing but remove provisional landmarks if the map is empty.
+  /// Discards the pose: a local map is built from the next scans until it matches the map. If the map has no
+  /// established landmarks, only removes the candidates and provisional landmarks.
   void relocalize();
   bool isLost() const { return !local_.empty(); }  ///< whether the pose is unknown
 
@@ -82,8 +82,8 @@ class LandmarkSlam {
               const std::vector<LandmarkLabel>& labels, const Eigen::MatrixXd& covariance);
 
  private:
-  /// Observations by association.
-  struct Sorted {
+  /// Observations and landmarks of one scan, by association.
+  struct ScanAssociation {
     std::vector<AssociatedObservation> known;
     std::vector<LabelledObservation> unknown;
     std::vector<size_t> observed, missed;  // landmarks
@@ -93,19 +93,21 @@ class LandmarkSlam {
                                   const Pose2& T_base_sensor);
   LandmarkReport observeLost(double stamp, const std::vector<LabelledObservation>& observations,
                              const Pose2& T_base_sensor);
-  Sorted sort(const std::vector<size_t>& near, const std::vector<LabelledObservation>& observations,
-              const Pose2& T_base_sensor, LandmarkReport& report);
-  Sorted sortByOutcome(const std::vector<Association>& outcomes,
-                       const std::vector<LabelledObservation>& observations, LandmarkReport& report) const;
+  ScanAssociation associateScan(const std::vector<size_t>& near,
+                                const std::vector<LabelledObservation>& observations,
+                                const Pose2& T_base_sensor, LandmarkReport& report);
+  ScanAssociation groupByOutcome(const std::vector<Association>& outcomes,
+                                 const std::vector<LabelledObservation>& observations,
+                                 LandmarkReport& report) const;
   std::vector<Association> associateAll(const std::vector<size_t>& near,
                                         const ObservationPrediction& expected,
                                         const std::vector<LabelledObservation>& observations);
   Association associateById(const LabelledObservation& observation);
   std::vector<size_t> inReach(const std::vector<LabelledObservation>& observations) const;
   void initialize(double stamp, const std::vector<LabelledObservation>& unknown, LandmarkReport& report);
-  void detectKidnapping(const Sorted& sorted, const LandmarkReport& report);
-  bool isProvisionalMapElsewhere();
-  void applyMatch(const LandmarkMatch& match);
+  void detectKidnapping(const ScanAssociation& scan, const LandmarkReport& report);
+  bool provisionalLandmarksMatchElsewhere();
+  void applyMatch(const LandmarkMapMatch& match);
   void clearHypotheses();
 
   LandmarkSlamParams params_;
@@ -113,8 +115,8 @@ class LandmarkSlam {
   LandmarkRegister register_;
   LandmarkCandidates candidates_;
   KidnapDetector kidnap_detector_;
-  std::shared_ptr<const LandmarkRegister>
-      trusted_;                      // before the first scan that suggests that the robot is lost
+  // register before the first scan that suggests that the robot is lost
+  std::shared_ptr<const LandmarkRegister> trusted_;
   size_t matched_size_ = 0;          // number of provisional landmarks at the last matching
   int lost_scans_ = 0;               // scans while lost
   std::vector<LandmarkSlam> local_;  // local map while lost, in its own frame: one or none

@@ -21,11 +21,11 @@ struct LandmarkTimelineParams {
   ParamList fields();  ///< names, ranges, units and descriptions
 };
 
-/// Result of the arrival of a scan.
+/// What is done with a scan when it arrives.
 enum class Arrival {
   applied,    ///< applied at its own stamp
   waiting,    ///< waits for odometry of its stamp
-  too_late,   ///< older than the lag, or than the first odometry
+  too_late,   ///< delayed by more than the lag, or older than the first odometry
   duplicate,  ///< received before
 };
 
@@ -49,7 +49,7 @@ class LandmarkTimeline {
     double stamp;                ///< seconds
     Pose2 T_map_base;            ///< predicted from the newest scan
     Eigen::Matrix3d covariance;  ///< of (x, y, heading) in the map frame
-    Pose2 T_map_odom;            ///< changes with scans only
+    Pose2 T_map_odom;            ///< constant between scans
   };
 
   /// Current pose; nothing before the first odometry.
@@ -66,8 +66,8 @@ class LandmarkTimeline {
 
   /// Scans that the last odometry() or observe() applied for the first time.
   const std::vector<Applied>& applied() const { return applied_; }
-  /// Number of odometry jumps that are larger than any robot drives: odometry restarts, and the robot is
-  /// lost.
+  /// Number of odometry jumps larger than any robot can drive; odometry restarts and the robot is lost after
+  /// each.
   int jumps() const { return jumps_; }
   size_t waiting() const { return waiting_.size(); }  ///< number of scans that wait for odometry
 

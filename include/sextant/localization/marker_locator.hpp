@@ -11,6 +11,7 @@
 #include "sextant/base/params.hpp"
 #include "sextant/geometry/camera.hpp"
 #include "sextant/geometry/pose.hpp"
+#include "sextant/localization/marker_innovation.hpp"
 #include "sextant/localization/pose_hypotheses.hpp"
 #include "sextant/markers/marker.hpp"
 #include "sextant/markers/marker_map.hpp"
@@ -20,7 +21,7 @@ namespace sextant {
 /// The detections of one camera at one instant.
 struct MarkerView {
   CameraModel camera;                     ///< calibration of the image
-  Pose T_base_camera = Pose::Identity();  ///< mount of the camera
+  Pose T_base_camera = Pose::Identity();  ///< pose of the camera in the base frame (extrinsics)
   std::vector<Detection> detections;      ///< markers detected in the image
   size_t camera_index = 0;                ///< index of the camera, the same in all its images
   double noise_scale = 1.0;               ///< factor on LocatorParams::corner_sigma, see CornerNoise
@@ -46,18 +47,11 @@ struct LocatorParams {
   ParamList fields();
 };
 
-/// Innovation of a marker: its observation compared with the pose that the other markers determine.
-struct MarkerInnovation {
-  double squared;                ///< squared Mahalanobis distance of the eight corner coordinates
-  Eigen::Vector3d p_map;         ///< observed position of the marker's centre in the map, metres
-  Eigen::Matrix3d p_covariance;  ///< covariance of p_map, m^2
-};
-
 /// A detection of a mapped marker, compared with the located pose.
 struct LocatedMarker {
   MarkerKey key;            ///< family and id
   size_t camera_index;      ///< index of the camera
-  bool used;                ///< false: inconsistent with the pose, or to be ignored
+  bool used;                ///< false: an outlier, or ignored because it was moved
   double squared_distance;  ///< squared Mahalanobis distance of the eight corner coordinates
   double noise_scale;       ///< MarkerView::noise_scale of its view
   std::optional<MarkerInnovation> innovation;  ///< nothing if no other marker determines a pose

@@ -29,7 +29,7 @@ struct PosteriorParams {
 /// Mahalanobis distance below 12.59) contains less than 92 % of the probability. Most regions contain more,
 /// so that over many images 95 % of the regions contain the true pose. Where the pose is uncertain along so
 /// long an arc about its markers that a Gaussian is a poor approximation, the distribution is summed over a
-/// lattice of tilts (rotations about the two least certain axes).
+/// grid of tilts (rotations about the two least certain axes).
 /// @param hypotheses result of poseHypotheses() with these observations, not empty
 PosePosterior posePosterior(const std::vector<MarkerObservation>& observations,
                             const std::vector<PoseHypothesis>& hypotheses, const PosteriorParams& params);

@@ -43,8 +43,8 @@ struct ObservationResidual {
 struct KnownMarkerCheck {
   MarkerKey key;    ///< family and id
   Vector6d offset;  ///< pose from the recording alone minus known pose: position, rotation in the map's axes
-  double squared_distance;  ///< squared Mahalanobis distance of position or rotation, the larger; 3 degrees
-                            ///< of freedom
+  double squared_distance;  ///< the larger of the squared Mahalanobis distances of position and of rotation,
+                            ///< each with 3 degrees of freedom
   bool wrong;               ///< contradicts the recording; the known pose was not used
 };
 
@@ -55,21 +55,24 @@ struct MappingResult {
   BasePath T_map_base;               ///< poses of the base, one per instant
   std::vector<double> noise_scales;  ///< estimated factor on corner_sigma for each camera
   double correlated_images = 1.0;  ///< number of consecutive images that count as one, see correlatedImages()
-  double known_position_scale = 1.0;           ///< factor applied to the known markers' position deviations
-  double known_rotation_scale = 1.0;           ///< factor applied to the known markers' rotation deviations
-  std::vector<ObservationResidual> residuals;  ///< of every observation that was used
-  std::vector<KnownMarkerCheck> known;         ///< observed known markers with a covariance
-  std::vector<MarkerKey> ambiguous;            ///< not in the map: two poses explain their observations
-  std::vector<MarkerKey> unconnected;          ///< not in the map: never observed together with the others
-  std::vector<MarkerKey> inconsistent;         ///< not in the map: moved meanwhile, or the id is used twice
+  double known_position_scale = 1.0;  ///< factor on the standard deviations of the known markers' positions
+  double known_rotation_scale = 1.0;  ///< factor on the standard deviations of the known markers' rotations
+  /// Of every observation of a mapped marker at an instant with a pose.
+  std::vector<ObservationResidual> residuals;
+  std::vector<KnownMarkerCheck> known;  ///< observed known markers with a covariance
+  std::vector<MarkerKey> ambiguous;     ///< not in the map: two poses explain their observations
+  /// Not in the map: no usable image or odometry connects them with the others.
+  std::vector<MarkerKey> unconnected;
+  /// Not in the map: moved during the recording, or the id is used twice.
+  std::vector<MarkerKey> inconsistent;
   std::vector<ConflictingPose> conflicting_poses;  ///< of markers in the map
 };
 
-/// Makes a marker map from a recording: initial poses from the graph of observations with all ambiguities
-/// resolved, then bundle adjustment over all corners.
+/// Makes a marker map from a recording: traverses the graph of observations, adding each marker once its pose
+/// is unambiguous, then adjusts all poses to all corners (bundle adjustment).
 /// @param sizes of the markers that are not known
-/// @param known markers that define the frame, by their covariance or exactly; if empty, a marker that is
-/// connected to most others is upright at the origin, facing along -y
+/// @param known markers that define the frame, by their covariance or exactly; if empty, the first marker of
+/// the largest connected group is upright at the origin, facing along -y
 /// @throws std::invalid_argument as validate(MappingParams)
 /// @throws std::runtime_error with the reason if no marker can be located
 MappingResult makeMarkerMap(MarkerRecording recording, const MarkerSizes& sizes, const MarkerMap& known,

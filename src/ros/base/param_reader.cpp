@@ -40,7 +40,7 @@ struct Reader {
 
   void operator()(bool* value) const { get(*value, "true or false"); }
   void operator()(double* value) const { get(*value, "a number"); }
-  void operator()(std::vector<std::string>* value) const { get(*value, "a list of texts"); }
+  void operator()(std::vector<std::string>* value) const { get(*value, "a list of strings"); }
   void operator()(std::vector<double>* value) const { get(*value, "a list of numbers"); }
   void operator()(std::map<std::string, std::string>* value) const {
     get(*value, "a table of names and texts");
@@ -107,7 +107,9 @@ void rejectUnknown(const ros::NodeHandle& node, const ParamList& params) {
 
 }  // namespace
 
-void readParams(const ros::NodeHandle& private_node, const ParamList& params) {
+namespace detail {
+
+void readUnchecked(const ros::NodeHandle& private_node, const ParamList& params) {
   for (const Param& param : params)
     if (private_node.hasParam(param.name)) std::visit(Reader{private_node, param}, param.value);
   rejectUnknown(private_node, params);
@@ -115,10 +117,11 @@ void readParams(const ros::NodeHandle& private_node, const ParamList& params) {
 
 void requireAllowed(const ros::NodeHandle& private_node, const ParamList& params) {
   try {
-    requireAllowed(params);
+    sextant::requireAllowed(params);
   } catch (const std::invalid_argument& error) {
     throw std::invalid_argument("parameter " + private_node.getNamespace() + "/" + error.what());
   }
 }
 
+}  // namespace detail
 }  // namespace sextant

@@ -10,7 +10,8 @@ namespace sextant {
 
 TransformLookup lookUp(const tf2_ros::Buffer& buffer, const std::string& target, const std::string& source,
                        const ros::Time& stamp) {
-  const std::string frames = "no transform from '" + source + "' to '" + target + "' at the image's stamp: ";
+  const std::string frames =
+      "no transform from '" + source + "' to '" + target + "' at the message's stamp: ";
   if (stamp.isZero()) return {std::nullopt, frames + "the stamp is zero"};
   if (source.empty()) return {std::nullopt, frames + "the message has no frame_id"};
   if (target == source) return {Pose::Identity(), ""};

@@ -54,7 +54,11 @@ def _add_start(group) -> None:
         "--start-map", metavar="MAP", help="landmark map to continue; the robot is at its saved pose"
     )
     group.add_argument("--lost", action="store_true", help="the robot is at an unknown pose in it")
-    group.add_argument("--read-only", action="store_true", help="keep the map as it is")
+    group.add_argument(
+        "--read-only",
+        action="store_true",
+        help="no landmark is added, merged or removed; the positions of mapped landmarks are still refined",
+    )
     group.add_argument("--marker-map", default="", metavar="MAP", help="map of printed markers")
 
 

@@ -75,12 +75,12 @@ TEST(Params, DescribeThemselves) {
   ASSERT_EQ(fields.size(), 6u);
   EXPECT_EQ(fields[0].name, "inner_low");
   EXPECT_EQ(fields[0].allowed.text, "[0, 10]");
-  EXPECT_EQ(typeName(fields[0].value), "real");
+  EXPECT_EQ(typeName(fields[0].value), "double");
   EXPECT_EQ(fields[2].allowed.text, "fast, exact");
-  EXPECT_EQ(typeName(fields[2].value), "text");
-  EXPECT_EQ(typeName(fields[3].value), "table of reals");
-  EXPECT_EQ(typeName(fields[4].value), "list of texts");
-  EXPECT_EQ(typeName(fields[5].value), "list of reals");
+  EXPECT_EQ(typeName(fields[2].value), "string");
+  EXPECT_EQ(typeName(fields[3].value), "dictionary of doubles");
+  EXPECT_EQ(typeName(fields[4].value), "list of strings");
+  EXPECT_EQ(typeName(fields[5].value), "list of doubles");
 }
 
 }  // namespace

@@ -82,14 +82,14 @@ TEST(CornerRefiner, TellsTheNoiseThatItHas) {
   EXPECT_NEAR(std::sqrt(squares / refined), 1.0, 0.2);
 }
 
-TEST(CornerRefiner, KeepsTheStartWhereAnEdgeIsHidden) {
+TEST(CornerRefiner, KeepsTheStartWhereAnEdgeIsOccluded) {
   const Scene print = printScene(kTruth);
   const cv::Mat image = photograph([&](const Eigen::Vector2d& p) { return p.x() < 62 ? 0.2 : print(p); }, {});
   const Corners start = shifted(kTruth, 0.4);
   const auto found = refineCorners(image, start, kSquare);
-  for (const int hidden : {0, 3}) {
-    EXPECT_EQ(found.corners[hidden], start[hidden]);
-    EXPECT_GT(found.sigmas[hidden], 2.0);
+  for (const int occluded : {0, 3}) {
+    EXPECT_EQ(found.corners[occluded], start[occluded]);
+    EXPECT_GT(found.sigmas[occluded], 2.0);
   }
   for (const int seen : {1, 2}) {
     EXPECT_LT((found.corners[seen] - kTruth[seen]).norm(), 0.1);
@@ -172,7 +172,7 @@ TEST(CornerRefiner, FollowsTheLens) {
   }
 }
 
-// The marker is cut off by the image border: with a known lens, its other edges determine the hidden one.
+// The marker is cut off by the image border: with a known lens, its other edges determine the occluded one.
 TEST(CornerRefiner, FindsAnEdgeThatIsCutOffByTheOthersAndTheLens) {
   for (const CameraCalibration& calibration : testCalibrations()) {
     const CameraModel camera(calibration, CameraModel::Image::raw);

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Sextant authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "marker_innovation.hpp"
+#include "sextant/localization/marker_innovation.hpp"
 
 #include <gtest/gtest.h>
 
@@ -40,7 +40,7 @@ TEST(MarkerInnovation, IsThatOfAFitWithoutTheMarker) {
     const auto by_downdate = all.ofTheLast(all.fitOf(all.observations), true);
     const auto by_fit = all.ofTheLast(others, false);
     ASSERT_TRUE(by_downdate && by_fit);
-    EXPECT_NEAR(by_downdate->squared, by_fit->squared, 0.05 * by_fit->squared);
+    EXPECT_NEAR(by_downdate->squared_distance, by_fit->squared_distance, 0.05 * by_fit->squared_distance);
     EXPECT_LT((by_downdate->p_map - by_fit->p_map).norm(), 1e-3);
     EXPECT_LT((by_downdate->p_covariance - by_fit->p_covariance).norm(), 0.05 * by_fit->p_covariance.norm());
   }
@@ -52,7 +52,7 @@ TEST(MarkerInnovation, IsChiSquareOfItsEightCoordinates) {
   for (int seed = 0; seed < frames; ++seed) {
     const Innovation all(seed);
     const auto innovation = all.ofTheLast(all.fitOf(all.observations), true);
-    squared += innovation->squared / frames;
+    squared += innovation->squared_distance / frames;
     const Eigen::Vector3d off = innovation->p_map - all.observations[3].T_map_marker.translation();
     position += off.dot(innovation->p_covariance.inverse() * off) / frames;
   }

@@ -29,7 +29,7 @@ DETECTOR = [
     ("decimate", math.nan, "parameter /{node}/decimate is nan, allowed is [1, 8]"),
     ("corner_sigma", 0, "parameter /{node}/corner_sigma is 0, allowed is (0, 10] px"),
     ("rectified", 1, "parameter /{node}/rectified must be true or false"),
-    ("families", "tag36h11", "parameter /{node}/families must be a list of texts"),
+    ("families", "tag36h11", "parameter /{node}/families must be a list of strings"),
     ("families", [], "parameter /{node}/families is empty"),
     ("families", ["tag99h99"], "parameter /{node}/families: unknown marker family 'tag99h99'"),
     ("marker_size", -0.1, "parameter /{node}/marker_size is -0.1"),

@@ -12,17 +12,17 @@
 #include <string>
 #include <thread>
 
+#include "sextant/images/image_source.hpp"
 #include "sextant/ros/base/rate_limit.hpp"
 #include "sextant/ros/base/trouble_log.hpp"
-#include "sextant/ros/images/image_source.hpp"
 
 namespace sextant {
 
-/// Plays a source in its own thread: keeps the rate, stamps images when they are grabbed, reopens a lost
-/// device every second and decodes only images that are needed.
-class ImagePlayer {
+/// Feeds the images of a camera or of files to its outlet, in its own thread: keeps the rate, stamps images
+/// when they are grabbed, reopens a lost device every second and decodes only images that are needed.
+class ImageFeed {
  public:
-  /// Callbacks, called in the player's thread.
+  /// Callbacks, called in the feed's thread.
   struct Outlet {
     std::function<bool()> has_subscriber;                           ///< whether a file may start
     std::function<bool()> needs_image;                              ///< whether to decode the next image
@@ -37,11 +37,11 @@ class ImagePlayer {
     bool finished = false;        ///< the source has ended
   };
 
-  /// Starts playing. @param trouble must outlive the player
-  ImagePlayer(std::unique_ptr<ImageSource> source, const ImagePlayerParams& params, Outlet outlet,
-              TroubleLog& trouble);
+  /// Starts the feed. @param trouble must outlive it
+  ImageFeed(std::unique_ptr<ImageSource> source, const ImageFeedParams& params, Outlet outlet,
+            TroubleLog& trouble);
   /// Stops after the current image.
-  ~ImagePlayer();
+  ~ImageFeed();
 
   Counts counts() const;  ///< may be called from any thread
 
@@ -62,7 +62,7 @@ class ImagePlayer {
   unsigned long count(unsigned long Counts::*which);
 
   std::unique_ptr<ImageSource> source_;
-  ImagePlayerParams params_;
+  ImageFeedParams params_;
   Outlet outlet_;
   TroubleLog& trouble_;
   bool open_ = false;

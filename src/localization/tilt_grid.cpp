@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Sextant authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tilt_lattice.hpp"
+#include "tilt_grid.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -18,11 +18,11 @@ using Vector4d = Eigen::Vector4d;
 using Matrix4d = Eigen::Matrix4d;
 using Matrix64d = Eigen::Matrix<double, 6, 4>;
 
-constexpr double kDepth = 30.0;  // cost above the minimum at which the lattice ends
+constexpr double kDepth = 30.0;  // cost above the minimum at which the grid ends
 // Distance of the cells, standard deviations; up to 1, a sum over a Gaussian is exact to 1e-6.
 constexpr double kSpacing = 0.8;
 constexpr double kMaxSpacing = 0.1;  // maximum distance of the cells, radians
-constexpr size_t kMaxCells = 1800;   // cells after which the lattice is not grown any more
+constexpr size_t kMaxCells = 1800;   // cells after which the grid is not grown any more
 constexpr double kBarrier = 12.0;    // cost of a saddle above the higher of two separate minima
 
 using CellIndex = std::pair<int, int>;  // along the two least certain axes, from the first minimum
@@ -34,11 +34,11 @@ struct QueuedCell {
   size_t hypothesis;  // index of the minimum from which it was reached
 };
 
-// Grows the lattice by flood fill.
-class LatticeGrowth {
+// Grows the grid by flood fill.
+class GridGrowth {
  public:
-  LatticeGrowth(const std::vector<MarkerObservation>& observations, const std::vector<PoseHypothesis>& minima,
-                const std::optional<FloorPrior>& floor)
+  GridGrowth(const std::vector<MarkerObservation>& observations, const std::vector<PoseHypothesis>& minima,
+             const std::optional<FloorPrior>& floor)
       : observations_(observations),
         minima_count_(minima.size()),
         pivot_(observations),
@@ -53,7 +53,7 @@ class LatticeGrowth {
     for (size_t k = 0; k < minima.size(); ++k) seed(minima[k].T_map_base, k);
   }
 
-  TiltLattice grow() {
+  TiltGrid grow() {
     for (size_t next = 0; next < queue_.size() && cells_.size() < kMaxCells; ++next) {
       const QueuedCell queued = queue_[next];
       const auto cell = minimized(queued);
@@ -162,9 +162,9 @@ class LatticeGrowth {
 
 }  // namespace
 
-TiltLattice tiltLattice(const std::vector<MarkerObservation>& observations,
-                        const std::vector<PoseHypothesis>& minima, const std::optional<FloorPrior>& floor) {
-  return LatticeGrowth(observations, minima, floor).grow();
+TiltGrid tiltGrid(const std::vector<MarkerObservation>& observations,
+                  const std::vector<PoseHypothesis>& minima, const std::optional<FloorPrior>& floor) {
+  return GridGrowth(observations, minima, floor).grow();
 }
 
 }  // namespace sextant

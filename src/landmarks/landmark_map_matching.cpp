@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Sextant authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sextant/landmarks/landmark_matching.hpp"
+#include "sextant/landmarks/landmark_map_matching.hpp"
 
 #include <Eigen/LU>
 #include <algorithm>
@@ -24,7 +24,7 @@ constexpr double kSamePlace = 1.0;     // metres: mean distance within which two
 constexpr double kSameHeading = 0.35;  // radians
 
 struct Hypothesis {
-  LandmarkMatch match;
+  LandmarkMapMatch match;
   double evidence = 0;  // log likelihood ratio to random landmarks
 };
 
@@ -37,7 +37,7 @@ Pose2 poseOfPairs(const Vector2d& a, const Vector2d& b, const Vector2d& A, const
 
 /// Least-squares pose over all pairs (Umeyama 1991, in the plane).
 Pose2 poseOfAll(const std::vector<MapPoint>& local, const std::vector<MapPoint>& map,
-                const LandmarkMatch& match) {
+                const LandmarkMapMatch& match) {
   if (match.pairs.size() < 2) return match.T_map_local;
   Vector2d a = Vector2d::Zero(), b = Vector2d::Zero();
   for (const auto& [i, j] : match.pairs) a += local[i].landmark.position, b += map[j].landmark.position;
@@ -55,7 +55,7 @@ Pose2 poseOfAll(const std::vector<MapPoint>& local, const std::vector<MapPoint>&
 class Matcher {
  public:
   Matcher(const std::vector<MapPoint>& local, const std::vector<MapPoint>& map,
-          const LandmarkMatchingParams& params)
+          const LandmarkMapMatchingParams& params)
       : local_(local), map_(map), params_(params), gate_(-2 * std::log1p(-params.gate)) {
     Vector2d low = map.front().landmark.position, high = low;
     for (const MapPoint& each : map) {
@@ -75,7 +75,7 @@ class Matcher {
     }
   }
 
-  std::optional<LandmarkMatch> run() {
+  std::optional<LandmarkMapMatch> run() {
     for (size_t i = 0; i < local_.size(); ++i) {
       tryHeading(i);
       for (const size_t j : nearestTo(i)) tryPair(i, j);
@@ -171,7 +171,7 @@ class Matcher {
                             [this](size_t j, double value) { return x(j) < value; });
   }
 
-  static bool isTaken(const LandmarkMatch& match, size_t j) {
+  static bool isTaken(const LandmarkMapMatch& match, size_t j) {
     return std::any_of(match.pairs.begin(), match.pairs.end(),
                        [j](const auto& pair) { return pair.second == j; });
   }
@@ -197,7 +197,7 @@ class Matcher {
   }
 
   const std::vector<MapPoint>&local_, &map_;
-  const LandmarkMatchingParams& params_;
+  const LandmarkMapMatchingParams& params_;
   double gate_, area_ = 0, max_map_off_ = 0;
   std::vector<double> off_, map_off_;  // largest standard deviation of each landmark
   std::vector<std::vector<size_t>>
@@ -208,20 +208,20 @@ class Matcher {
 
 }  // namespace
 
-ParamList LandmarkMatchingParams::fields() {
+ParamList LandmarkMapMatchingParams::fields() {
   return {
       {"gate", &gate, Range::openHigh(0.5, 1), "",
-       "lost: probability of the gate within which two landmarks match"},
+       "relocalization: probability of the gate within which two landmarks match"},
       {"min_probability", &min_probability, Range::openHigh(0.5, 1), "",
-       "lost: minimum probability of a match that is accepted"},
+       "relocalization: minimum probability at which a match is accepted"},
       {"inlier_probability", &inlier_probability, Range::closed(0.01, 0.99), "",
-       "lost: prior probability that an observed landmark is in the map"},
+       "relocalization: prior probability that an observed landmark is in the map"},
   };
 }
 
-std::optional<LandmarkMatch> matchLandmarks(const std::vector<MapPoint>& local,
-                                            const std::vector<MapPoint>& map,
-                                            const LandmarkMatchingParams& params) {
+std::optional<LandmarkMapMatch> matchLandmarkMaps(const std::vector<MapPoint>& local,
+                                                  const std::vector<MapPoint>& map,
+                                                  const LandmarkMapMatchingParams& params) {
   if (local.empty() || map.empty()) return {};
   return Matcher(local, map, params).run();
 }

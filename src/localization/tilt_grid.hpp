@@ -11,7 +11,7 @@
 
 namespace sextant {
 
-/// A cell of the lattice: the best pose with one tilt (rotation about the two least certain axes), and the
+/// A cell of the grid: the best pose with one tilt (rotation about the two least certain axes), and the
 /// distribution of the other four degrees of freedom.
 struct TiltCell {
   Pose T_map_base;
@@ -22,19 +22,19 @@ struct TiltCell {
 };
 
 /// A distribution of poses as a sum over cells.
-struct TiltLattice {
+struct TiltGrid {
   std::vector<TiltCell> cells;
   std::vector<size_t> group;  ///< group of each minimum; equal for minima without a cost barrier between them
 };
 
 /// Computes the distribution of the base pose from markers in one plane. It is not Gaussian: far from the
 /// markers the base is on an arc about them, or on two arcs, one for each planar solution. The cells are a
-/// lattice of rotations about the two least certain axes. It is grown from the minima down to exp(-15) of the
+/// grid of rotations about the two least certain axes. It is grown from the minima down to exp(-15) of the
 /// peak; in each cell, the cost is minimized over the other four degrees of freedom, which are taken as
 /// Gaussian.
 /// @param minima minima of the observations' cost, all with the same markers; the first defines the axes
 /// @return no cells if the minimization fails
-TiltLattice tiltLattice(const std::vector<MarkerObservation>& observations,
-                        const std::vector<PoseHypothesis>& minima, const std::optional<FloorPrior>& floor);
+TiltGrid tiltGrid(const std::vector<MarkerObservation>& observations,
+                  const std::vector<PoseHypothesis>& minima, const std::optional<FloorPrior>& floor);
 
 }  // namespace sextant

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Sextant authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sextant/ros/base/param_config.hpp"
+#include "sextant/ros/base/reconfigure_values.hpp"
 
 #include <gtest/gtest.h>
 
@@ -41,12 +41,12 @@ void expectEveryValueReachesItsParameter() {
   }
 }
 
-TEST(ParamConfig, EveryValueReachesItsParameter) {
+TEST(ReconfigureValues, EveryValueReachesItsParameter) {
   expectEveryValueReachesItsParameter<MarkerDetectorConfig, MarkerDetectorNodeParams>();
   expectEveryValueReachesItsParameter<MarkerLocatorConfig, MarkerLocatorNodeParams>();
 }
 
-TEST(ParamConfig, TheOtherParametersStay) {
+TEST(ReconfigureValues, TheOtherParametersStay) {
   MarkerLocatorNodeParams params;
   params.odom_frame = "wheels";
   auto changed = toConfig<MarkerLocatorConfig>(params);
@@ -60,7 +60,7 @@ TEST(ParamConfig, TheOtherParametersStay) {
   EXPECT_EQ(params.odom_frame, "wheels");
 }
 
-TEST(ParamConfig, ValueOutOfRangeIsRefused) {
+TEST(ReconfigureValues, ValueOutOfRangeIsRefused) {
   auto changed = toConfig<MarkerDetectorConfig>(MarkerDetectorNodeParams());
   changed.decimate = 9.0;
   try {

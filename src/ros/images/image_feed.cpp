@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Sextant authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sextant/ros/images/image_player.hpp"
+#include "sextant/ros/images/image_feed.hpp"
 
 #include <ros/console.h>
 
@@ -19,14 +19,14 @@ constexpr milliseconds kSettle{500};
 
 }  // namespace
 
-ImagePlayer::ImagePlayer(std::unique_ptr<ImageSource> source, const ImagePlayerParams& params, Outlet outlet,
-                         TroubleLog& trouble)
+ImageFeed::ImageFeed(std::unique_ptr<ImageSource> source, const ImageFeedParams& params, Outlet outlet,
+                     TroubleLog& trouble)
     : source_(std::move(source)), params_(params), outlet_(std::move(outlet)), trouble_(trouble) {
   validate(params_);
-  thread_ = std::thread(&ImagePlayer::run, this);
+  thread_ = std::thread(&ImageFeed::run, this);
 }
 
-ImagePlayer::~ImagePlayer() {
+ImageFeed::~ImageFeed() {
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     stop_ = true;
@@ -35,19 +35,19 @@ ImagePlayer::~ImagePlayer() {
   thread_.join();
 }
 
-ImagePlayer::Counts ImagePlayer::counts() const {
+ImageFeed::Counts ImageFeed::counts() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   return counts_;
 }
 
-void ImagePlayer::run() {
-  bool playing = awaitSubscriber();
-  while (playing) playing = step();
+void ImageFeed::run() {
+  bool running = awaitSubscriber();
+  while (running) running = step();
   const std::lock_guard<std::mutex> lock(mutex_);
   counts_.finished = true;
 }
 
-bool ImagePlayer::awaitSubscriber() {
+bool ImageFeed::awaitSubscriber() {
   if (source_->isLive() || !params_.wait_for_subscriber) return true;
   while (!outlet_.has_subscriber())
     if (!sleepFor(kLook)) return false;
@@ -55,7 +55,7 @@ bool ImagePlayer::awaitSubscriber() {
 }
 
 // Returns false at the end.
-bool ImagePlayer::step() {
+bool ImageFeed::step() {
   if (!open_) return openSource() ? sleepUntil(Clock::now()) : sleepFor(kRetry);
   if (!sleepUntil(source_->isLive() ? Clock::now() : pace_.due(Clock::now()))) return false;
   if (!grab()) return afterLast();
@@ -63,7 +63,7 @@ bool ImagePlayer::step() {
   return params_.frames == 0 || counts().published < static_cast<unsigned long>(params_.frames);
 }
 
-bool ImagePlayer::openSource() {
+bool ImageFeed::openSource() {
   try {
     source_->open();
   } catch (const std::exception& error) {
@@ -75,7 +75,7 @@ bool ImagePlayer::openSource() {
   return true;
 }
 
-bool ImagePlayer::grab() {
+bool ImageFeed::grab() {
   try {
     return source_->grab();
   } catch (const std::exception& error) {
@@ -84,14 +84,14 @@ bool ImagePlayer::grab() {
   }
 }
 
-bool ImagePlayer::afterLast() {
+bool ImageFeed::afterLast() {
   open_ = false;
   if (!source_->isLive()) return params_.loop;
   trouble_.report("camera lost", "the camera sends no images any more; trying to reopen it every second");
   return sleepFor(kRetry);
 }
 
-void ImagePlayer::take(const ros::Time& stamp) {
+void ImageFeed::take(const ros::Time& stamp) {
   trouble_.succeeded();
   if (!isDue() || !outlet_.needs_image()) {
     count(&Counts::skipped);
@@ -107,21 +107,21 @@ void ImagePlayer::take(const ros::Time& stamp) {
   }
 }
 
-bool ImagePlayer::isDue() {
+bool ImageFeed::isDue() {
   const Clock::time_point now = Clock::now();
   if (!source_->isLive() && now > pace_.due(now) + RateLimit::period(rate())) count(&Counts::late);
   return pace_.passes(now, rate());
 }
 
-double ImagePlayer::rate() const { return params_.rate > 0 ? params_.rate : source_->recordedRate(); }
+double ImageFeed::rate() const { return params_.rate > 0 ? params_.rate : source_->recordedRate(); }
 
-// Returns false if the player must stop.
-bool ImagePlayer::sleepUntil(Clock::time_point time) {
+// Returns false if the feed must stop.
+bool ImageFeed::sleepUntil(Clock::time_point time) {
   std::unique_lock<std::mutex> lock(mutex_);
   return !wake_.wait_until(lock, time, [this] { return stop_; });
 }
 
-unsigned long ImagePlayer::count(unsigned long Counts::*which) {
+unsigned long ImageFeed::count(unsigned long Counts::*which) {
   const std::lock_guard<std::mutex> lock(mutex_);
   return ++(counts_.*which);
 }

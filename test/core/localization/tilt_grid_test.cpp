@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Sextant authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tilt_lattice.hpp"
+#include "tilt_grid.hpp"
 
 #include <gtest/gtest.h>
 
@@ -27,7 +27,7 @@ struct SeenWall {
       starts.push_back({markers[0] * poses->alternative->T_camera_marker.inverse() * mount.inverse(), 0});
     minima = poseHypotheses(observations, starts, {}, std::nullopt);
   }
-  TiltLattice lattice() const { return tiltLattice(observations, minima, std::nullopt); }
+  TiltGrid grid() const { return tiltGrid(observations, minima, std::nullopt); }
 
   CameraModel camera;
   std::vector<MarkerObservation> observations;
@@ -37,16 +37,16 @@ struct SeenWall {
 const std::vector<Pose> kCorner = {markerOnWall({2, 0.4, 1}, 0.3), markerOnWall({2.5, -0.6, 1.2}),
                                    markerOnWall({1.8, 0, 0.9}, -0.5)};
 
-// For markers with a Gaussian posterior, the lattice has the moments of that Gaussian.
-TEST(TiltLattice, IsTheGaussianWhereThereIsOne) {
+// For markers with a Gaussian posterior, the grid has the moments of that Gaussian.
+TEST(TiltGrid, IsTheGaussianWhereThereIsOne) {
   const SeenWall seen(Pose::Identity(), kCorner);
   ASSERT_EQ(seen.minima.size(), 1u);
-  const TiltLattice lattice = seen.lattice();
-  EXPECT_EQ(lattice.group, std::vector<size_t>{0});
+  const TiltGrid grid = seen.grid();
+  EXPECT_EQ(grid.group, std::vector<size_t>{0});
   double sum = 0, most = -1e9;
-  for (const TiltCell& cell : lattice.cells) most = std::max(most, cell.log_density);
+  for (const TiltCell& cell : grid.cells) most = std::max(most, cell.log_density);
   Matrix6d moment = Matrix6d::Zero();
-  for (const TiltCell& cell : lattice.cells) {
+  for (const TiltCell& cell : grid.cells) {
     const double weight = std::exp(cell.log_density - most);
     const Vector6d e = poseError(cell.T_map_base, seen.minima[0].T_map_base);
     moment += weight * (e * e.transpose() + cell.covariance);
@@ -59,12 +59,12 @@ TEST(TiltLattice, IsTheGaussianWhereThereIsOne) {
 }
 
 // For the two planar solutions of one marker at 5 m.
-TEST(TiltLattice, OnlyABarrierPartsTwoMinima) {
+TEST(TiltGrid, OnlyABarrierPartsTwoMinima) {
   const auto groupsFrom = [](double yaw) {
     const Pose T_map_base = poseFromXyzRpy({3 - 5 * std::cos(yaw), -5 * std::sin(yaw), 0}, {0, 0, yaw});
     const SeenWall seen(T_map_base, {markerOnWall({3, 0, 1})});
     EXPECT_EQ(seen.minima.size(), 2u);
-    return seen.lattice().group;
+    return seen.grid().group;
   };
   const auto oblique = groupsFrom(1), head_on = groupsFrom(0.2);
   EXPECT_NE(oblique.at(0), oblique.at(1));

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Sextant authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sextant/ros/images/image_source.hpp"
+#include "sextant/images/image_source.hpp"
 
 #include <unistd.h>
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Sextant authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "hidden_edge.hpp"
+#include "occluded_edge.hpp"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -12,12 +12,15 @@
 namespace sextant {
 namespace {
 
-constexpr int kMaxSteps = 40;
-constexpr double kTilt = 0.5;                // radians
-constexpr double kSettledDeviations = 1e-3;  // change of the residuals by the last step, standard deviations
-constexpr double kSolved = 4;  // maximum residual norm; head-on, noise may leave no exact solution
+constexpr int kMaxIterations = 40;
+constexpr double kTilt = 0.5;  // radians about the occluded edge, of the additional starts
+// converged if a step reduces the residual norm by less, standard deviations
+constexpr double kSettledDeviations = 1e-3;
+// maximum residual norm of a solution; seen head-on, noise may leave no exact one
+constexpr double kSolved = 4;
 
-// Residuals of the equations over their standard deviations, and their Jacobian with respect to the pose.
+// Residuals of the equations divided by their standard deviations, and their Jacobian with respect to the
+// pose.
 struct Equations {
   Vector6d residual;
   Matrix6d jacobian;
@@ -28,7 +31,7 @@ struct Point {
   Eigen::Matrix<double, 2, 6> jacobian;
 };
 
-std::optional<Point> look(const CameraModel& camera, const Pose& pose, int corner) {
+std::optional<Point> projectCorner(const CameraModel& camera, const Pose& pose, int corner) {
   const Eigen::Vector3d arm = pose.linear() * markerCorners(1.0)[corner];
   const auto projection = camera.projectWithJacobian(arm + pose.translation());
   if (!projection) return std::nullopt;
@@ -52,14 +55,14 @@ struct Solution {
 
 class Solver {
  public:
-  Solver(const CameraModel& camera, const Corners& corners, const HiddenEdge& edge)
+  Solver(const CameraModel& camera, const Corners& corners, const OccludedEdge& edge)
       : camera_(camera), corners_(corners), edge_(edge) {}
 
   std::optional<Equations> equations(const Pose& pose) const {
     Equations all;
     for (int k = 0; k < 4; ++k) {
-      const int i = (edge_.hidden + k) % 4;
-      const auto point = look(camera_, pose, i);
+      const int i = (edge_.first_corner + k) % 4;
+      const auto point = projectCorner(camera_, pose, i);
       if (!point) return std::nullopt;
       if (k < 2) {
         Eigen::RowVector2d gradient;
@@ -80,7 +83,7 @@ class Solver {
     auto now = equations(pose);
     if (!now) return std::nullopt;
     double damping = 1e-6;
-    for (int i = 0; i < kMaxSteps; ++i) {
+    for (int i = 0; i < kMaxIterations; ++i) {
       Matrix6d H = now->jacobian.transpose() * now->jacobian;
       H.diagonal() *= 1 + damping;
       const Pose next = perturbed(pose, -H.ldlt().solve(now->jacobian.transpose() * now->residual));
@@ -93,20 +96,20 @@ class Solver {
     return Solution{pose, now->residual.norm()};
   }
 
-  std::optional<FoundEdge> found(const Pose& pose) const {
+  std::optional<ReconstructedEdge> found(const Pose& pose) const {
     const auto at = equations(pose);
     const Eigen::LLT<Matrix6d> information(at->jacobian.transpose() * at->jacobian);
     if (information.info() != Eigen::Success) return std::nullopt;
     // Columns of a square root of the covariance.
     const Matrix6d root = information.matrixU().solve(Matrix6d::Identity());
-    FoundEdge edge;
+    ReconstructedEdge edge;
     for (int k = 0; k < 2; ++k) {
-      const int i = (edge_.hidden + k) % 4;
-      edge.corners[k] = look(camera_, pose, i)->pixel;
+      const int i = (edge_.first_corner + k) % 4;
+      edge.corners[k] = projectCorner(camera_, pose, i)->pixel;
       double squares = 0;
       for (int j = 0; j < 12; ++j) {
         const Vector6d step = std::sqrt(6.0) * (j < 6 ? 1 : -1) * root.col(j % 6);
-        const auto point = look(camera_, perturbed(pose, step), i);
+        const auto point = projectCorner(camera_, perturbed(pose, step), i);
         if (!point) return std::nullopt;
         squares += (point->pixel - edge.corners[k]).squaredNorm() / 12;
       }
@@ -118,30 +121,34 @@ class Solver {
  private:
   const CameraModel& camera_;
   const Corners& corners_;
-  const HiddenEdge& edge_;
+  const OccludedEdge& edge_;
 };
 
-// Widens the deviations to all poses that solve the equations.
-void widen(const CameraModel& camera, const std::vector<Solution>& solutions, int hidden, FoundEdge& edge) {
+// Inflates the standard deviations so that they cover the corners of all solutions.
+void widen(const CameraModel& camera, const std::vector<Solution>& solutions, int first_corner,
+           ReconstructedEdge& edge) {
   for (int k = 0; k < 2; ++k) {
     double farthest = 0;
     for (const Solution& other : solutions)
       farthest = std::max(
-          farthest, (look(camera, other.pose, (hidden + k) % 4)->pixel - edge.corners[k]).squaredNorm() / 2);
+          farthest,
+          (projectCorner(camera, other.pose, (first_corner + k) % 4)->pixel - edge.corners[k]).squaredNorm() /
+              2);
     edge.sigmas[k] = std::sqrt(edge.sigmas[k] * edge.sigmas[k] + farthest);
   }
 }
 
 }  // namespace
 
-std::optional<FoundEdge> findHidden(const CameraModel& camera, const Corners& corners,
-                                    const HiddenEdge& edge) {
+std::optional<ReconstructedEdge> reconstructEdge(const CameraModel& camera, const Corners& corners,
+                                                 const OccludedEdge& edge) {
   const auto start = solveMarkerPose(camera, corners, 1.0);
   if (!start) return std::nullopt;
   std::vector<Pose> starts = {start->best.T_camera_marker};
   if (start->alternative) starts.push_back(start->alternative->T_camera_marker);
-  // The initial pose depends on the hidden corners, so start from several tilts.
-  const Eigen::Vector3d along = markerCorners(1.0)[(edge.hidden + 1) % 4] - markerCorners(1.0)[edge.hidden];
+  // The initial pose depends on the occluded corners, so start from several tilts.
+  const Eigen::Vector3d along =
+      markerCorners(1.0)[(edge.first_corner + 1) % 4] - markerCorners(1.0)[edge.first_corner];
   for (const double tilt : {kTilt, -kTilt}) starts.emplace_back(starts[0] * Eigen::AngleAxisd(tilt, along));
   const Solver solver(camera, corners, edge);
   std::vector<Solution> solutions;
@@ -152,7 +159,7 @@ std::optional<FoundEdge> findHidden(const CameraModel& camera, const Corners& co
   const auto best = std::min_element(solutions.begin(), solutions.end(),
                                      [](auto& a, auto& b) { return a.residual < b.residual; });
   auto found = solver.found(best->pose);
-  if (found) widen(camera, solutions, edge.hidden, *found);
+  if (found) widen(camera, solutions, edge.first_corner, *found);
   return found;
 }
 

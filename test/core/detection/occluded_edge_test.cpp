@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Sextant authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "hidden_edge.hpp"
+#include "occluded_edge.hpp"
 
 #include <gtest/gtest.h>
 
@@ -28,35 +28,35 @@ EdgeCurve edge(const CameraModel& camera, const Corners& corners, int i) {
   return curve;
 }
 
-HiddenEdge hiddenEdge(const CameraModel& camera, const Corners& corners, int hidden, double sigma) {
-  return {hidden,
-          edge(camera, corners, (hidden + 3) % 4),
-          edge(camera, corners, (hidden + 1) % 4),
+OccludedEdge occludedEdge(const CameraModel& camera, const Corners& corners, int first_corner, double sigma) {
+  return {first_corner,
+          edge(camera, corners, (first_corner + 3) % 4),
+          edge(camera, corners, (first_corner + 1) % 4),
           sigma,
           sigma,
           {sigma, sigma, sigma, sigma}};
 }
 
-TEST(FindHidden, IsExactWhereTheOthersAre) {
+TEST(ReconstructEdge, IsExactWhereTheOthersAre) {
   for (const CameraCalibration& calibration : testCalibrations()) {
     const CameraModel camera(calibration, CameraModel::Image::raw);
     for (const double yaw : {-0.8, -0.3, 0.4, 0.7})
-      for (int hidden = 0; hidden < 4; ++hidden) {
+      for (int first_corner = 0; first_corner < 4; ++first_corner) {
         const Corners truth = seen(camera, yaw);
         Corners start = truth;
-        start[hidden] += Eigen::Vector2d(4, -3);
-        start[(hidden + 1) % 4] += Eigen::Vector2d(-2, 5);
-        const auto found = findHidden(camera, start, hiddenEdge(camera, truth, hidden, 0.02));
-        EXPECT_TRUE(found) << calibration.distortion_model << " yaw " << yaw << " edge " << hidden;
+        start[first_corner] += Eigen::Vector2d(4, -3);
+        start[(first_corner + 1) % 4] += Eigen::Vector2d(-2, 5);
+        const auto found = reconstructEdge(camera, start, occludedEdge(camera, truth, first_corner, 0.02));
+        EXPECT_TRUE(found) << calibration.distortion_model << " yaw " << yaw << " edge " << first_corner;
         for (int k = 0; found && k < 2; ++k)
-          EXPECT_LT((found->corners[k] - truth[(hidden + k) % 4]).norm(), 0.02)
-              << calibration.distortion_model << " yaw " << yaw << " edge " << hidden;
+          EXPECT_LT((found->corners[k] - truth[(first_corner + k) % 4]).norm(), 0.02)
+              << calibration.distortion_model << " yaw " << yaw << " edge " << first_corner;
       }
   }
 }
 
 // Oblique, and head-on, where a turn that way or this moves the edge alike.
-TEST(FindHidden, TellsHowFarItIsOff) {
+TEST(ReconstructEdge, TellsHowFarItIsOff) {
   const CameraModel camera(testCalibrations()[0], CameraModel::Image::raw);
   constexpr double kSigma = 0.1;
   std::mt19937 random(2);
@@ -66,15 +66,15 @@ TEST(FindHidden, TellsHowFarItIsOff) {
     double squares = 0, variance = 0;
     int count = 0;
     for (int i = 0; i < 400; ++i) {
-      HiddenEdge hidden = hiddenEdge(camera, truth, 1, kSigma);
-      for (EdgeCurve* curve : {&hidden.before, &hidden.after}) {
+      OccludedEdge occluded = occludedEdge(camera, truth, 1, kSigma);
+      for (EdgeCurve* curve : {&occluded.before, &occluded.after}) {
         const double begin = noise(random), end = noise(random);
         curve->c[0] += 0.5 * (begin + end);
         curve->c[1] += 0.5 * (end - begin);
       }
       Corners corners = truth;
       for (const int k : {0, 3}) corners[k] += Eigen::Vector2d(noise(random), noise(random));
-      const auto found = findHidden(camera, corners, hidden);
+      const auto found = reconstructEdge(camera, corners, occluded);
       if (!found) continue;
       ++count;
       for (int k = 0; k < 2; ++k) {
@@ -88,13 +88,13 @@ TEST(FindHidden, TellsHowFarItIsOff) {
   }
 }
 
-// Both hidden corners on one of the edges.
-TEST(FindHidden, SaysNothingOfWhatIsNoSquare) {
+// Both occluded corners on one of the edges.
+TEST(ReconstructEdge, SaysNothingOfWhatIsNoSquare) {
   const CameraModel camera(testCalibrations()[0], CameraModel::Image::raw);
   const Corners truth = seen(camera, 0.4);
-  HiddenEdge hidden = hiddenEdge(camera, truth, 1, 0.02);
-  hidden.before = hidden.after;
-  EXPECT_FALSE(findHidden(camera, truth, hidden));
+  OccludedEdge occluded = occludedEdge(camera, truth, 1, 0.02);
+  occluded.before = occluded.after;
+  EXPECT_FALSE(reconstructEdge(camera, truth, occluded));
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Sextant authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sextant/ros/images/image_player.hpp"
+#include "sextant/ros/images/image_feed.hpp"
 
 #include <gtest/gtest.h>
 
@@ -49,19 +49,19 @@ class ScriptedSource : public ImageSource {
   int decoded_ = 0;
 };
 
-class Player : public ::testing::Test {
+class Feed : public ::testing::Test {
  protected:
   void SetUp() override { ros::Time::init(); }
 
-  void play(const std::string& script, bool live, const ImagePlayerParams& params) {
-    player_ = std::make_unique<ImagePlayer>(
+  void play(const std::string& script, bool live, const ImageFeedParams& params) {
+    feed_ = std::make_unique<ImageFeed>(
         std::make_unique<ScriptedSource>(script, live), params,
-        ImagePlayer::Outlet{[this] { return subscribed_.load(); }, [this] { return subscribed_.load(); },
-                            [this](const cv::Mat& picture, const ros::Time& stamp) {
-                              const std::lock_guard<std::mutex> lock(mutex_);
-                              values_.push_back(picture.at<uchar>(0, 0));
-                              stamps_.push_back(stamp.toSec());
-                            }},
+        ImageFeed::Outlet{[this] { return subscribed_.load(); }, [this] { return subscribed_.load(); },
+                          [this](const cv::Mat& picture, const ros::Time& stamp) {
+                            const std::lock_guard<std::mutex> lock(mutex_);
+                            values_.push_back(picture.at<uchar>(0, 0));
+                            stamps_.push_back(stamp.toSec());
+                          }},
         trouble_);
   }
 
@@ -73,7 +73,7 @@ class Player : public ::testing::Test {
   }
 
   bool waitForEnd() {
-    return waitUntil([this] { return player_->counts().finished; });
+    return waitUntil([this] { return feed_->counts().finished; });
   }
 
   std::string summary() const {
@@ -89,51 +89,51 @@ class Player : public ::testing::Test {
   std::vector<int> values_;
   std::vector<double> stamps_;
   TroubleLog trouble_{"test"};
-  std::unique_ptr<ImagePlayer> player_;
+  std::unique_ptr<ImageFeed> feed_;
 };
 
-ImagePlayerParams frames(int number, double rate = 0.0) {
-  ImagePlayerParams params;
+ImageFeedParams frames(int number, double rate = 0.0) {
+  ImageFeedParams params;
   params.frames = number;
   params.rate = rate;
   return params;
 }
 
-TEST_F(Player, ALostCameraIsOpenedAgainAndGoesOn) {
+TEST_F(Feed, ALostCameraIsOpenedAgainAndGoesOn) {
   play("opp-xopp", true, frames(4));
   ASSERT_TRUE(waitForEnd());
   EXPECT_EQ(values_, (std::vector<int>{1, 2, 3, 4}));
   EXPECT_GT(stamps_[2] - stamps_[1], 1.9);  // a second after the loss, another after it did not open
-  EXPECT_EQ(player_->counts().opened, 2u);
+  EXPECT_EQ(feed_->counts().opened, 2u);
   EXPECT_EQ(summary(), "working; not used: camera lost=1; not used: source=1");
 }
 
-TEST_F(Player, ACameraThatIsNotThereYetIsWaitedFor) {
+TEST_F(Feed, ACameraThatIsNotThereYetIsWaitedFor) {
   play("xo", true, frames(1));
   ASSERT_TRUE(waitForEnd());
   EXPECT_EQ(values_.size(), 1u);
 }
 
-TEST_F(Player, APictureThatCannotBeDecodedIsSkippedAndCounted) {
+TEST_F(Feed, APictureThatCannotBeDecodedIsSkippedAndCounted) {
   play("opbbp-", false, frames(0));
   ASSERT_TRUE(waitForEnd());
   EXPECT_EQ(values_, (std::vector<int>{1, 2}));
   EXPECT_EQ(summary(), "working; not used: image=2");
 }
 
-TEST_F(Player, AFileEndsOrBeginsAnew) {
+TEST_F(Feed, AFileEndsOrBeginsAnew) {
   play("opp-", false, frames(0));
   ASSERT_TRUE(waitForEnd());
   EXPECT_EQ(values_.size(), 2u);
-  ImagePlayerParams loop = frames(5);
+  ImageFeedParams loop = frames(5);
   loop.loop = true;
   play("opp-opp-opp-", false, loop);
   ASSERT_TRUE(waitForEnd());
   EXPECT_EQ(values_.size(), 7u);
-  EXPECT_EQ(player_->counts().opened, 3u);
+  EXPECT_EQ(feed_->counts().opened, 3u);
 }
 
-TEST_F(Player, AFileIsPlayedAtItsOwnRateOrAtTheGivenOne) {
+TEST_F(Feed, AFileIsPlayedAtItsOwnRateOrAtTheGivenOne) {
   play("o", false, frames(20));  // recorded at 50 Hz
   ASSERT_TRUE(waitForEnd());
   EXPECT_NEAR(stamps_.back() - stamps_.front(), 19 / 50.0, 0.1);
@@ -143,35 +143,35 @@ TEST_F(Player, AFileIsPlayedAtItsOwnRateOrAtTheGivenOne) {
   EXPECT_NEAR(stamps_.back() - stamps_.front(), 19 / 100.0, 0.1);
 }
 
-TEST_F(Player, ACameraThatIsFasterThanTheRateIsThinned) {
+TEST_F(Feed, ACameraThatIsFasterThanTheRateIsThinned) {
   play("o", true, frames(20, 50.0));  // it gives nearly 1000 pictures a second
   ASSERT_TRUE(waitForEnd());
   EXPECT_NEAR(stamps_.back() - stamps_.front(), 19 / 50.0, 0.1);
-  EXPECT_GT(player_->counts().skipped, 100u);
+  EXPECT_GT(feed_->counts().skipped, 100u);
 }
 
-TEST_F(Player, AFileWaitsForAListenerWhileACameraIsKeptFresh) {
+TEST_F(Feed, AFileWaitsForAListenerWhileACameraIsKeptFresh) {
   subscribed_ = false;
   play("o", false, frames(3));
   std::this_thread::sleep_for(milliseconds(200));
-  EXPECT_EQ(player_->counts().opened, 0u);
+  EXPECT_EQ(feed_->counts().opened, 0u);
   subscribed_ = true;
   ASSERT_TRUE(waitForEnd());
   EXPECT_EQ(values_, (std::vector<int>{1, 2, 3}));
 
   subscribed_ = false;
   play("o", true, frames(1));
-  ASSERT_TRUE(waitUntil([this] { return player_->counts().skipped > 20; }));
+  ASSERT_TRUE(waitUntil([this] { return feed_->counts().skipped > 20; }));
   subscribed_ = true;
   ASSERT_TRUE(waitForEnd());
   EXPECT_EQ(values_.back(), 1);  // the first that was decoded
 }
 
-TEST_F(Player, StopsAtOnceWhileItWaits) {
+TEST_F(Feed, StopsAtOnceWhileItWaits) {
   play("xxxxxxxxxxxxxxxxxxxx", true, frames(0));
   ASSERT_TRUE(waitUntil([this] { return summary().find("source") != std::string::npos; }));
   const auto begin = Clock::now();
-  player_.reset();
+  feed_.reset();
   EXPECT_LT(Clock::now() - begin, milliseconds(500));
 }
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Sextant authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sextant/landmarks/landmark_matching.hpp"
+#include "sextant/landmarks/landmark_map_matching.hpp"
 
 #include <gtest/gtest.h>
 
@@ -34,7 +34,7 @@ MapPoint seenBy(const Pose2& T_map_local, const MapPoint& point, const Vector2d&
   return seen;
 }
 
-void expectPose(const std::optional<LandmarkMatch>& match, const Pose2& T_map_local, double metres,
+void expectPose(const std::optional<LandmarkMapMatch>& match, const Pose2& T_map_local, double metres,
                 double radians) {
   ASSERT_TRUE(match);
   EXPECT_LT((match->T_map_local.position - T_map_local.position).norm(), metres);
@@ -51,7 +51,7 @@ std::vector<MapPoint> hall(std::mt19937& random, int count) {
 }
 
 // Of the small map six are of the large one, two are not; the large one has many that the small one lacks.
-TEST(LandmarkMatching, FindsALocalMapInTheMap) {
+TEST(LandmarkMapMatching, FindsALocalMapInTheMap) {
   std::mt19937 random(1);
   std::normal_distribution<double> noise(0, 0.05);
   std::uniform_real_distribution<double> angle(-M_PI, M_PI), near(-3, 3);
@@ -65,7 +65,7 @@ TEST(LandmarkMatching, FindsALocalMapInTheMap) {
     std::vector<MapPoint> local{point(near(random), near(random)), point(near(random), near(random), "blue")};
     for (size_t i = 0; i < 6; ++i)
       local.push_back(seenBy(truth, map[i], Vector2d(noise(random), noise(random))));
-    const auto match = matchLandmarks(local, map, {});
+    const auto match = matchLandmarkMaps(local, map, {});
     if (!match) continue;
     ++found;
     expectPose(match, truth, 0.2, 0.1);
@@ -76,17 +76,17 @@ TEST(LandmarkMatching, FindsALocalMapInTheMap) {
   EXPECT_GE(found, 18);
 }
 
-TEST(LandmarkMatching, RejectsAMapOfAnotherPlace) {
+TEST(LandmarkMapMatching, RejectsAMapOfAnotherPlace) {
   std::mt19937 random(2);
   int matches = 0;
   for (int run = 0; run < 40; ++run) {
     const std::vector<MapPoint> map = hall(random, 20), other = hall(random, 5);
-    matches += matchLandmarks(other, map, {}).has_value();
+    matches += matchLandmarkMaps(other, map, {}).has_value();
   }
   EXPECT_EQ(matches, 0);
 }
 
-TEST(LandmarkMatching, RejectsSymmetricMatches) {
+TEST(LandmarkMapMatching, RejectsSymmetricMatches) {
   const std::vector<Pose2> corners{{{0, 0}, 0}, {{10, 0}, M_PI_2}, {{10, 10}, M_PI}, {{0, 10}, -M_PI_2}};
   std::vector<MapPoint> map;
   for (const Pose2& corner : corners)
@@ -96,64 +96,64 @@ TEST(LandmarkMatching, RejectsSymmetricMatches) {
     }
   std::vector<MapPoint> local;
   for (size_t i = 4; i < 8; ++i) local.push_back(seenBy({{3, 1}, 0.4}, map[i]));
-  EXPECT_FALSE(matchLandmarks(local, map, {}));
+  EXPECT_FALSE(matchLandmarkMaps(local, map, {}));
 
   map[5].label.class_name = local[1].label.class_name = "blue";  // and with one that is not like the others
-  expectPose(matchLandmarks(local, map, {}), {{3, 1}, 0.4}, 1e-6, 1e-6);
+  expectPose(matchLandmarkMaps(local, map, {}), {{3, 1}, 0.4}, 1e-6, 1e-6);
 }
 
-TEST(LandmarkMatching, OneMarkerWithIdAndHeadingSuffices) {
+TEST(LandmarkMapMatching, OneMarkerWithIdAndHeadingSuffices) {
   const std::vector<MapPoint> map{tag(3, 0, 0, 0.1), tag(4, 10, 2, 2.0), tag(5, 6, 9, -3.0)};
   const Pose2 truth{{4, 5}, 2.5};
-  expectPose(matchLandmarks({seenBy(truth, map[1])}, map, {}), truth, 1e-9, 1e-9);
+  expectPose(matchLandmarkMaps({seenBy(truth, map[1])}, map, {}), truth, 1e-9, 1e-9);
 
   MapPoint without_id = seenBy(truth, map[1]), without_heading = without_id, unknown = without_id;
   without_id.label.id.reset();
   without_heading.landmark.heading.reset();
   unknown.label.id = 6;
   for (const MapPoint& each : {without_id, without_heading, unknown})
-    EXPECT_FALSE(matchLandmarks({each}, map, {}));
+    EXPECT_FALSE(matchLandmarkMaps({each}, map, {}));
 }
 
 // Headings are less accurate than positions: the heading error of one marker displaces the other one.
-TEST(LandmarkMatching, TwoMarkersAtOnePositionDoNotContradictEachOther) {
+TEST(LandmarkMapMatching, TwoMarkersAtOnePositionDoNotContradictEachOther) {
   const std::vector<MapPoint> map{tag(3, 0, 0, 0.1), tag(4, 8, 2, 2.0), tag(5, 6, 9, -3.0)};
   const Pose2 truth{{4, 5}, 2.5};
   for (const double off : {0.0, 0.02, 0.05, 0.1, 0.2}) {
     std::vector<MapPoint> local{seenBy(truth, map[0]), seenBy(truth, map[1])};
     *local[0].landmark.heading += off;
-    expectPose(matchLandmarks(local, map, {}), truth, 1e-6, 1e-6);
+    expectPose(matchLandmarkMaps(local, map, {}), truth, 1e-6, 1e-6);
   }
 }
 
-TEST(LandmarkMatching, NeverPairsDifferentClasses) {
+TEST(LandmarkMapMatching, NeverPairsDifferentClasses) {
   std::mt19937 random(3);
   const std::vector<MapPoint> map = hall(random, 20);
   std::vector<MapPoint> local;
   for (size_t i = 0; i < 8; ++i) local.push_back(seenBy({{1, 2}, 1}, map[i]));
-  const auto match = matchLandmarks(local, map, {});
+  const auto match = matchLandmarkMaps(local, map, {});
   ASSERT_TRUE(match);
   EXPECT_EQ(match->pairs.size(), 8u);
   for (MapPoint& each : local) each.label.class_name = "black";
-  EXPECT_FALSE(matchLandmarks(local, map, {}));
+  EXPECT_FALSE(matchLandmarkMaps(local, map, {}));
   local[0].label = map[0].label;
-  EXPECT_FALSE(matchLandmarks(local, map, {}));
+  EXPECT_FALSE(matchLandmarkMaps(local, map, {}));
 }
 
-TEST(LandmarkMatching, EmptyMapsHaveNoMatch) {
-  EXPECT_FALSE(matchLandmarks({}, {point(1, 2)}, {}));
-  EXPECT_FALSE(matchLandmarks({point(1, 2)}, {}, {}));
+TEST(LandmarkMapMatching, EmptyMapsHaveNoMatch) {
+  EXPECT_FALSE(matchLandmarkMaps({}, {point(1, 2)}, {}));
+  EXPECT_FALSE(matchLandmarkMaps({point(1, 2)}, {}, {}));
 }
 
-TEST(LandmarkMatching, NamesAFieldThatIsOutOfRange) {
-  const std::vector<std::pair<std::string, double LandmarkMatchingParams::*>> fields{
-      {"gate", &LandmarkMatchingParams::gate},
-      {"min_probability", &LandmarkMatchingParams::min_probability},
-      {"inlier_probability", &LandmarkMatchingParams::inlier_probability}};
-  validate(LandmarkMatchingParams());
+TEST(LandmarkMapMatching, NamesAFieldThatIsOutOfRange) {
+  const std::vector<std::pair<std::string, double LandmarkMapMatchingParams::*>> fields{
+      {"gate", &LandmarkMapMatchingParams::gate},
+      {"min_probability", &LandmarkMapMatchingParams::min_probability},
+      {"inlier_probability", &LandmarkMapMatchingParams::inlier_probability}};
+  validate(LandmarkMapMatchingParams());
   for (const auto& [name, field] : fields)
     for (const double value : {0.0, 1.0, std::nan("")}) {
-      LandmarkMatchingParams params;
+      LandmarkMapMatchingParams params;
       params.*field = value;
       EXPECT_EQ(refusal<std::invalid_argument>([&, &params = params] { validate(params); }).find(name), 0u);
     }

@@ -12,16 +12,16 @@
 
 namespace sextant {
 
-/// An occluded edge of a square, between its corners hidden and hidden + 1, and the visible rest.
-struct HiddenEdge {
-  int hidden;
-  EdgeCurve before, after;              ///< the adjacent edges, which end and begin at the hidden corners
-  double before_sigma, after_sigma;     ///< standard deviation of these at the hidden corners, pixels
+/// An occluded edge of a square, between its corners first_corner and first_corner + 1, and the visible rest.
+struct OccludedEdge {
+  int first_corner;
+  EdgeCurve before, after;              ///< the adjacent edges, which end and begin at the occluded corners
+  double before_sigma, after_sigma;     ///< standard deviation of these at the occluded corners, pixels
   std::array<double, 4> corner_sigmas;  ///< of the two visible corners, pixels
 };
 
 /// The corners of an occluded edge.
-struct FoundEdge {
+struct ReconstructedEdge {
   std::array<Eigen::Vector2d, 2> corners;  ///< begin and end, pixels
   std::array<double, 2> sigmas;            ///< standard deviation of their coordinates, pixels
 };
@@ -30,8 +30,8 @@ struct FoundEdge {
 /// two edges through the others give six equations. The deviations are those of the corners over the sigma
 /// points of the pose (Julier and Uhlmann 1997), because nearly head-on the edge moves with the square of the
 /// tilt. Returns nothing if the equations have no solution near the start.
-/// @param corners of the square; the hidden ones are initial values
-std::optional<FoundEdge> findHidden(const CameraModel& camera, const Corners& corners,
-                                    const HiddenEdge& edge);
+/// @param corners of the square; the occluded ones are initial values
+std::optional<ReconstructedEdge> reconstructEdge(const CameraModel& camera, const Corners& corners,
+                                                 const OccludedEdge& edge);
 
 }  // namespace sextant

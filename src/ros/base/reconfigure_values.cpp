@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Sextant authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sextant/ros/base/param_config.hpp"
+#include "sextant/ros/base/reconfigure_values.hpp"
 
 #include <algorithm>
 #include <stdexcept>

@@ -20,7 +20,7 @@ struct MapPoint {
 };
 
 /// Parameters of the matching of two landmark maps.
-struct LandmarkMatchingParams {
+struct LandmarkMapMatchingParams {
   double gate = 0.999;
   double min_probability = 0.9999;
   double inlier_probability = 0.8;
@@ -29,7 +29,7 @@ struct LandmarkMatchingParams {
 };
 
 /// Alignment of a local map with a map.
-struct LandmarkMatch {
+struct LandmarkMapMatch {
   Pose2 T_map_local;                             ///< pose of the local frame in the map
   std::vector<std::pair<size_t, size_t>> pairs;  ///< indices of the same landmark in local and in map
 };
@@ -38,8 +38,8 @@ struct LandmarkMatch {
 /// with an id and a heading, generate pose hypotheses. Each is scored by the likelihood ratio of all local
 /// landmarks to landmarks at random positions.
 /// @returns nothing if no hypothesis is significantly more likely than chance and than all others
-std::optional<LandmarkMatch> matchLandmarks(const std::vector<MapPoint>& local,
-                                            const std::vector<MapPoint>& map,
-                                            const LandmarkMatchingParams& params);
+std::optional<LandmarkMapMatch> matchLandmarkMaps(const std::vector<MapPoint>& local,
+                                                  const std::vector<MapPoint>& map,
+                                                  const LandmarkMapMatchingParams& params);
 
 }  // namespace sextant
