@@ -11,7 +11,7 @@ import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
 import pytest
-from test_check_calibration import calibration_text, photos  # noqa: F401, the rendered photos
+from calibration_photos import calibration_text, photos  # noqa: F401, the rendered photos
 
 from sextant.commands import check_calibration, make_chessboard
 from sextant.printing.chessboard_sheet import largest_square
