@@ -132,7 +132,8 @@ def test_a_late_viewer_gets_everything(namespaces, start):
     assert master_answers(viewer, 30)
     time.sleep(5)  # the viewer comes late: the latched topics have been published
     start(inside(viewer, *view), environment())
-    listen = [sys.executable, str(HELPERS / "late_listener.py"), "joint/pose", "laptop_image/image", "60", *rviz]
+    helper = [sys.executable, str(HELPERS / "late_listener.py")]
+    listen = [*helper, "joint/pose", "laptop_image/image", "60", *rviz]
     answer = subprocess.run(
         inside(viewer, *listen),
         env=environment(ROS_MASTER_URI=MASTER, ROS_HOSTNAME=VIEWER),
