@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Run by test_view_across_network.py on the viewing side: receives every topic once and prints a summary.
 
-Arguments: topic of the pose, topic of the decompressed picture, seconds until it gives up, and the names of nodes
-that it waits for until they subscribe to the map.
+Arguments: topic of the pose, topic of the decompressed picture, seconds until it gives up, and the names of
+nodes that it waits for until they subscribe to the map.
 """
 
 import json
