@@ -201,8 +201,8 @@ CONTRIBUTING = ROOT / "CONTRIBUTING.md"
 @pytest.mark.parametrize("room", sorted({*CORE, *BRIDGES, *PYTHON}))
 def test_every_room_is_described_with_the_rooms_that_it_uses(room):
     row = re.search(rf"^\| `{room}` \|[^|]+\|([^|]*)\|([^|]*)\|$", CONTRIBUTING.read_text(), re.M)
-    uses = [CORE[room][0] or "none" if room in CORE else "–", (PYTHON[room] or "none") if room in PYTHON else "–"]
-    assert [set(cell.split()) for cell in row.groups()] == [set(rooms.split()) for rooms in uses]
+    uses = [CORE.get(room, ("–",))[0], PYTHON.get(room, "–")]
+    assert [set(cell.split()) for cell in row.groups()] == [set((rooms or "none").split()) for rooms in uses]
 
 
 def test_no_folder_is_crowded():
