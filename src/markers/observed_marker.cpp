@@ -32,7 +32,8 @@ ParamList MarkerSizes::fields() {
   };
   return {
       {"size", &size, lengths, "m",
-       "edge length of the markers, for their poses in the camera frame; marker_locator uses those in the map"},
+       "edge length of the markers, for their poses in the camera frame; marker_locator uses those in the "
+       "map"},
       {"sizes", &sizes, Allowed(lengths.text, check), "m",
        "edge lengths of individual markers, by `\"ID\"` or `\"FAMILY/ID\"`, e.g. `{\"7\": 0.1}`"},
   };
