@@ -12,6 +12,7 @@ from typing import Dict, Iterator, List, NamedTuple, Optional, Tuple
 
 import rosgraph.names
 import roslaunch.config
+from parameter_tables import snake_case
 from roslaunch.core import Node
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -70,7 +71,7 @@ def is_left_out(topic: str) -> bool:
 def kind_of(node: Node) -> str:
     """Returns the name of the node in nodes.md, or its executable."""
     nodelet = re.match(r"load sextant/(\w+)", node.args or "")
-    return re.sub(r"(?<!^)(?=[A-Z])", "_", nodelet[1]).lower() if nodelet else node.type
+    return snake_case(nodelet[1]) if nodelet else node.type
 
 
 def resolved(node: Node, topic: str) -> str:

@@ -1,13 +1,15 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Writes the pages of doc/reference that follow from the sources."""
+"""Writes what follows from the sources: pages of doc/reference, texts of arguments in launch/ and cfg/."""
 
 import ast
 import sys
 from pathlib import Path
 from typing import Dict
 
+import cfg_docs
+import launch_docs
 import launch_pages
 import parameter_tables
 
@@ -68,8 +70,12 @@ def pages() -> Dict[Path, str]:
     }
 
 
+STEPS = (launch_docs.files, cfg_docs.files, pages)  # launch_files.md has the texts of launch/
+
+
 if __name__ == "__main__":
-    for path, text in pages().items():
-        if not path.exists() or path.read_text(encoding="utf-8") != text:
-            path.write_text(text, encoding="utf-8")
-            print(f"{path}: changed", file=sys.stderr)
+    for step in STEPS:
+        for path, text in step().items():
+            if not path.exists() or path.read_text(encoding="utf-8") != text:
+                path.write_text(text, encoding="utf-8")
+                print(f"{path}: changed", file=sys.stderr)

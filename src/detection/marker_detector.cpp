@@ -51,14 +51,14 @@ void requireFamilies(const Param& param) {
 ParamList DetectorParams::fields() {
   return {
       {"families", &families, Allowed("[families](#marker-families)", requireFamilies), "",
-       "marker families to detect"},
+       "marker families to detect, e.g. `tag36h11` or `DICT_4X4_50`"},
       {"threads", &threads, Range::closed(1, 64), "",
        "number of threads of the AprilTag backend; with more than one, OpenCV also uses threads of its own"},
       {"search", &search, oneOf({"full", "tracking"}), "",
        "`tracking`: search known markers at their predicted positions, new ones in every third image and at "
        "the borders where the scene enters; `full`: search every image completely, several times slower"},
       {"decimate", &decimate, Range::closed(1, 8), "",
-       "AprilTag: factor by which the image is reduced for the quad search"},
+       "AprilTag: factor by which the image is reduced for the quad search; 2 is 4 times as fast"},
       {"max_hamming", &max_hamming, Range::closed(0, 3), "bits",
        "AprilTag: maximum number of corrected bits; refused for large families if it needs more than 1 GB"},
       {"min_decision_margin", &min_decision_margin, Range::closed(0, 255), "grey levels",

@@ -42,14 +42,14 @@ ParamList LandmarkSlamNodeParams::fields() {
       {"map_file", &map_file, Allowed(), "",
        "landmark map file: read at start-up if it exists, written by `~save_map`"},
       {"start", &start, oneOf({"origin", "map", "unknown"}), "",
-       "initial pose of the robot in `map_file`: `start_pose`, the saved pose, or unknown until it is "
-       "relocalized"},
+       "initial pose of the robot in `map_file`: origin (`start_pose`), map (the saved pose), or unknown "
+       "(until it is relocalized)"},
       {"start_pose", &start_pose, Allowed("empty or 3", requirePose), "m, m, rad",
        "x, y, heading in the map; empty: 0 0 0, but with a marker map the robot is lost until it observes a "
        "marker"},
       {"pose_sigma", &pose_sigma, Allowed("3, each (0, 1000]", requireSigmas), "m, m, rad",
        "standard deviations of `start_pose`"},
-      {"cameras", &cameras, topics(), "", "topics of sextant/MarkerArray, one per camera"},
+      {"cameras", &cameras, topics(), "", "topics of sextant/MarkerArray, one per camera, e.g. `[markers]`"},
       {"marker_map_file", &marker_map_file, Allowed(), "",
        "[marker map](marker_map.md) file; empty: the topic `marker_map/entries`, if published"},
       {"map_frame", &map_frame, notEmpty(), "", "frame of a new map; a map file has its own"},

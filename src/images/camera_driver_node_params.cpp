@@ -31,13 +31,14 @@ ParamList ImageSourceParams::fields() {
   const Range side = Range::closed(0, kMaxSide);
   return {
       {"source", &source, notEmpty(), "",
-       "device (`0`, `/dev/video0`), video file, image, or folder of images, played in the order of their "
-       "names",
+       "device (`0`, `/dev/video0`, `/dev/v4l/by-id/...`), video file, image, or folder of images, played in "
+       "the order of their names",
        true},
       {"encoding", &encoding, oneOf({"mono8", "bgr8"}), "", "encoding of the published images"},
       {"width", &width, side, "px",
-       "image width: requested from a device; a file with another width is refused; 0: the source's own"},
-      {"height", &height, side, "px", "image height, as `width`"},
+       "image width; requested from a device; a file with another width is refused; 0: the source's own"},
+      {"height", &height, side, "px",
+       "image height; requested from a device; a file with another height is refused; 0: the source's own"},
       {"rate", &rate, Range::closed(0, 1000), "Hz",
        "maximum rate of a device, also requested from it, or playback rate of a file or folder; 0: the rate "
        "of the device or video, 10 Hz for a folder"},
@@ -63,8 +64,8 @@ ParamList CameraDriverNodeParams::fields() {
       {"camera_name", &camera_name, Allowed("letters, digits and _", requireCameraName), "",
        "name of the camera in the calibration file"},
       {"camera_info_url", &camera_info_url, Allowed("path, `file://`, `package://`", nullptr), "",
-       "calibration file; empty: `~/.ros/camera_info/<camera_name>.yaml`, where the calibration tool saves "
-       "it"},
+       "calibration file, a path or URL; empty: `~/.ros/camera_info/CAMERA_NAME.yaml`, where the calibration "
+       "tool saves it"},
       {"frame_id", &frame_id, notEmpty(), "", "optical frame of the images"},
   };
   return joined({source.fields(), feed.fields(), own});

@@ -34,7 +34,7 @@ ParamList MarkerLocatorNodeParams::fields() {
       {"map_file", &map_file, Allowed(), "",
        "[marker map](marker_map.md) file; empty: wait for `marker_map/entries`"},
       {"tf_output", &tf_output, oneOf({"none", "map_to_odom", "map_to_base"}), "",
-       "[published transform](frames.md#tf_output)"},
+       "[transform to publish](frames.md#tf_output)"},
       {"base_frame", &base_frame, Allowed("not empty with a `tf_output`", require_base), "",
        "frame whose pose is published; empty: the camera's optical frame"},
       {"odom_frame", &odom_frame, Allowed("not `base_frame`", require_odometry), "",

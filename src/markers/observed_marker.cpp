@@ -31,9 +31,11 @@ ParamList MarkerSizes::fields() {
     lengths.check(param);
   };
   return {
-      {"size", &size, lengths, "m", "edge length of the markers"},
+      {"size", &size, lengths, "m",
+       "edge length of the markers, for their poses in the camera frame; marker_locator uses those in the "
+       "map"},
       {"sizes", &sizes, Allowed(lengths.text, check), "m",
-       "edge lengths of individual markers, by `\"ID\"` or `\"FAMILY/ID\"`"},
+       "edge lengths of individual markers, by `\"ID\"` or `\"FAMILY/ID\"`, e.g. `{\"7\": 0.1}`"},
   };
 }
 

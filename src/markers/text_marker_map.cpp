@@ -98,9 +98,10 @@ ParamList TextMapParams::fields() {
        "plain text map: family of all markers"},
       {"size", &size, Range::openLow(0, 100), "m", "plain text map: edge length of the markers"},
       {"sizes", &sizes, Range::openLow(0, 100), "m",
-       "plain text map: edge lengths of individual markers, by `\"ID\"`"},
+       "plain text map: edge lengths of individual markers, by `\"ID\"`, e.g. `{\"7\": 0.1}`"},
       {"parents", &parents, Allowed(), "",
-       "plain text map: parents of frames that are not markers, by name; default: the frame of the map"},
+       "plain text map: parents of frames that are not markers, by name, e.g. `{camera: base_link}`; "
+       "default: the frame of the map"},
   };
 }
 

@@ -36,8 +36,8 @@ class PhotoParams(StrictParams):
     image: str = ""  # image topic; empty: that of the only camera
     pose: str = ""  # topic of poses of the base; empty: from tf
     frame: str = "map"  # map frame in tf; a pose topic has its own frame_id
-    distance: float = param(1.0, above_zero(1e5))  # metres between photos
-    turn: float = param(float(np.radians(30.0)), above_zero(2 * np.pi))  # radians between photos
+    distance: float = param(1.0, "distance between photos", above_zero(1e5), "m")
+    turn: float = param(float(np.radians(30.0)), "turn between photos", above_zero(2 * np.pi), "rad")
     every: int = 1  # consider every n-th image
     base_frame: str = BagParams.base_frame  # frame of the robot
     mounts: Dict[str, np.ndarray] = field(default_factory=dict)  # as in BagParams

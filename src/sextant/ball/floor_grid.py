@@ -7,7 +7,7 @@ from typing import Tuple
 
 import numpy as np
 
-from sextant.base.strict_params import ParamError, StrictParams, param, within
+from sextant.base.strict_params import ParamError, StrictParams, also, param, within
 from sextant.geometry.plane_poses import rotation
 
 NO_OFFSET = np.zeros(2)
@@ -17,14 +17,38 @@ NO_OFFSET = np.zeros(2)
 class FloorGridParams(StrictParams):
     """Size of the grid, and ranges and heights of the points inserted into it."""
 
-    resolution: float = param(0.05, within(0.01, 1))  # metres
-    half_side: float = param(8.0, within(1, 100))  # metres from the centre to the border
-    min_range: float = param(0.2, within(0, 100))  # metres; nearer points are ignored
-    max_range: float = param(3.0, within(1e-9, 100))  # metres; farther points are ignored
-    floor_tolerance: float = param(0.05, within(0, 1))  # metres above or below the floor that count as floor
-    min_obstacle_height: float = param(0.13, within(0, 10))  # metres; the ball must be lower
-    max_obstacle_height: float = param(0.6, within(0, 10))  # metres, the robot's height
-    max_evidence: int = param(8, within(1, 100))  # limit of a cell's evidence, images
+    resolution: float = param(0.05, "cell size of the occupancy grid", within(0.01, 1), "m")
+    half_side: float = param(
+        8.0, "distance from the robot's start to the border of the grid", within(1, 100), "m"
+    )
+    min_range: float = param(
+        0.2,
+        "points closer to the robot's centre are ignored",
+        also(within(0, 100), "less than `max_range`"),
+        "m",
+    )
+    max_range: float = param(
+        3.0, "points farther from the robot's centre are ignored", within(1e-9, 100), "m"
+    )
+    floor_tolerance: float = param(
+        0.05,
+        "points up to this height above or below the floor count as floor",
+        also(within(0, 1), "less than `min_obstacle_height`"),
+        "m",
+    )
+    min_obstacle_height: float = param(
+        0.13,
+        "minimum height of an obstacle; the ball must be lower",
+        also(within(0, 10), "more than the ball's diameter, less than `max_obstacle_height`"),
+        "m",
+    )
+    max_obstacle_height: float = param(
+        0.6,
+        "maximum height of an obstacle: the robot's height; higher points are ignored",
+        within(0, 10),
+        "m",
+    )
+    max_evidence: int = param(8, "maximum evidence of a cell, in images", within(1, 100))
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -10,7 +10,7 @@ import numpy as np
 
 from sextant.ball.goal import Goal
 from sextant.ball.path_planner import Costmap, Disc
-from sextant.base.strict_params import ParamError, StrictParams, param, within
+from sextant.base.strict_params import ParamError, StrictParams, also, param, within
 
 TARGETS = 13  # candidate targets on the goal line
 DIRECTIONS, LENGTHS = 24, (0.4, 0.7, 1.0)  # of intermediate kicks; metres
@@ -27,15 +27,35 @@ MIN_AIM = 0.1  # metres from ball to target; for a ball nearer to the goal line 
 class KickParams(StrictParams):
     """Geometry of robot and ball, and limits of kicks."""
 
-    robot_radius: float = param(0.177, within(1e-3, 2))  # metres
-    ball_radius: float = param(0.05, within(1e-3, 1))  # metres
-    ball_deceleration: float = param(0.35, within(1e-3, 10))  # of a rolling ball, m/s^2
-    ball_restitution: float = param(0.6, within(0, 1))  # coefficient of restitution at a kick
-    run_up: float = param(0.62, within(1e-3, 5))  # metres between the centres at the start
-    min_kick_speed: float = param(0.2, within(1e-3, 10))  # of the robot, m/s
-    max_kick_speed: float = param(0.65, within(1e-3, 10))  # of the robot, m/s
-    overshoot: float = param(0.4, within(0, 10))  # metres to roll behind the goal line
-    min_tolerance: float = param(0.03, within(0, 1))  # radians, minimum angular tolerance of a kick
+    robot_radius: float = param(0.177, "radius of the robot", within(1e-3, 2), "m")
+    ball_radius: float = param(0.05, "radius of the ball", within(1e-3, 1), "m")
+    ball_deceleration: float = param(
+        0.35, "deceleration of a rolling ball on this floor", within(1e-3, 10), "m/s²"
+    )
+    ball_restitution: float = param(0.6, "coefficient of restitution between robot and ball", within(0, 1))
+    run_up: float = param(
+        0.62,
+        "distance between the centres of robot and ball at the start of a kick",
+        also(within(1e-3, 5), "more than both radii"),
+        "m",
+    )
+    min_kick_speed: float = param(
+        0.2,
+        "minimum speed of the robot at contact",
+        also(within(1e-3, 10), "at most `max_kick_speed`"),
+        "m/s",
+    )
+    max_kick_speed: float = param(0.65, "maximum speed of the robot at contact", within(1e-3, 10), "m/s")
+    overshoot: float = param(
+        0.4, "distance that the ball should roll behind the goal line", within(0, 10), "m"
+    )
+    min_tolerance: float = param(
+        0.03,
+        "minimum angular tolerance of a kick: the error of direction at which the ball touches an "
+        "obstacle",
+        within(0, 1),
+        "rad",
+    )
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -16,14 +16,21 @@ from sextant.base.strict_params import StrictParams, param, within
 class FollowerParams(StrictParams):
     """Limits of a differential drive, and parameters of pure pursuit."""
 
-    speed: float = param(0.4, within(1e-3, 10))  # maximum speed, m/s
-    turn_rate: float = param(1.2, within(1e-3, 20))  # maximum turn rate, rad/s
-    acceleration: float = param(0.6, within(1e-3, 100))  # deceleration before the end of the path, m/s^2
-    turn_acceleration: float = param(2.5, within(1e-3, 1000))  # rad/s^2
-    lookahead: float = param(0.25, within(1e-3, 10))  # metres along the path to the point steered at
-    rotate_in_place_angle: float = param(0.5, within(1e-3, 3.15))  # radians; beyond, the robot turns in place
-    min_speed: float = param(0.04, within(1e-3, 1))  # that moves the base, m/s
-    search_turn_rate: float = param(0.7, within(1e-3, 20))  # while searching, rad/s
+    speed: float = param(0.4, "maximum speed on a path", within(1e-3, 10), "m/s")
+    turn_rate: float = param(1.2, "maximum turn rate", within(1e-3, 20), "rad/s")
+    acceleration: float = param(
+        0.6,
+        "acceleration in the run-up, and deceleration before the end of a path",
+        within(1e-3, 100),
+        "m/s²",
+    )
+    turn_acceleration: float = param(2.5, "angular acceleration", within(1e-3, 1000), "rad/s²")
+    lookahead: float = param(0.25, "lookahead distance of pure pursuit", within(1e-3, 10), "m")
+    rotate_in_place_angle: float = param(
+        0.5, "angle to the lookahead point above which the robot turns in place", within(1e-3, 3.15), "rad"
+    )
+    min_speed: float = param(0.04, "minimum speed that moves the base", within(1e-3, 1), "m/s")
+    search_turn_rate: float = param(0.7, "turn rate while searching", within(1e-3, 20), "rad/s")
 
 
 Command = Tuple[float, float]  # m/s, rad/s

@@ -7,23 +7,50 @@ A dataclass declares the parameters with their defaults and allowed values:
     @dataclass(frozen=True)
     class SimulatorParams(StrictParams):
         map_file: str                                  # no default: the parameter is required
-        width: int = param(640, within(16, 8192))      # pixels
-        mode: str = param("path", one_of("path", "cmd_vel"))
-        sizes: Dict[str, float] = param({}, each(within(0.001, 100.0)))
+        width: int = param(640, "image width", within(16, 8192), "px")
+        mode: str = param("path", "motion of the robot", one_of("path", "cmd_vel"))
+        sizes: Dict[str, float] = param({}, "edge lengths by id", each(within(0.001, 100.0)), "m")
         lens: LensParams = nested(LensParams, "lens_") # flat in parse_params(): lens_width
 
 A value out of range is refused on construction. parse_params() also refuses an unknown name, a wrong type
-or a missing value; the error names the parameter and the allowed values.
+or a missing value; the error names the parameter and the allowed values. described() lists the parameters for
+the documentation, as fields() of a struct of the core.
 """
 
 import copy
 import dataclasses
 import difflib
 import math
-from typing import Any, Callable, Dict, List, Mapping, Sequence, Tuple, Type, TypeVar, get_type_hints
+import re
+from typing import (
+    Any,
+    Callable,
+    Dict,
+    List,
+    Mapping,
+    NamedTuple,
+    Sequence,
+    Tuple,
+    Type,
+    TypeVar,
+    get_type_hints,
+)
 
-Check = Callable[[Any], str]  # "" if the value is allowed, else the allowed values
 Params = TypeVar("Params")
+
+
+class Check(NamedTuple):
+    """The values that a parameter may have."""
+
+    text: str  # for the documentation, Markdown; empty: every value of the type
+    reason: Callable[[Any], str] = lambda value: ""  # "" if the value is allowed, else the allowed values
+
+    def __call__(self, value: Any) -> str:
+        return self.reason(value)
+
+
+ANY = Check("")
+REQUIRED = dataclasses.MISSING  # in place of the default of a parameter without one
 
 
 class ParamError(ValueError):
@@ -52,16 +79,30 @@ class StrictParams:
             _check(field, getattr(self, field.name))
 
 
-def param(default: Any, check: Check = lambda value: "") -> Any:
-    """Declares a dataclass field with a default and a check of its value."""
+def param(default: Any, what: str, check: Check = ANY, unit: str = "") -> Any:
+    """Declares a dataclass field with a default.
+
+    :param what: description, Markdown; other parameters of the dataclass in backticks
+    :param unit: as text, e.g. m or px; empty for a value without a unit
+    """
+    metadata = {"what": what, "check": check, "unit": unit}
     if isinstance(default, (list, dict)):
-        return dataclasses.field(default_factory=lambda: copy.copy(default), metadata={"check": check})
-    return dataclasses.field(default=default, metadata={"check": check})
+        return dataclasses.field(default_factory=lambda: copy.copy(default), metadata=metadata)
+    return dataclasses.field(default=default, metadata=metadata)
 
 
-def required(check: Check) -> Any:
-    """Declares a dataclass field without a default, with a check of its value."""
-    return dataclasses.field(metadata={"check": check})
+def required(what: str, check: Check = ANY, unit: str = "") -> Any:
+    """Declares a dataclass field without a default, otherwise as param()."""
+    return dataclasses.field(metadata={"what": what, "check": check, "unit": unit})
+
+
+def struct_param(struct: type, name: str, check: Callable[[Any], str] = ANY) -> Any:
+    """Declares a dataclass field with default, description, unit and allowed values of a struct of the core.
+
+    :param check: refuses values on construction; without it, the struct has to be validated later
+    """
+    _, _, allowed, unit, what = next(field for field in struct.fields() if field[0] == name)
+    return param(getattr(struct(), name), what, Check(allowed, check), unit)
 
 
 def nested(cls: type, prefix: str = "", only: Sequence[str] = ()) -> Any:
@@ -75,22 +116,27 @@ def nested(cls: type, prefix: str = "", only: Sequence[str] = ()) -> Any:
 
 def within(low: float, high: float) -> Check:
     """Allows low <= value <= high."""
-    return lambda value: "" if low <= value <= high else f"must be within [{low}, {high}]"
+    text = f"[{_number(low)}, {_number(high)}]"
+    return Check(text, lambda value: "" if low <= value <= high else f"must be within [{low}, {high}]")
 
 
 def above_zero(high: float) -> Check:
     """Allows 0 < value <= high."""
-    return lambda value: "" if 0.0 < value <= high else f"must be within (0, {high:g}]"
+    reason = f"must be within (0, {high:g}]"
+    return Check(f"(0, {_number(high)}]", lambda value: "" if 0.0 < value <= high else reason)
+
+
+def _number(value: float) -> str:
+    return re.sub(r"e([+-])0*", r"e\1", f"{value:.12g}").replace("e+", "e")
 
 
 def one_of(*allowed: Any) -> Check:
     """Allows these values."""
-    return lambda value: "" if value in allowed else "must be one of " + ", ".join(map(str, allowed))
+    text = ", ".join(map(str, allowed))
+    return Check(text, lambda value: "" if value in allowed else f"must be one of {text}")
 
 
-def not_empty(value: Any) -> str:
-    """Allows strings and lists that are not empty."""
-    return "" if value else "must not be empty"
+not_empty = Check("not empty", lambda value: "" if value else "must not be empty")  # strings and lists
 
 
 def each(check: Check) -> Check:
@@ -100,7 +146,12 @@ def each(check: Check) -> Check:
         items = values.values() if isinstance(values, dict) else values
         return next((f"each {reason}" for reason in map(check, items) if reason), "")
 
-    return check_all
+    return Check(check.text, check_all)
+
+
+def also(check: Check, text: str) -> Check:
+    """Adds to the text of a check what is checked elsewhere, e.g. a relation to another parameter."""
+    return check._replace(text=f"{check.text}, {text}")
 
 
 Field = Tuple[dataclasses.Field, Any]  # a field and its type
@@ -130,6 +181,54 @@ def _nested_names(field: dataclasses.Field, cls: type) -> Dict[str, str]:
     """Returns the names without the prefix by flat name."""
     names = flat_fields(cls, field.metadata.get("only", ()))
     return {field.metadata.get("prefix", "") + name: name for name in names}
+
+
+class Described(NamedTuple):
+    """A parameter for the documentation, Markdown."""
+
+    name: str  # flat
+    kind: str  # as in fields() of a struct of the core
+    allowed: str  # allowed values; empty: every value of the type
+    unit: str
+    what: str  # description
+    default: Any  # REQUIRED: has none
+
+    def renamed(self, names: Mapping[str, str]) -> "Described":
+        """Returns the same parameter with other names, also where the texts name parameters."""
+
+        def with_names(text: str) -> str:
+            return re.sub(r"`(\w+)`", lambda name: f"`{names.get(name[1], name[1])}`", text)
+
+        name, allowed, what = names[self.name], with_names(self.allowed), with_names(self.what)
+        return self._replace(name=name, allowed=allowed, what=what)
+
+
+def described(cls: type) -> List[Described]:
+    """Returns all parameters of a dataclass by flat name, as flat_fields() does."""
+    rows = {}
+    for field, hint in _fields(cls):
+        if dataclasses.is_dataclass(hint):
+            names = {own: flat for flat, own in _nested_names(field, hint).items()}
+            inner = [row.renamed(names) for row in described(hint) if row.name in names]
+            rows.update({row.name: row for row in inner})
+        else:
+            rows[field.name] = _described(field, hint)
+    return list(rows.values())
+
+
+def _described(field: dataclasses.Field, hint: Any) -> Described:
+    about = field.metadata
+    has_factory = field.default_factory is not dataclasses.MISSING
+    default = field.default_factory() if has_factory else field.default
+    allowed, unit, what = about.get("check", ANY).text, about.get("unit", ""), about.get("what", "")
+    return Described(field.name, _kind(hint), allowed, unit, what, default)
+
+
+def _kind(hint: Any) -> str:
+    """Returns the type as a struct of the core names it."""
+    if getattr(hint, "__origin__", None) is tuple:
+        hint = List[hint.__args__[0]]
+    return next((kind for kind, each in _TYPES.items() if each == hint), "dictionary")
 
 
 def parse_params(
@@ -188,7 +287,7 @@ def parse_struct(
 ) -> Params:
     """Builds a params struct of the core, as parse_params()."""
     fields = [(name, _TYPES[kind]) for name, kind, _, _, _ in struct.fields()]
-    record = dataclasses.make_dataclass(struct.__name__, [(*field, param(None)) for field in fields])
+    record = dataclasses.make_dataclass(struct.__name__, [(*field, param(None, "")) for field in fields])
     taken, params = parse_params(record, values, namespace, separator), struct()
     for name in values:
         setattr(params, name, getattr(taken, name))

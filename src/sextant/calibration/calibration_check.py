@@ -38,13 +38,24 @@ _RINGS = {"centre": (0.0, 0.4), "middle": (0.4, 0.7), "edge": (0.7, np.inf)}  # 
 class CheckParams(StrictParams):
     """Uncertainty of the measurements, and tolerances of the calibration."""
 
-    tape_sigma: float = param(0.005, above_zero(1.0))  # of a measured distance, metres
-    size_sigma: float = param(0.0003, above_zero(1.0))  # of a marker's edge length, metres
-    zero_sigma: float = param(0.05, above_zero(1.0))  # from the tape's zero to the projection centre, metres
-    corner_sigma: float = param(0.2, above_zero(10.0))  # of corners in a sharp photo, pixels
-    focal_tolerance: float = param(0.0125, above_zero(1.0))  # fraction of the focal length
-    centre_tolerance: float = param(0.0125, above_zero(1.0))  # fraction of the image width
-    edge_tolerance: float = param(0.01, above_zero(1.0))  # in the image corner, fraction of the image width
+    tape_sigma: float = param(0.005, "standard deviation of a measured distance", above_zero(1.0), "m")
+    size_sigma: float = param(0.0003, "standard deviation of a marker's edge length", above_zero(1.0), "m")
+    zero_sigma: float = param(
+        0.05,
+        "standard deviation of the distance from the tape's zero to the projection centre",
+        above_zero(1.0),
+        "m",
+    )
+    corner_sigma: float = param(0.2, "standard deviation of corners in a sharp photo", above_zero(10.0), "px")
+    focal_tolerance: float = param(
+        0.0125, "tolerance of the focal length, as a fraction of it", above_zero(1.0)
+    )
+    centre_tolerance: float = param(
+        0.0125, "tolerance of the principal point, as a fraction of the image width", above_zero(1.0)
+    )
+    edge_tolerance: float = param(
+        0.01, "tolerance in the image corner, as a fraction of the image width", above_zero(1.0)
+    )
 
 
 @dataclass(frozen=True)

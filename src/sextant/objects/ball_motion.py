@@ -28,10 +28,12 @@ MAX_KICK_AGE = 0.5
 class BallMotionParams(StrictParams):
     """Deceleration and process noise of a ball on a floor."""
 
-    deceleration: float = param(0.35, within(0.01, 10))  # of a rolling ball, m/s^2
-    deceleration_sigma: float = param(0.15, within(0, 10))  # standard deviation of it, m/s^2
-    kick_sigma: float = param(0.8, within(0.01, 10))  # standard deviation of the velocity after a kick, m/s
-    drift_sigma: float = param(0.005, within(1e-6, 1))  # of a resting ball's position, m / sqrt(s)
+    deceleration: float = param(0.35, "deceleration of a rolling ball", within(0.01, 10), "m/s²")
+    deceleration_sigma: float = param(0.15, "standard deviation of the deceleration", within(0, 10), "m/s²")
+    kick_sigma: float = param(0.8, "standard deviation of the velocity after a kick", within(0.01, 10), "m/s")
+    drift_sigma: float = param(
+        0.005, "drift of a resting ball's position: standard deviation after 1 s", within(1e-6, 1), "m/√s"
+    )
 
 
 class BallModes(NamedTuple):

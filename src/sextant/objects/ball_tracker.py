@@ -29,10 +29,21 @@ Observation = Tuple[np.ndarray, np.ndarray]  # position (2,) and covariance (2, 
 class BallTrackerParams(StrictParams):
     """When a track is confirmed, moved and deleted."""
 
-    confirm_hits: int = param(2, within(1, 100))  # consistent observations that confirm a ball
-    relocate_hits: int = param(4, within(1, 100))  # consistent observations elsewhere that move the ball
-    max_misses: int = param(8, within(1, 10000))  # images that miss a ball in view; then it is deleted
-    max_age: float = param(60.0, within(0.1, 3600))  # seconds since the last observation; then it is deleted
+    confirm_hits: int = param(2, "consistent observations that confirm a ball", within(1, 100))
+    relocate_hits: int = param(
+        4,
+        "consistent observations elsewhere that move the ball there, if it is not detected where it "
+        "is predicted",
+        within(1, 100),
+    )
+    max_misses: int = param(
+        8,
+        "number of images with the ball in view but not detected after which the ball is deleted",
+        within(1, 10000),
+    )
+    max_age: float = param(
+        60.0, "time since the last observation after which the ball is deleted", within(0.1, 3600), "s"
+    )
     motion: BallMotionParams = nested(BallMotionParams, "ball_")
 
 

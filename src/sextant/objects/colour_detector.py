@@ -9,7 +9,7 @@ from typing import Any, Dict, List, Mapping, Tuple
 import cv2
 import numpy as np
 
-from sextant.base.strict_params import StrictParams, param, parse_params, required, within
+from sextant.base.strict_params import Check, StrictParams, param, parse_params, required, within
 from sextant.objects.detection import Detections, check_image
 from sextant.objects.object_kinds import BALL, GOAL
 
@@ -21,10 +21,10 @@ HUES = 180  # OpenCV's range of hue, two degrees each
 class ColourRange(StrictParams):
     """Colour range of a class, in OpenCV's HSV."""
 
-    hue: float = required(within(0, HUES - 1))  # centre
-    hue_tolerance: float = required(within(0, HUES // 2))  # half width of the range of hue
-    min_saturation: float = required(within(0, 255))
-    min_value: float = required(within(0, 255))
+    hue: float = required("centre of the range of hue", within(0, HUES - 1))
+    hue_tolerance: float = required("half width of the range of hue", within(0, HUES // 2))
+    min_saturation: float = required("minimum saturation", within(0, 255))
+    min_value: float = required("minimum value", within(0, 255))
 
 
 RANGES: Dict[str, ColourRange] = {
@@ -47,12 +47,18 @@ def _check_ranges(ranges: Dict[str, Dict[str, Any]]) -> str:
 class ColourParams(StrictParams):
     """Colour ranges of the classes, and thresholds for connected components."""
 
-    ranges: Dict[str, Dict[str, Any]] = param(  # format: ranges_of()
-        {name: asdict(colours) for name, colours in RANGES.items()}, _check_ranges
+    ranges: Dict[str, Dict[str, Any]] = param(
+        {name: asdict(colours) for name, colours in RANGES.items()},
+        "`detector: colour`: colour range of each class in OpenCV's HSV",
+        Check("hue: [0, 179], hue_tolerance: [0, 90], min_saturation, min_value: [0, 255]", _check_ranges),
     )
-    min_area: int = param(30, within(1, 1000000))  # of a component, pixels
-    min_fill: float = param(0.5, within(0, 1))  # fraction of its box that a component covers
-    max_objects: int = param(100, within(1, 10000))  # maximum number of detections in an image
+    min_area: int = param(
+        30, "`detector: colour`: minimum area of a connected component", within(1, 1000000), "px"
+    )
+    min_fill: float = param(
+        0.5, "`detector: colour`: minimum fraction of its box that a component covers", within(0, 1)
+    )
+    max_objects: int = param(100, "maximum number of detections in an image", within(1, 10000))
 
 
 def ranges_of(written: Mapping[str, Mapping[str, Any]]) -> Dict[str, ColourRange]:

@@ -27,8 +27,15 @@ class MeasuredDepth(NamedTuple):
 class DepthScaleParams(StrictParams):
     """Standard deviations of both distances."""
 
-    depth_sigma: float = param(0.004, within(1e-6, 1))  # of a depth at 1 m, metres; grows with its square
-    tape_sigma: float = param(0.002, within(0, 1))  # of a distance measured with the tape, metres
+    depth_sigma: float = param(
+        0.004,
+        "standard deviation of a depth at 1 m; grows with the square of the depth",
+        within(1e-6, 1),
+        "m",
+    )
+    tape_sigma: float = param(
+        0.002, "standard deviation of a distance measured with the tape", within(0, 1), "m"
+    )
 
 
 class DepthScale(NamedTuple):

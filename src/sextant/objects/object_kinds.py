@@ -12,8 +12,8 @@ from sextant.base.strict_params import StrictParams, above_zero, one_of, parse_p
 class ObjectKind(StrictParams):
     """Shape and size of all objects of a class."""
 
-    shape: str = required(one_of("pillar", "ball"))  # a pillar is an upright cylinder
-    radius: float = required(above_zero(1.0))  # metres
+    shape: str = required("a pillar is an upright cylinder", one_of("pillar", "ball"))
+    radius: float = required("radius of the pillar or ball", above_zero(1.0), "m")
 
 
 BALL, GOAL = "ball", "blue_pillar"

@@ -34,17 +34,35 @@ TILT_TOLERANCE = 0.1  # radians, error of the camera's assumed tilt
 class ObjectLocatorParams(StrictParams):
     """Depth range, error model and thresholds of the localization."""
 
-    depth_scale: float = param(1.0, within(0.5, 2))  # factor that corrects the depths
-    min_points: int = param(12, within(1, 10000))  # minimum number of depths on an object
-    min_depth: float = param(0.2, within(0.01, 100))  # metres; smaller depths are ignored
-    max_depth: float = param(8.0, within(0.01, 100))  # metres; larger depths are ignored
-    depth_sigma: float = param(0.004, within(1e-6, 10))  # of a depth at 1 m, metres; grows with its square
-    correlation_length: float = param(7.0, within(1, 1000))  # of the depth noise, pixels of the depth image
-    depth_scale_sigma: float = param(0.001, within(0, 1))  # standard deviation of depth_scale
-    pixel_sigma: float = param(1.1, within(0.01, 100))  # of a box's side, pixels
-    # added in quadrature to pixel_sigma, as a fraction of the box's size
-    size_sigma: float = param(0.022, within(0, 1))
-    max_sigma: float = param(0.05, within(0, 10))  # fraction of the range; less certain positions are dropped
+    depth_scale: float = param(
+        1.0, "factor that corrects the depths; `estimate_depth_scale` estimates it", within(0.5, 2)
+    )
+    min_points: int = param(12, "minimum number of depth pixels on an object", within(1, 10000))
+    min_depth: float = param(0.2, "smaller depths are ignored", within(0.01, 100), "m")
+    max_depth: float = param(8.0, "larger depths are ignored", within(0.01, 100), "m")
+    depth_sigma: float = param(
+        0.004,
+        "standard deviation of a depth at 1 m; grows with the square of the depth",
+        within(1e-6, 10),
+        "m",
+    )
+    correlation_length: float = param(
+        7.0, "correlation length of the depth noise in the depth image", within(1, 1000), "px"
+    )
+    depth_scale_sigma: float = param(0.001, "standard deviation of `depth_scale`", within(0, 1))
+    pixel_sigma: float = param(1.1, "standard deviation of a box's side", within(0.01, 100), "px")
+    size_sigma: float = param(
+        0.022,
+        "further part of the standard deviation of a box's side, as a fraction of the box's width or "
+        "height",
+        within(0, 1),
+    )
+    max_sigma: float = param(
+        0.05,
+        "maximum standard deviation of a position, as a fraction of its range; less certain objects "
+        "are not published",
+        within(0, 10),
+    )
 
 
 class LocatedObject(NamedTuple):

@@ -11,7 +11,7 @@ import cv2
 import numpy as np
 
 from sextant.base.onnx_model import BACKENDS, ModelInfo, open_network, read_model
-from sextant.base.strict_params import StrictParams, one_of, param, within
+from sextant.base.strict_params import Check, StrictParams, one_of, param, within
 from sextant.objects.detection import Detections, check_image, non_maximum_suppression
 from sextant.objects.letter_box import GREY, blob_of, letter_box
 from sextant.objects.yolo_output import decoded
@@ -23,16 +23,28 @@ MULTIPLE = 32  # pixels; exporters round the input size up: 240 is exported as 2
 class YoloParams(StrictParams):
     """The network, and thresholds for its detections."""
 
-    model: str = ""  # ONNX file
-    backend: str = param("auto", one_of("auto", *BACKENDS))  # auto: onnxruntime if installed, else OpenCV
-    classes: Tuple[str, ...] = ()  # names in the network's order; empty: from the model
-    size: int = param(0, within(0, 4096))  # side of the input, pixels, if the model leaves it open
-    confidence: float = param(0.4, within(0.01, 0.99))  # minimum score
+    model: str = param("", "ONNX file of the network; empty: the one that comes with Sextant")
+    backend: str = param(
+        "auto",
+        "runtime of the network; auto: onnxruntime if installed, else OpenCV",
+        one_of("auto", *BACKENDS),
+    )
+    classes: Tuple[str, ...] = param(
+        (), "class names in the network's order; empty: from the model", Check("as many as the network has")
+    )
+    size: int = param(
+        0,
+        "side of the network's input, rounded up to a multiple of 32; required if the model leaves it "
+        "open, else 0 or the model's own",
+        within(0, 4096),
+        "px",
+    )
+    confidence: float = param(0.4, "minimum score of a detection", within(0.01, 0.99))
     max_overlap: float = param(
-        0.5, within(0.01, 1)
-    )  # intersection over union; beyond, the lower score is removed
-    class_agnostic: bool = False  # suppression also between different classes
-    max_objects: int = param(100, within(1, 10000))  # maximum number of detections in an image
+        0.5, "intersection over union above which only the box with the higher score is kept", within(0.01, 1)
+    )
+    class_agnostic: bool = param(False, "apply `max_overlap` also to boxes of different classes")
+    max_objects: int = param(100, "maximum number of detections in an image", within(1, 10000))
 
 
 class YoloDetector:

@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 
 from sextant.base.onnx_model import BACKENDS, ImageInput, only, open_network, read_model
-from sextant.base.strict_params import ParamError, StrictParams, each, one_of, param, within
+from sextant.base.strict_params import Check, ParamError, StrictParams, each, one_of, param, within
 
 MAX_SIDE = 4096  # maximum width and height of the input, pixels
 BACKEND_NAMES = ("auto", *BACKENDS)
@@ -28,12 +28,20 @@ class GlobalDescriptorParams(StrictParams):
     """The network and its input, which is (pixel / 255 - mean) / std per channel."""
 
     model: str = ""  # ONNX file
-    backend: str = param("auto", one_of(*BACKEND_NAMES))  # auto: onnxruntime if installed, else opencv
-    width: int = param(0, within(0, MAX_SIDE))  # input width, pixels; 0: that of the model
-    height: int = param(0, within(0, MAX_SIDE))  # input height, pixels; 0: that of the model
-    channels: str = param("RGB", one_of(*CHANNELS))  # channel order of the input
-    mean: Tuple[float, ...] = param(IMAGENET_MEAN, each(within(-1000, 1000)))  # per channel
-    std: Tuple[float, ...] = param(IMAGENET_STD, each(within(1e-6, 1000)))  # per channel
+    backend: str = param(
+        "auto", "inference library; auto: onnxruntime if installed, else opencv", one_of(*BACKEND_NAMES)
+    )
+    width: int = param(0, "input width of the network; 0: that of the model", within(0, MAX_SIDE), "px")
+    height: int = param(0, "input height of the network; 0: that of the model", within(0, MAX_SIDE), "px")
+    channels: str = param("RGB", "channel order of the input", one_of(*CHANNELS))
+    mean: Tuple[float, ...] = param(
+        IMAGENET_MEAN,
+        "subtracted from pixel values in [0, 1]",
+        Check("one per channel", each(within(-1000, 1000))),
+    )
+    std: Tuple[float, ...] = param(
+        IMAGENET_STD, "the differences are divided by it", Check("one per channel", each(within(1e-6, 1000)))
+    )
 
     def __post_init__(self) -> None:
         for name in ("mean", "std"):  # lists are not hashable, and the parameters are a cache key

@@ -28,22 +28,48 @@ class BeliefParams(StrictParams):
     The spacing is the median distance between neighbouring places.
     """
 
-    # two standard deviations of the distance driven between two images if there is no odometry, spacings
-    reach: float = param(4.0, within(1, 20))
-    # probability of being at a random place at the next image: kidnapped, or back in the map
-    kidnap_probability: float = param(0.01, within(0, 1))
-    # probability of leaving the map between two images
-    exit_probability: float = param(0.01, within(0, 1))
-    # prior probability of an unknown place; 0: the robot is always in the map, and exit_probability must be 0
-    unknown_prior: float = param(0.5, within(0, 1))
-    # exponent of the likelihood ratios: below 1 because errors of successive images are correlated
-    evidence_exponent: float = param(0.6, within(1e-6, 1))
-    # subtracted from the log likelihood ratios: a wrong place may match over many images
-    evidence_penalty: float = param(2.0, within(0, 20))
-    # standard deviation of the distance that odometry measured, as a fraction of that distance
-    distance_noise: float = param(0.1, within(0.001, 1))
-    # distance within which places are merged into one hypothesis, spacings
-    radius: float = param(2.2, within(0, 20))
+    reach: float = param(
+        4.0,
+        "two standard deviations of the distance travelled between two images without odometry, in "
+        "spacings of places",
+        within(1, 20),
+    )
+    kidnap_probability: float = param(
+        0.01,
+        "probability of being at a random place at the next image: kidnapped, or back in the map",
+        within(0, 1),
+    )
+    exit_probability: float = param(
+        0.01,
+        "probability of leaving the map between two images; the sum with `kidnap_probability` is at "
+        "most 1",
+        within(0, 1),
+    )
+    unknown_prior: float = param(
+        0.5,
+        "prior probability of an unknown place; 0: the robot is always in the map, and "
+        "exit_probability must be 0",
+        within(0, 1),
+    )
+    evidence_exponent: float = param(
+        0.6,
+        "exponent of the likelihood ratios; below 1, because errors of successive images are "
+        "correlated",
+        within(1e-6, 1),
+    )
+    evidence_penalty: float = param(
+        2.0,
+        "subtracted from the log likelihood ratios, because a wrong place may match over many images",
+        within(0, 20),
+    )
+    distance_noise: float = param(
+        0.1,
+        "standard deviation of the distance that odometry measured, as a fraction of that distance",
+        within(0.001, 1),
+    )
+    radius: float = param(
+        2.2, "distance within which places are merged into one hypothesis, spacings", within(0, 20)
+    )
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -30,11 +30,11 @@ class EvidenceParams(StrictParams):
     z is its deviations(), and n is the number of photos
     """
 
-    deviation: float = param(0.313, within(0, 100))  # weight of z
-    score: float = param(3.33, within(0, 100))  # weight of ln(s)
-    size: float = param(3.40, within(0, 100))  # weight of ln(n)
-    offset: float = param(11.9, within(-100, 100))
-    limit: float = param(12.0, within(1e-6, 100))  # maximum absolute log ratio of one image, not fitted
+    deviation: float = param(0.313, "weight of z", within(0, 100))
+    score: float = param(3.33, "weight of ln(s)", within(0, 100))
+    size: float = param(3.40, "weight of ln(n)", within(0, 100))
+    offset: float = param(11.9, "subtracted from the sum", within(-100, 100))
+    limit: float = param(12.0, "maximum absolute log ratio of one image, not fitted", within(1e-6, 100))
 
 
 def deviations(scores: np.ndarray, least: float = 0.0) -> np.ndarray:

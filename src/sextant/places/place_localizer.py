@@ -35,10 +35,12 @@ class Status(IntEnum):
 class PlaceLocalizationParams(StrictParams):
     """Parameters of recognition and of the fusion of successive images."""
 
-    mode: str = param("filter", one_of(*MODES, VOTES))  # fusion of images, see sextant.places.place_modes
-    max_places: int = param(5, within(1, 1000))  # maximum number of hypotheses
-    window: int = param(30, within(2, 1000))  # number of fused images in mode sequence
-    min_matches: int = param(10, within(1, 100000))  # minimum number of votes in mode votes
+    mode: str = param(
+        "filter", "[fusion of successive images](../how_to/places.md#parameters)", one_of(*MODES, VOTES)
+    )
+    max_places: int = param(5, "maximum number of hypotheses", within(1, 1000))
+    window: int = param(30, "mode sequence: number of fused images", within(2, 1000))
+    min_matches: int = param(10, "mode votes: minimum number of votes", within(1, 100000))
     recognition: RecognitionParams = nested(RecognitionParams)
     belief: BeliefParams = nested(BeliefParams)
 

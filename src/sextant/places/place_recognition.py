@@ -25,19 +25,24 @@ MAX_DIFFERENCE = 500.0  # maximum difference to the largest log ratio, so that t
 class RecognitionParams(StrictParams):
     """Parameters of the scores and their evidence."""
 
-    # nearest neighbours per descriptor; the last one represents the background
-    neighbours: int = param(16, within(2, 128))
-    # a photo's score is divided by its number of descriptors to this power
-    hub_exponent: float = param(0.5, within(0, 1))
-    # weight of votes with consistent displacement
-    displacement_weight: float = param(2.0, within(0, 100))
-    # minimum number of keypoints for evidence by votes
-    min_keypoints: int = param(10, within(1, 100000))
-    # minimum contrast() for evidence by the global descriptor, grey levels
-    min_contrast: float = param(0.5, within(0, 128))
+    neighbours: int = param(
+        16, "nearest neighbours per descriptor; the last one represents the background", within(2, 128)
+    )
+    hub_exponent: float = param(
+        0.5, "a photo's score is divided by its number of descriptors to this power", within(0, 1)
+    )
+    displacement_weight: float = param(2.0, "weight of votes with consistent displacement", within(0, 100))
+    min_keypoints: int = param(
+        10,
+        "minimum number of keypoints of a usable image, without a "
+        "[network](../how_to/place_networks.md#fusion)",
+        within(1, 100000),
+    )
+    min_contrast: float = param(
+        0.5, "minimum contrast() for evidence by the global descriptor", within(0, 128), "grey levels"
+    )
     evidence: EvidenceParams = nested(EvidenceParams)
-    # expected z-score of the correct photo by the global descriptor; 0: the network is not used
-    network_weight: float = param(1.0, within(0, 100))
+    network_weight: float = param(1.0, "weight of the network relative to the keypoints", within(0, 100))
 
 
 class Recognition(NamedTuple):

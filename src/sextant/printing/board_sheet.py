@@ -29,9 +29,9 @@ from sextant.printing.sheets import SheetParams, check_ids, id_ranges
 class BoardParams(StrictParams):
     """Grid of a board."""
 
-    columns: int = required(within(1, 100))  # number of markers side by side
-    rows: int = required(within(1, 100))  # number of markers one above the other
-    gap: float = required(within(0.0, 1.0))  # between adjacent markers, from edge to edge, metres
+    columns: int = required("number of markers side by side", within(1, 100))
+    rows: int = required("number of markers one above the other", within(1, 100))
+    gap: float = required("between adjacent markers, from edge to edge", within(0.0, 1.0), "m")
 
 
 def min_gap(family: str, size: float, quiet: float) -> float:

@@ -27,9 +27,9 @@ QUIET = 0.5  # width of the white rim that the chessboard detector needs, in squ
 class Chessboard(StrictParams):
     """Size of a chessboard, as in camera_calibration."""
 
-    columns: int = required(within(2, 100))  # number of inner corners, one less than that of squares
-    rows: int = required(within(2, 100))  # number of inner corners
-    square: float = required(within(MIN_SIZE, 1.0))  # edge length of a square, metres
+    columns: int = required("number of inner corners, one less than that of squares", within(2, 100))
+    rows: int = required("number of inner corners", within(2, 100))
+    square: float = required("edge length of a square", within(MIN_SIZE, 1.0), "m")
 
     @property
     def arguments(self) -> str:

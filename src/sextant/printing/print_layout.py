@@ -22,8 +22,8 @@ _SLACK = 1e-9  # tolerance for pieces that fit exactly, metres
 class Paper(StrictParams):
     """Page size and margin."""
 
-    page: str = param("A4", one_of(*PAGES))  # page size; portrait or landscape, whichever fits more pieces
-    margin: float = param(0.008, within(0.0, 0.05))  # unprintable margin of the printer, metres
+    page: str = param("A4", "page size; portrait or landscape, whichever fits more pieces", one_of(*PAGES))
+    margin: float = param(0.008, "unprintable margin of the printer", within(0.0, 0.05), "m")
 
 
 @dataclass(frozen=True)

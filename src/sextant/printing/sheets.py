@@ -25,8 +25,8 @@ from sextant.printing.print_page import PrintPages
 class SheetParams(Paper):
     """Layout of the sheets."""
 
-    quiet_zone: float = param(1.0, within(0.5, 10.0))  # width of the white rim around markers, modules
-    max_per_page: int = param(0, within(0, 1000))  # maximum number of markers per page; 0: as many as fit
+    quiet_zone: float = param(1.0, "width of the white rim around markers", within(0.5, 10.0), "modules")
+    max_per_page: int = param(0, "maximum number of markers per page; 0: as many as fit", within(0, 1000))
 
 
 def write_sheets(

@@ -20,21 +20,21 @@ RELEASE_DISTANCE = 0.002  # distance that the robot must back off to release the
 class BallParams(StrictParams):
     """A ball on a floor."""
 
-    radius: float = param(0.05, within(1e-3, 1))  # metres
-    deceleration: float = param(0.35, within(0, 10))  # of a rolling ball, m/s^2
-    restitution: float = param(0.6, within(0, 1))  # coefficient of restitution
+    radius: float = param(0.05, "radius of the ball", within(1e-3, 1), "m")
+    deceleration: float = param(0.35, "deceleration of a rolling ball", within(0, 10), "m/s²")
+    restitution: float = param(0.6, "coefficient of restitution of the ball", within(0, 1))
 
 
 @dataclass(frozen=True)
 class RobotParams(StrictParams):
     """A round differential drive, much heavier than a ball. Defaults are those of a Kobuki."""
 
-    radius: float = param(0.177, within(1e-3, 2))  # metres
-    max_speed: float = param(0.7, within(1e-3, 10))  # m/s
-    max_turn_rate: float = param(3.1, within(1e-3, 20))  # rad/s
-    acceleration: float = param(1.0, within(1e-3, 100))  # m/s^2
-    turn_acceleration: float = param(6.0, within(1e-3, 1000))  # rad/s^2
-    slip: float = param(0.02, within(0, 1))  # maximum systematic slip, fraction of distance and turn
+    radius: float = param(0.177, "radius of the robot", within(1e-3, 2), "m")
+    max_speed: float = param(0.7, "maximum speed", within(1e-3, 10), "m/s")
+    max_turn_rate: float = param(3.1, "maximum turn rate", within(1e-3, 20), "rad/s")
+    acceleration: float = param(1.0, "acceleration", within(1e-3, 100), "m/s²")
+    turn_acceleration: float = param(6.0, "angular acceleration", within(1e-3, 1000), "rad/s²")
+    slip: float = param(0.02, "maximum slip of the wheels, as a fraction of distance and turn", within(0, 1))
     noise: OdometryNoise = OdometryNoise(0.01, 0.01, 0.02)  # of the random slip
 
 

@@ -29,8 +29,8 @@ WALL = 2.5  # height of the walls, metres
 class BallSimulationParams(StrictParams):
     """Parameters of physics, light and cameras."""
 
-    seed: int = param(0, within(0, 2**31 - 1))  # of surfaces, colours, light and all noise
-    flicker: float = param(0.15, within(0, 1))  # relative change of the light over time
+    seed: int = param(0, "random seed of the world, its appearance and all noise", within(0, 2**31 - 1))
+    flicker: float = param(0.15, "relative change of the light over time", within(0, 1))
     ball: BallParams = nested(BallParams, "ball_")
     drive: RobotParams = nested(RobotParams)
     camera: RgbdParams = nested(RgbdParams)

@@ -8,7 +8,7 @@ from typing import Iterator, List, Optional
 import numpy as np
 
 import sextant
-from sextant.base.strict_params import StrictParams, nested, param, within
+from sextant.base.strict_params import Check, StrictParams, nested, param, struct_param, within
 from sextant.simulation.camera import HORIZONTAL_FOV, camera_calibration, camera_mount
 from sextant.simulation.motion import FigureEight, Motion, free_floor
 from sextant.simulation.odometry import OdometryNoise, OdometryReading, WheelOdometry
@@ -27,29 +27,54 @@ def _three_numbers(value: List[float]) -> str:
 class DriveParams(StrictParams):
     """Parameters of room, camera and robot; the core defines the defaults of the rendering."""
 
-    seed: int = param(1, within(0, 2**31 - 1))  # random seed of walls, image noise and wheel noise
-    rate: float = param(30.0, within(0.1, 1000.0))  # frames per second
+    seed: int = param(
+        1,
+        "random seed of the walls' texture, the image noise and the odometry noise; the same seed "
+        "gives the same images",
+        within(0, 2**31 - 1),
+    )
+    rate: float = param(30.0, "frames per simulated second", within(0.1, 1000.0), "Hz")
     # room
-    obstacles: bool = True  # in the default room, see room_for()
-    quiet_zone: float = _SCENE.quiet_zone  # white margin of the prints, modules
-    light_unevenness: float = _SCENE.light_unevenness  # 0: even light
+    obstacles: bool = param(True, "add posts, a crate and a cupboard to the default room")
+    quiet_zone: float = struct_param(sextant.RoomSceneParams, "quiet_zone")
+    light_unevenness: float = struct_param(sextant.RoomSceneParams, "light_unevenness")
     # camera
-    width: int = param(640, within(16, 8192))  # image width, pixels
-    height: int = param(480, within(16, 8192))  # image height, pixels
-    horizontal_fov: float = HORIZONTAL_FOV  # radians, without distortion
-    distortion_model: str = "plumb_bob"  # plumb_bob, rational_polynomial or equidistant
-    distortion: List[float] = param([])  # OpenCV's order; empty: an ideal lens
-    camera_xyz: List[float] = param([0.1, 0.0, 1.0], _three_numbers)  # mount on base_link, metres
-    camera_rpy: List[float] = param([0.0, 0.0, 0.0], _three_numbers)  # radians; 0: faces forward
-    exposure_time: float = param(0.0, within(0.0, 1.0))  # seconds; the stamp is in the middle of the exposure
-    supersampling: int = _CAMERA.supersampling  # n x n rays per pixel at edges
-    blur_sigma: float = _CAMERA.blur_sigma  # standard deviation of the Gaussian blur, pixels
-    noise_sigma: float = _CAMERA.noise_sigma  # standard deviation of the image noise, grey levels
-    vignette: float = _CAMERA.vignette  # fraction of light lost in the corners
-    white_level: float = _CAMERA.white_level  # grey level of white paper
+    width: int = param(640, "image width", within(16, 8192), "px")
+    height: int = param(480, "image height", within(16, 8192), "px")
+    horizontal_fov: float = param(
+        HORIZONTAL_FOV,
+        "horizontal field of view without distortion (62°)",
+        Check("(0, π), equidistant (0, 2π)"),
+        "rad",
+    )
+    distortion_model: str = param(
+        "plumb_bob", "model of the lens distortion", Check("plumb_bob, rational_polynomial, equidistant")
+    )
+    distortion: List[float] = param(
+        [], "coefficients in OpenCV's order; empty: an ideal lens", Check("as many as the model has")
+    )
+    camera_xyz: List[float] = param(
+        [0.1, 0.0, 1.0], "position of the camera on the base", Check("3, each finite", _three_numbers), "m"
+    )
+    camera_rpy: List[float] = param(
+        [0.0, 0.0, 0.0],
+        "roll, pitch, yaw of the camera; 0: it faces forward",
+        Check("3, each finite", _three_numbers),
+        "rad",
+    )
+    exposure_time: float = param(
+        0.0, "exposure time, for motion blur; the stamp is at its middle", within(0.0, 1.0), "s"
+    )
+    supersampling: int = struct_param(sextant.RoomRendererParams, "supersampling")
+    blur_sigma: float = struct_param(sextant.RoomRendererParams, "blur_sigma")
+    noise_sigma: float = struct_param(sextant.RoomRendererParams, "noise_sigma")
+    vignette: float = struct_param(sextant.RoomRendererParams, "vignette")
+    white_level: float = struct_param(sextant.RoomRendererParams, "white_level")
     # robot
     eight: FigureEight = nested(FigureEight, "eight_", ("half_length", "half_width", "period"))
-    robot_radius: float = param(0.2, within(0.0, 10.0))  # metres, for collisions with walls and obstacles
+    robot_radius: float = param(
+        0.2, "radius of the robot, for collisions with walls and obstacles", within(0.0, 10.0), "m"
+    )
     odometry: OdometryNoise = nested(OdometryNoise, "odometry_")
 
     def __post_init__(self) -> None:

@@ -12,7 +12,7 @@ from typing import Deque, Iterator, List, NamedTuple, Optional, Tuple
 import numpy as np
 
 import sextant
-from sextant.base.strict_params import StrictParams, param, within
+from sextant.base.strict_params import Check, StrictParams, param, within
 from sextant.geometry.plane_poses import composed, in_frame, rotation
 
 COLOURS = ("blue", "red", "yellow", "green", "orange", "purple", "white", "black")
@@ -23,32 +23,70 @@ STAMP_TOLERANCE = 1e-9  # maximum difference of stamps that count as equal, seco
 class LandmarkWorldParams(StrictParams):
     """Parameters of world, robot and sensor."""
 
-    seed: int = param(0, within(0, 2**31 - 1))  # of the world, the path and all noise
-    landmarks: int = param(15, within(0, 10000))  # number of landmarks
-    classes: int = param(3, within(1, 1000))  # number of landmark classes
-    # half the side length of the square that contains the landmarks, metres
-    half_side: float = param(8.0, within(1, 1e5))
-    min_separation: float = param(1.0, within(0, 100))  # minimum distance between two landmarks, metres
-    duration: float = param(300.0, within(1e-9, 1e6))  # of the drive, seconds
-    odometry_rate: float = param(20.0, within(1e-9, 1000))  # Hz
-    sensor_rate: float = param(5.0, within(1e-9, 1000))  # Hz
-    speed: float = param(0.5, within(0, 100))  # m/s
-    turn_rate: float = param(0.8, within(0, 10))  # maximum turn rate, rad/s
-    max_range: float = param(5.0, within(1e-9, 1e5))  # of the sensor, metres
-    field_of_view: float = param(1.6, within(1e-9, 6.2832))  # of the sensor, radians
-    range_noise: Tuple[float, float] = (0.02, 0.005)  # standard deviation a + b * range^2: a in m, b in 1/m
-    bearing_noise: float = param(0.02, within(0, 1))  # standard deviation, radians
-    detection_probability: float = param(1.0, within(1e-9, 1))  # of a landmark in view
-    false_alarm_probability: float = param(0.0, within(0, 1 - 1e-9))  # of a false alarm, per detection
-    delay: float = param(0.0, within(0, 10))  # seconds from a scan to its arrival
-    clock_offset: float = param(0.0, within(-10, 10))  # seconds to add to the stamps of observations
-    # as sextant.OdometryNoiseParams, like the next four
-    rotation_from_rotation: float = param(0.03, within(0, 1))
-    rotation_from_translation: float = param(0.02, within(0, 1))
-    translation_from_translation: float = param(0.03, within(0, 1))
-    translation_from_rotation: float = param(0.01, within(0, 1))
-    lateral_from_translation: float = param(0.01, within(0, 1))
-    scale: float = param(1.0, within(0.1, 10))  # distance by odometry relative to the true one
+    seed: int = param(0, "random seed of the world, the path and all noise", within(0, 2**31 - 1))
+    landmarks: int = param(15, "number of landmarks", within(0, 10000))
+    classes: int = param(
+        3,
+        "number of classes: `blue_pillar`, `red_pillar`, `yellow_pillar`, green, orange, purple, "
+        "white, black, `blue_pillar_2` …",
+        within(1, 1000),
+    )
+    half_side: float = param(
+        8.0, "half the side of the square in which the landmarks are", within(1, 1e5), "m"
+    )
+    min_separation: float = param(1.0, "minimum distance between two landmarks", within(0, 100), "m")
+    duration: float = param(
+        300.0,
+        "simulated duration of the drive; afterwards only the clock is published",
+        Check("(0, 1e6]", within(1e-9, 1e6)),
+        "s",
+    )
+    odometry_rate: float = param(20.0, "rate of odometry", Check("(0, 1000]", within(1e-9, 1000)), "Hz")
+    sensor_rate: float = param(5.0, "rate of observations", Check("(0, 1000]", within(1e-9, 1000)), "Hz")
+    speed: float = param(0.5, "speed of the random motion", within(0, 100), "m/s")
+    turn_rate: float = param(0.8, "maximum turn rate of the random motion", within(0, 10), "rad/s")
+    max_range: float = param(5.0, "maximum range of the sensor", Check("(0, 1e5]", within(1e-9, 1e5)), "m")
+    field_of_view: float = param(
+        1.6, "field of view of the sensor", Check("(0, 2π]", within(1e-9, 6.2832)), "rad"
+    )
+    range_noise: Tuple[float, float] = param(
+        (0.02, 0.005),
+        "standard deviation of the range: constant part, and factor of the squared range",
+        unit="m, 1/m",
+    )
+    bearing_noise: float = param(0.02, "standard deviation of the bearing", within(0, 1), "rad")
+    detection_probability: float = param(
+        1.0, "probability that the sensor detects a landmark in view", Check("(0, 1]", within(1e-9, 1))
+    )
+    false_alarm_probability: float = param(
+        0.0, "probability of a false alarm per detection", Check("[0, 1)", within(0, 1 - 1e-9))
+    )
+    delay: float = param(0.0, "delay of observations", within(0, 10), "s")
+    clock_offset: float = param(
+        0.0,
+        "offset by which the stamps of observations are too early: the correct `clock_offset` of "
+        "landmark_slam",
+        within(-10, 10),
+        "s",
+    )
+    rotation_from_rotation: float = param(
+        0.03, "odometry noise, as in [landmark_slam](#landmark_slam)", within(0, 1), "rad"
+    )
+    rotation_from_translation: float = param(
+        0.02, "odometry noise, as in [landmark_slam](#landmark_slam)", within(0, 1), "rad"
+    )
+    translation_from_translation: float = param(
+        0.03, "odometry noise, as in [landmark_slam](#landmark_slam)", within(0, 1), "m"
+    )
+    translation_from_rotation: float = param(
+        0.01, "odometry noise, as in [landmark_slam](#landmark_slam)", within(0, 1), "m"
+    )
+    lateral_from_translation: float = param(
+        0.01, "odometry noise, as in [landmark_slam](#landmark_slam)", within(0, 1), "m"
+    )
+    scale: float = param(
+        1.0, "ratio of the distance that odometry measures to the true distance", within(0.1, 10)
+    )
 
     def odometry_noise(self) -> "sextant.OdometryNoiseParams":
         """Noise parameters of the steps that odometry measures."""

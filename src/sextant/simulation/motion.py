@@ -41,9 +41,9 @@ class Motion:
 class FigureEight(StrictParams):
     """Lemniscate of Gerono: x = a sin(phi), y = b sin(2 phi) with phi = 2 pi t / period."""
 
-    half_length: float = param(2.4, within(0.1, 500.0))  # a, metres
-    half_width: float = param(1.4, within(0.05, 500.0))  # b, metres
-    period: float = param(20.0, within(1.0, 1e5))  # seconds per lap
+    half_length: float = param(2.4, "half length of the path", within(0.1, 500.0), "m")
+    half_width: float = param(1.4, "half width of the path", within(0.05, 500.0), "m")
+    period: float = param(20.0, "time per lap", within(1.0, 1e5), "s")
     center: Tuple[float, float, float] = (0.0, 0.0, 0.0)  # metres, map
 
     def at(self, t: float) -> Motion:

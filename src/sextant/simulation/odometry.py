@@ -20,9 +20,24 @@ class OdometryNoise(StrictParams):
     length and the angle of a circular arc; there is no lateral slip.
     """
 
-    distance_per_metre: float = param(0.02, within(0.0, 1.0))  # m / sqrt(m)
-    angle_per_metre: float = param(0.02, within(0.0, 1.0))  # rad / sqrt(m)
-    angle_per_radian: float = param(0.03, within(0.0, 1.0))  # rad / sqrt(rad)
+    distance_per_metre: float = param(
+        0.02,
+        "standard deviation of the measured distance after 1 m, growing with the square root of the distance",
+        within(0.0, 1.0),
+        "m/√m",
+    )
+    angle_per_metre: float = param(
+        0.02,
+        "standard deviation of the measured angle after 1 m, growing with the square root of the distance",
+        within(0.0, 1.0),
+        "rad/√m",
+    )
+    angle_per_radian: float = param(
+        0.03,
+        "standard deviation of the measured angle after 1 rad, growing with the square root of the angle",
+        within(0.0, 1.0),
+        "rad/√rad",
+    )
 
     def deviations(self, distance: float, turn: float) -> np.ndarray:
         """Standard deviations (2,), metres and radians, of a distance (metres) and a turn (radians)."""

@@ -16,20 +16,28 @@ from sextant.simulation.camera import camera_calibration, camera_mount
 class RgbdParams(StrictParams):
     """Calibration, mount and noise; both images have the same size. Defaults: a D435 on a Kobuki."""
 
-    width: int = param(640, within(16, 4096))  # image width, pixels
-    height: int = param(480, within(16, 4096))  # image height, pixels
-    colour_fov: float = param(0.96, within(0.1, 3))  # horizontal field of view, radians
-    depth_fov: float = param(1.387, within(0.1, 3))  # horizontal field of view, radians
-    x: float = param(0.10, within(-10, 10))  # of the colour camera in the robot frame, metres
-    y: float = param(0.0, within(-10, 10))  # of the colour camera in the robot frame, metres
-    z: float = param(0.30, within(-10, 10))  # of the colour camera in the robot frame, metres
-    pitch: float = param(0.25, within(-1.5, 1.5))  # of both cameras, downward, radians
-    baseline: float = param(0.015, within(-1, 1))  # colour camera left of depth camera, metres
-    depth_yaw: float = param(0.005, within(-0.5, 0.5))  # relative to the colour camera, radians
-    noise_sigma: float = param(4.0, within(0, 100))  # standard deviation in the colour image, levels
-    depth_noise: float = param(0.004, within(0, 1))  # sigma at 1 m, metres; grows with depth squared
-    depth_scale: float = param(1.0 / 1.04, within(0.5, 2))  # ratio of measured to true depth
-    holes: float = param(0.01, within(0, 1))  # fraction of the pixels that have no depth
+    width: int = param(640, "width of both images", within(16, 4096), "px")
+    height: int = param(480, "height of both images", within(16, 4096), "px")
+    colour_fov: float = param(0.96, "horizontal field of view of the colour camera", within(0.1, 3), "rad")
+    depth_fov: float = param(1.387, "horizontal field of view of the depth camera", within(0.1, 3), "rad")
+    x: float = param(0.10, "position of the colour camera in the robot frame, forward", within(-10, 10), "m")
+    y: float = param(0.0, "position of the colour camera in the robot frame, left", within(-10, 10), "m")
+    z: float = param(0.30, "position of the colour camera in the robot frame, up", within(-10, 10), "m")
+    pitch: float = param(0.25, "downward pitch of both cameras", within(-1.5, 1.5), "rad")
+    baseline: float = param(
+        0.015, "distance of the colour camera to the left of the depth camera", within(-1, 1), "m"
+    )
+    depth_yaw: float = param(
+        0.005, "yaw of the depth camera relative to the colour camera", within(-0.5, 0.5), "rad"
+    )
+    noise_sigma: float = param(
+        4.0, "standard deviation of the noise of the colour image", within(0, 100), "grey levels"
+    )
+    depth_noise: float = param(
+        0.004, "standard deviation of a depth at 1 m; grows with the square of the depth", within(0, 1), "m"
+    )
+    depth_scale: float = param(1.0 / 1.04, "ratio of measured to true depth", within(0.5, 2))
+    holes: float = param(0.01, "fraction of pixels without depth", within(0, 1))
 
 
 class RgbdImages(NamedTuple):

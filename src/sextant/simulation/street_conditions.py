@@ -13,12 +13,12 @@ SEASONS = ("summer", "autumn", "winter")
 class StreetConditions(StrictParams):
     """Conditions that change between two walks along the same street."""
 
-    season: str = param("summer", one_of(*SEASONS))
+    season: str = param("summer", "season or light", one_of(*SEASONS))
     look: int = 0  # random seed of blinds, posters, leaves and cars
     sun: float = 0.6  # azimuth of the sun, radians from x
-    direct: float = param(0.35, within(0, 1))  # fraction of directional light
-    exposure: float = param(1.0, within(1e-3, 4))  # relative brightness
-    noise: float = param(3.0, within(0, 50))  # standard deviation of the image noise, grey levels
+    direct: float = param(0.35, "fraction of directional light", within(0, 1))
+    exposure: float = param(1.0, "relative brightness", within(1e-3, 4))
+    noise: float = param(3.0, "standard deviation of the image noise", within(0, 50), "grey levels")
 
 
 CONDITIONS = {

@@ -7,7 +7,7 @@ from typing import List, NamedTuple, Optional
 
 import numpy as np
 
-from sextant.base.strict_params import StrictParams, each, not_empty, one_of, param, within
+from sextant.base.strict_params import Check, StrictParams, each, not_empty, one_of, param, within
 from sextant.geometry.plane_poses import wrapped
 from sextant.simulation.motion import Motion
 from sextant.simulation.odometry import OdometryNoise, OdometryReading, WheelOdometry
@@ -19,23 +19,29 @@ WAVE = 23.0  # wavelength of the lateral motion, metres
 STEP = 0.01  # of the numerical derivative for the heading, metres
 
 
-def known_conditions(conditions: List[str]) -> str:
+def _known_conditions(conditions: List[str]) -> str:
     """Check for param(): at least one name, all in CONDITIONS."""
     return not_empty(conditions) or each(one_of(*CONDITIONS))(conditions)
+
+
+known_conditions = Check(", ".join(CONDITIONS), _known_conditions)
 
 
 @dataclass(frozen=True)
 class WalkParams(StrictParams):
     """Parameters of the walk."""
 
-    seed: int = param(1, within(0, 2**31 - 1))  # random seed of the street and of all noise
-    # of the rounds, repeated; season or light: a key of CONDITIONS
-    seasons: List[str] = param(["autumn", "winter"], known_conditions)
-    rate: float = param(2.0, within(0.1, 100.0))  # image rate, Hz
-    speed: float = param(2.0, within(0.01, 20.0))  # walking speed, m/s
-    sway: float = param(0.4, within(0.0, 1.5))  # amplitude of the lateral motion, m
-    width: int = param(480, within(16, 8192))  # image width, pixels
-    height: int = param(360, within(16, 8192))  # image height, pixels
+    seed: int = param(1, "random seed of the street and of all noise", within(0, 2**31 - 1))
+    seasons: List[str] = param(
+        ["autumn", "winter"],
+        "seasons of the walk, round by round",
+        known_conditions,
+    )
+    rate: float = param(2.0, "image rate", within(0.1, 100.0), "Hz")
+    speed: float = param(2.0, "walking speed", within(0.01, 20.0), "m/s")
+    sway: float = param(0.4, "amplitude of the lateral motion", within(0.0, 1.5), "m")
+    width: int = param(480, "image width", within(16, 8192), "px")
+    height: int = param(360, "image height", within(16, 8192), "px")
 
 
 class WalkFrame(NamedTuple):

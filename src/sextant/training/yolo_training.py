@@ -30,17 +30,17 @@ MIN_VISIBLE = 0.3  # fraction of an object that must remain in an augmented imag
 class TrainingParams(StrictParams):
     """Schedule, optimizer and augmentation."""
 
-    epochs: int = param(15, within(1, 10000))  # passes over all images
-    batch: int = param(16, within(1, 1024))  # number of images in a batch
-    rate: float = param(2e-3, within(1e-9, 1))  # maximum learning rate
-    decay: float = param(0.02, within(0, 1))  # weight decay
-    average: float = param(0.998, within(0, 1))  # decay of the exponential moving average of the weights
-    zoom: float = param(0.3, within(0, 0.95))  # maximum relative change of size
-    shift: float = param(0.15, within(0, 1))  # maximum shift, fraction of the image's side
-    light: float = param(0.35, within(0, 1))  # maximum relative change of brightness and contrast
-    tint: float = param(0.08, within(0, 1))  # maximum relative change of a colour channel
-    noise: float = param(0.03, within(0, 1))  # maximum standard deviation of the noise, fraction of the range
-    seed: int = param(0, within(0, 2**31 - 1))  # random seed of initial weights, order and augmentation
+    epochs: int = param(15, "passes over all images", within(1, 10000))
+    batch: int = param(16, "number of images in a batch", within(1, 1024))
+    rate: float = param(2e-3, "maximum learning rate", within(1e-9, 1))
+    decay: float = param(0.02, "weight decay", within(0, 1))
+    average: float = param(0.998, "decay of the exponential moving average of the weights", within(0, 1))
+    zoom: float = param(0.3, "maximum relative change of size", within(0, 0.95))
+    shift: float = param(0.15, "maximum shift, fraction of the image's side", within(0, 1))
+    light: float = param(0.35, "maximum relative change of brightness and contrast", within(0, 1))
+    tint: float = param(0.08, "maximum relative change of a colour channel", within(0, 1))
+    noise: float = param(0.03, "maximum standard deviation of the noise, fraction of the range", within(0, 1))
+    seed: int = param(0, "random seed of initial weights, order and augmentation", within(0, 2**31 - 1))
 
 
 def train(

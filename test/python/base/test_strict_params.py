@@ -2,14 +2,18 @@
 # SPDX-License-Identifier: BSD-3-Clause
 import pickle
 from dataclasses import dataclass
-from typing import Dict, List
+from typing import Dict, List, Tuple
 
 import pytest
 
 from sextant.base.strict_params import (
+    REQUIRED,
+    Check,
     ParamError,
     StrictParams,
     above_zero,
+    also,
+    described,
     each,
     flat_fields,
     nested,
@@ -18,19 +22,20 @@ from sextant.base.strict_params import (
     param,
     parse_params,
     required,
+    struct_param,
     within,
 )
 
 
 @dataclass(frozen=True)
 class CameraParams:
-    device: str = required(not_empty)
-    width: int = param(640, within(16, 8192))
-    rate: float = param(30.0, within(0.1, 1000.0))
-    mode: str = param("colour", one_of("colour", "grey"))
-    flip: bool = param(False)
-    sizes: Dict[str, float] = param({}, each(within(0.0, 1.0)))
-    names: List[str] = param(["a"])
+    device: str = required("path of the `device`", not_empty)
+    width: int = param(640, "image width", within(16, 8192), "px")
+    rate: float = param(30.0, "frame rate", within(0.1, 1000.0), "Hz")
+    mode: str = param("colour", "colour space", one_of("colour", "grey"))
+    flip: bool = param(False, "upside down")
+    sizes: Dict[str, float] = param({}, "by id", each(within(0.0, 1.0)), "m")
+    names: List[str] = param(["a"], "of the cameras")
 
 
 def parse(**values):
@@ -79,9 +84,9 @@ def test_refused(values, message):
 
 @dataclass(frozen=True)
 class LensParams(StrictParams):
-    near: float = param(0.1, within(0.0, 10.0))
-    far: float = param(5.0, within(0.0, 10.0))
-    glass: str = param("clear")
+    near: float = param(0.1, "nearest distance", also(within(0.0, 10.0), "less than `far`"), "m")
+    far: float = param(5.0, "farthest distance, after `near`", within(0.0, 10.0), "m")
+    glass: str = param("clear", "kind of `wood`")
 
     def __post_init__(self):
         super().__post_init__()
@@ -91,7 +96,7 @@ class LensParams(StrictParams):
 
 @dataclass(frozen=True)
 class RobotParams(StrictParams):
-    speed: float = param(0.5, above_zero(2.0))
+    speed: float = param(0.5, "maximum speed", above_zero(2.0), "m/s")
     left: LensParams = nested(LensParams, "left_", only=("near", "far"))
     right: LensParams = nested(LensParams)
 
@@ -124,3 +129,55 @@ def test_a_value_out_of_range_is_refused_on_construction(value):
     assert str(pickle.loads(pickle.dumps(ParamError("a", "must be less than", 2, "b")))) == (
         "a: must be less than b, is 2"
     )
+
+
+def test_parameters_are_described_as_those_of_structs():
+    assert [tuple(row) for row in described(CameraParams)] == [
+        ("device", "string", "not empty", "", "path of the `device`", REQUIRED),
+        ("width", "int", "[16, 8192]", "px", "image width", 640),
+        ("rate", "double", "[0.1, 1000]", "Hz", "frame rate", 30.0),
+        ("mode", "string", "colour, grey", "", "colour space", "colour"),
+        ("flip", "bool", "", "", "upside down", False),
+        ("sizes", "dictionary of doubles", "[0, 1]", "m", "by id", {}),
+        ("names", "list of strings", "", "", "of the cameras", ["a"]),
+    ]
+
+
+def test_texts_name_nested_parameters_in_full():
+    rows = {row.name: row for row in described(RobotParams)}
+    assert list(rows) == list(flat_fields(RobotParams))
+    assert rows["speed"].allowed == "(0, 2]"
+    assert rows["left_near"].allowed == "[0, 10], less than `left_far`"
+    assert rows["left_far"].what == "farthest distance, after `left_near`"
+    assert (rows["near"].allowed, rows["glass"].what) == ("[0, 10], less than `far`", "kind of `wood`")
+
+
+@pytest.mark.parametrize(
+    "low, high, text",
+    [(0, 2**31 - 1, "[0, 2147483647]"), (1e-9, 0.999, "[1e-9, 0.999]"), (-1, 1e5, "[-1, 100000]")],
+)
+def test_texts_of_ranges_are_those_of_structs(low, high, text):
+    assert within(low, high).text == text
+
+
+class Struct:
+    """In place of one of the core."""
+
+    gain = 2.0
+
+    @staticmethod
+    def fields():
+        return [("gain", "double", "[1, 3]", "dB", "amplification")]
+
+
+@dataclass(frozen=True)
+class AmplifierParams(StrictParams):
+    gain: float = struct_param(Struct, "gain")
+    pair: Tuple[float, ...] = param((1.0, 2.0), "levels", Check("2"))
+
+
+def test_a_parameter_of_a_struct_has_its_default_and_its_texts():
+    (gain, pair) = described(AmplifierParams)
+    assert tuple(gain) == ("gain", "double", "[1, 3]", "dB", "amplification", 2.0)
+    assert (pair.kind, pair.allowed) == ("list of doubles", "2")
+    assert AmplifierParams(gain=7.0).gain == 7.0  # the struct refuses it

@@ -4,19 +4,18 @@
 
 import importlib
 import re
+import sys
 from pathlib import Path
 
 import pytest
 from test_doc import NODELETS, NODES_PAGE, section
 
 ROOT = Path(__file__).resolve().parents[3]
+sys.path.insert(0, str(ROOT / "tools"))
+from parameter_tables import snake_case  # noqa: E402
+
 CFGS = sorted(path.stem for path in (ROOT / "cfg").glob("*.cfg"))
 TYPES = {"bool": bool, "int": int, "double": float, "str": str}
-
-
-def node_of(cfg):
-    """MarkerDetector: marker_detector."""
-    return re.sub(r"(?<!^)([A-Z])", r"_\1", cfg).lower()
 
 
 def offered(cfg):
@@ -27,7 +26,7 @@ def offered(cfg):
 
 def fields_of(cfg):
     """{name: (default, what is allowed)} of the nodelet's struct."""
-    struct = NODELETS[node_of(cfg)]
+    struct = NODELETS[snake_case(cfg)]
     return {name: (getattr(struct(), name), allowed) for name, _, allowed, _, _ in struct.fields()}
 
 
@@ -73,5 +72,5 @@ def test_words_to_choose_from_are_those_that_are_allowed(cfg):
 @pytest.mark.parametrize("cfg", CFGS)
 def test_page_states_what_may_change(cfg):
     """The sentence below the table of a node names them all, and no other."""
-    text = section(NODES_PAGE, node_of(cfg)).partition("dynamic_reconfigure")[2].partition("\n\n")[0]
+    text = section(NODES_PAGE, snake_case(cfg)).partition("dynamic_reconfigure")[2].partition("\n\n")[0]
     assert set(re.findall(r"`(\w+)`", text)) == set(offered(cfg))

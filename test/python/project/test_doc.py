@@ -2,8 +2,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What the pages state is true: parameters and their defaults, topics, messages, links, code examples."""
 
-import dataclasses
-import importlib
 import re
 import sys
 from pathlib import Path
@@ -14,14 +12,14 @@ import pytest
 import yaml
 
 import sextant
-from sextant.base.strict_params import flat_fields
 
 ROOT = Path(__file__).resolve().parents[3]
 NODES_PAGE = (ROOT / "doc/reference/nodes.md").read_text()
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "doc").rglob("*.md"), *(ROOT / "test").rglob("*.md")])
 sys.path.insert(0, str(ROOT / "tools"))
 from parameter_tables import STRUCTS as NODELETS  # noqa: E402
-from reference_pages import pages as reference_pages  # noqa: E402
+from parameter_tables import records, rows_of  # noqa: E402
+from reference_pages import STEPS  # noqa: E402
 
 SCRIPTS = {
     path.stem: path
@@ -55,40 +53,16 @@ def table_of(node):
     }
 
 
-def read_by_script(name):
-    """{parameter: default} of the dataclass that a rospy node reads."""
-    source = SCRIPTS[name].read_text()
-    found = re.search(r"\bread_params\((\w+)\)", source)
-    if not found:
-        return {}
-    module = importlib.import_module(f"sextant.nodes.{SCRIPTS[name].parent.name}.{name}")
-    record = getattr(module, found.group(1))
-    return {name: default_of(field) for name, (field, _) in flat_fields(record).items()}
-
-
-def default_of(field):
-    if field.default is not dataclasses.MISSING:
-        return list(field.default) if isinstance(field.default, tuple) else field.default
-    return NEEDED if field.default_factory is dataclasses.MISSING else field.default_factory()
-
-
-@pytest.mark.parametrize("node", SCRIPTS)
-def test_parameters_and_defaults_are_those_of_the_code(node):
-    read = read_by_script(node)
-    assert read or "read_params" not in SCRIPTS[node].read_text()
-    assert table_of(node) == read
-
-
-def test_reference_pages_follow_the_sources():
+@pytest.mark.parametrize("step", STEPS, ids=lambda step: step.__module__)
+def test_generated_texts_follow_the_sources(step):
     """Else run tools/reference_pages.py."""
-    assert [page.name for page, text in reference_pages().items() if page.read_text() != text] == []
+    assert [path.name for path, text in step().items() if path.read_text() != text] == []
 
 
-@pytest.mark.parametrize("node", NODELETS)
-def test_tables_of_nodelets_have_each_parameter_once(node):
-    params, table = NODELETS[node](), table_of(node)
-    assert len(table) == len(params.fields())
-    assert table == {name: getattr(params, name) for name in table}
+def test_the_parameters_of_every_node_are_found_and_described():
+    assert set(records()) == {node for node, path in SCRIPTS.items() if "read_params(" in path.read_text()}
+    rows = {f"{node}/{row.name}": row.what for node in [*NODELETS, *records()] for row in rows_of(node)}
+    assert [name for name, what in rows.items() if not what] == []
 
 
 # ---- topics, services, families -------------------------------------------------------------------------

@@ -4,6 +4,7 @@
 
 import functools
 import re
+import sys
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
@@ -16,21 +17,14 @@ from test_doc import table_of
 
 import sextant
 from sextant.base.strict_params import parse_params, parse_struct
-from sextant.nodes.ball.ball_task_node_params import BallTaskNodeParams
-from sextant.nodes.evaluation.drive_recorder import RecorderParams
-from sextant.nodes.images.publish_image import PublisherParams
-from sextant.nodes.markers.marker_broadcaster import BroadcasterParams
-from sextant.nodes.objects.object_locator_node_params import ObjectLocatorNodeParams
-from sextant.nodes.places.place_localizer_node_params import PlaceLocalizerNodeParams
-from sextant.nodes.places.place_visualizer import VisualizerParams
-from sextant.nodes.simulation.ball_simulator import BallSimulatorParams
 from sextant.nodes.simulation.landmark_simulator import LandmarkSimulatorParams
-from sextant.nodes.simulation.simulator import SimulatorParams
-from sextant.nodes.simulation.street_simulator import StreetParams
 from sextant.simulation.rgbd_camera import RgbdParams
 from sextant.simulation.room import default_map
 
 ROOT = Path(__file__).resolve().parents[3]
+sys.path.insert(0, str(ROOT / "tools"))
+from parameter_tables import records, snake_case  # noqa: E402
+
 LAUNCH_FILES = sorted((ROOT / "launch").glob("*.launch"))
 ROOM = str(ROOT / "config" / "room.txt")
 
@@ -86,22 +80,6 @@ ARGUMENTS_ALONE = {
     ("ball_task.launch", "locator_params"): {"base_frame"},
 }
 
-# Parameters of the rospy nodes; those of a nodelet are in its struct of the core.
-RECORDS = {
-    "ball_simulator": BallSimulatorParams,
-    "marker_broadcaster": BroadcasterParams,
-    "ball_task": BallTaskNodeParams,
-    "drive_recorder": RecorderParams,
-    "landmark_simulator": LandmarkSimulatorParams,
-    "object_locator": ObjectLocatorNodeParams,
-    "place_localizer": PlaceLocalizerNodeParams,
-    "place_visualizer": VisualizerParams,
-    "publish_image": PublisherParams,
-    "simulator": SimulatorParams,
-    "street_simulator": StreetParams,
-}
-
-
 def load(path, args=()):
     argv = [str(path), *args]
     return roslaunch.config.load_config_default(
@@ -138,10 +116,6 @@ def params_of(config, name):
     return result
 
 
-def snake_case(name):
-    return re.sub(r"(?<!^)(?=[A-Z])", "_", name).lower()
-
-
 def declared(path):
     """Arguments that a user of the file may set."""
     return [each for each in ElementTree.parse(path).getroot().iter("arg") if each.get("value") is None]
@@ -171,8 +145,8 @@ def test_loads_and_every_node_exists(run):
 def test_nodes_know_their_parameters(run):
     config = load(*run)
     for node in config.nodes:
-        if node.type in RECORDS:
-            parse_params(RECORDS[node.type], params_of(config, node.name), node.name)
+        if node.type in records():
+            parse_params(records()[node.type], params_of(config, node.name), node.name)
     for node, nodelet in loaded_classes(config).items():
         struct = getattr(sextant, nodelet.split("/")[1] + "NodeParams")
         parse_struct(struct, params_of(config, node), node)

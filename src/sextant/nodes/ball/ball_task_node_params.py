@@ -13,16 +13,22 @@ from sextant.base.strict_params import ParamError, StrictParams, nested, param, 
 class BallTaskNodeParams(StrictParams):
     """Parameters of the node, the task and the occupancy grid."""
 
-    autostart: bool = param(True)  # start the task at once
-    use_depth: bool = param(True)  # detect obstacles with the depth camera
-    depth_scale: float = param(1.0, within(0.5, 2.0))  # factor that corrects the depths
-    depth_step: int = param(8, within(1, 100))  # pixels between used depths
-    pose_timeout: float = param(0.5, within(0.01, 60.0))  # seconds, maximum age of a pose
-    image_timeout: float = param(2.0, within(0.01, 60.0))  # seconds, the same of depth images and objects
+    autostart: bool = param(True, "start the task at once; false: wait for `~start`")
+    use_depth: bool = param(True, "detect obstacles in depth images; false: only pillars are obstacles")
+    depth_scale: float = param(1.0, "factor that corrects the depths", within(0.5, 2.0))
+    depth_step: int = param(
+        8, "distance between the pixels of the depth image that are used", within(1, 100), "px"
+    )
+    pose_timeout: float = param(0.5, "maximum age of a pose", within(0.01, 60.0), "s")
+    image_timeout: float = param(
+        2.0, "maximum age of a depth image, and of `objects` once they were received", within(0.01, 60.0), "s"
+    )
     ball_timeout: float = param(
-        1.0, within(0.01, 60.0)
-    )  # seconds since the last message; then the ball is unknown
-    patience: float = param(60.0, within(0.0, 1e6))  # seconds of waiting until the task fails
+        1.0, "time since the last `ball` after which the ball is unknown", within(0.01, 60.0), "s"
+    )
+    patience: float = param(
+        60.0, "time of waiting for an input after which the task fails", within(0.0, 1e6), "s"
+    )
     task: BallTaskParams = nested(BallTaskParams)
     grid: FloorGridParams = nested(FloorGridParams, "grid_")
 

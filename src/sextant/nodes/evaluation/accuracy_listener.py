@@ -44,10 +44,15 @@ TF_TIMEOUT = 5 * 10**9  # nanoseconds that tf may arrive later than a pose
 class AccuracyListenerParams:
     """What is known of the truth, and where the files go."""
 
-    axis: str = param("z", one_of(*AXES))  # measured axis
-    true: Dict[str, float] = param({}, each(within(-1000.0, 1000.0)))  # other axes, m and rad; else unknown
-    output: str = param("accuracy", not_empty)  # prefix of the files
-    truth_frame: str = param("")  # tf frame of the true base; empty: use the topic ground_truth
+    axis: str = param("z", "measured axis", one_of(*AXES))
+    true: Dict[str, float] = param(
+        {},
+        "true values of axes other than `axis`, metres and radians; axes without a true value have "
+        "neither bias nor RMSE",
+        each(within(-1000.0, 1000.0)),
+    )
+    output: str = param("accuracy", "prefix of the files; existing files are overwritten", not_empty)
+    truth_frame: str = param("", "tf frame of the robot's true base; empty: use the topic `ground_truth`")
 
     def ground_truth(self) -> GroundTruth:
         """Returns the true values of the axes.

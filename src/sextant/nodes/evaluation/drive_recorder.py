@@ -35,10 +35,21 @@ TRAIL = 1800  # maximum number of true poses in the published path
 class RecorderParams:
     """Parameters of the node."""
 
-    modes: List[str] = param(["nearest", "average", "joint"], not_empty)  # subscribes to MODE/pose of each
-    start_service: str = param("")  # std_srvs/SetBool, called when all topics are connected; empty: none
-    timeout: float = param(60.0, within(1.0, 3600.0))  # for the start and between images, seconds
-    plot: str = param("")  # file of the plot; empty: none
+    modes: List[str] = param(
+        ["nearest", "average", "joint"],
+        "names of the locators; the node subscribes to `MODE/pose` of each",
+        not_empty,
+    )
+    start_service: str = param(
+        "", "service of type std_srvs/SetBool that is called when all topics are connected; empty: none"
+    )
+    timeout: float = param(
+        60.0,
+        "maximum time to wait for the topics, for the service, and for the next pose",
+        within(1.0, 3600.0),
+        "s",
+    )
+    plot: str = param("", "file for the plot of the drive; empty: none")
 
 
 class DriveRecorder:

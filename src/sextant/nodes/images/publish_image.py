@@ -33,12 +33,14 @@ LINGER = 1.0  # minimum time from the last photo to the end, seconds, so that it
 class PublisherParams:
     """Parameters of the node."""
 
-    source: str = required(not_empty)  # a photo, or a folder of photos
-    rate: float = param(1.0, within(0.001, 1000.0))  # publishing rate, Hz
-    loop: bool = param(False)  # repeat the photos
-    keep_alive: bool = param(True)  # keep running after the last photo, for later subscribers
-    wait_for_subscriber: float = param(10.0, within(0.0, 3600.0))  # timeout before the first photo, seconds
-    frame_id: str = param("camera_optical_frame", not_empty)  # of the images
+    source: str = required("a photo, or a folder of photos", not_empty)
+    rate: float = param(1.0, "publishing rate", within(0.001, 1000.0), "Hz")
+    loop: bool = param(False, "repeat the photos")
+    keep_alive: bool = param(True, "keep running after the last photo, for later subscribers")
+    wait_for_subscriber: float = param(
+        10.0, "maximum time to wait for a subscriber before the first photo", within(0.0, 3600.0), "s"
+    )
+    frame_id: str = param("camera_optical_frame", "frame of the images", not_empty)
 
 
 class PhotoPublisher:

@@ -12,7 +12,7 @@ from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
 
 import sextant
-from sextant.base.strict_params import not_empty, param, required
+from sextant.base.strict_params import not_empty, required, struct_param
 from sextant.msg import MarkerMapEntries
 from sextant.nodes.base.exits import fatal
 from sextant.nodes.base.init_node import init_node
@@ -37,12 +37,12 @@ _TEXT = sextant.TextMapParams()
 class BroadcasterParams:
     """Parameters of the node. All but map_file apply to the plain text format only."""
 
-    map_file: str = required(not_empty)  # path
-    frame: str = param(_TEXT.frame)  # map frame
-    family: str = param(_TEXT.family)  # of all markers
-    size: float = param(_TEXT.size)  # edge length of markers, metres
-    sizes: Dict[str, float] = param({}, _ids)  # edge length of single markers by id, metres
-    parents: Dict[str, str] = param({})  # parents of frames that are not markers; default: the map frame
+    map_file: str = required("path of the [marker map](marker_map.md)", not_empty)
+    frame: str = struct_param(sextant.TextMapParams, "frame")
+    family: str = struct_param(sextant.TextMapParams, "family")
+    size: float = struct_param(sextant.TextMapParams, "size")
+    sizes: Dict[str, float] = struct_param(sextant.TextMapParams, "sizes", _ids)
+    parents: Dict[str, str] = struct_param(sextant.TextMapParams, "parents")
 
     def text(self) -> sextant.TextMapParams:
         """Returns the parameters of the plain text format.

@@ -15,8 +15,8 @@ from sextant.objects.yolo_detector import YoloDetector, YoloParams
 class ObjectDetectorParams(StrictParams):
     """Parameters of the node and of both detectors."""
 
-    detector: str = param("network", one_of("network", "colour"))  # detection method
-    threads: int = param(1, within(0, 256))  # of the network; 0: one per core
+    detector: str = param("network", "detection method", one_of("network", "colour"))
+    threads: int = param(1, "threads of the network; 0: one per core", within(0, 256))
     network: YoloParams = nested(YoloParams)  # without a model: Sextant's own
     colours: ColourParams = nested(ColourParams)
 

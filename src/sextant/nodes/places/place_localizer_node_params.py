@@ -7,7 +7,16 @@ from pathlib import Path
 from typing import Callable
 
 import sextant
-from sextant.base.strict_params import StrictParams, nested, not_empty, one_of, param, required, within
+from sextant.base.strict_params import (
+    StrictParams,
+    nested,
+    not_empty,
+    one_of,
+    param,
+    required,
+    struct_param,
+    within,
+)
 from sextant.place_maps.place_map_file import read_place_map
 from sextant.places.global_descriptor import GlobalDescriptorParams
 from sextant.places.place_index import PROFILES, IndexParams
@@ -27,23 +36,54 @@ _NETWORK = ("backend", "width", "height", "channels", "mean", "std")
 class PlaceLocalizerNodeParams(StrictParams):
     """Private parameters of the node."""
 
-    map_file: str = required(not_empty)  # place map
-    wait_for_map: float = param(0.0, within(0.0, 3600.0))  # maximum time to wait for the map file, s
+    map_file: str = required(
+        "[place map](../how_to/place_map.md); its index is cached beside it as `MAP.index`", not_empty
+    )
+    wait_for_map: float = param(
+        0.0, "maximum time to wait for the map file, if another node writes it", within(0.0, 3600.0), "s"
+    )
     localization: PlaceLocalizationParams = nested(PlaceLocalizationParams, only=_LOCALIZATION)
-    profile: str = param("tuned", one_of(*PROFILES))  # plain: OpenCV's defaults
-    detector: str = param(_FEATURES.detector, one_of(*sextant.feature_names()))
-    extractor: str = param(_FEATURES.extractor, one_of(*sextant.feature_names()))
-    matcher: str = param(IndexParams().matcher, one_of(*sextant.matcher_names()))
-    orb_wta_k: int = param(_FEATURES.orb_wta_k, within(2, 4))  # points compared per descriptor element
-    max_side: int = param(_FEATURES.max_side, within(0, 16384))  # pixels, profile tuned; 0: no limit
-    max_features: int = param(_FEATURES.max_features, within(0, 1000000))  # profile tuned; 0: all
-    use_odometry: bool = param(False)  # subscribe to odom
-    network: str = param("")  # ONNX file of a global descriptor; empty: none
+    profile: str = param(
+        "tuned",
+        "`tuned`: upright keypoints of reduced images, compact descriptors; `plain`: OpenCV's defaults",
+        one_of(*PROFILES),
+    )
+    detector: str = struct_param(sextant.FeatureParams, "detector", one_of(*sextant.feature_names()))
+    extractor: str = struct_param(sextant.FeatureParams, "extractor", one_of(*sextant.feature_names()))
+    matcher: str = param(
+        IndexParams().matcher,
+        "descriptor matcher; ORB and AKAZE need BruteForce-Hamming or faiss, SIFT and SURF any "
+        "without Hamming",
+        one_of(*sextant.matcher_names()),
+    )
+    orb_wta_k: int = struct_param(sextant.FeatureParams, "orb_wta_k", within(2, 4))
+    max_side: int = param(
+        _FEATURES.max_side,
+        "profile tuned: longer side to which images are reduced; 0: no limit",
+        within(0, 16384),
+        "px",
+    )
+    max_features: int = param(
+        _FEATURES.max_features,
+        "profile tuned: maximum number of keypoints per image; 0: all",
+        within(0, 1000000),
+    )
+    use_odometry: bool = param(
+        False,
+        "subscribe to `odom`: predict the belief with the distance that odometry measures between two images",
+    )
+    network: str = param(
+        "", "ONNX file of a [global descriptor](../how_to/place_networks.md); empty: no network"
+    )
     descriptor: GlobalDescriptorParams = nested(GlobalDescriptorParams, "network_", _NETWORK)
-    initialpose: str = param("never", one_of("never", "relocalized"))  # when it is published automatically
-    compressed: bool = param(False)  # subscribe to image/compressed
-    jobs: int = param(1, within(1, 256))  # processes for the description of the photos
-    scheduler: str = param("")  # tcp://host:port of a Dask cluster for it; empty: none
+    initialpose: str = param(
+        "never", "when `initialpose` is published automatically", one_of("never", "relocalized")
+    )
+    compressed: bool = param(False, "subscribe to `image/compressed` instead of `image`")
+    jobs: int = param(
+        1, "number of processes that compute the descriptors of the map's photos", within(1, 256)
+    )
+    scheduler: str = param("", "`tcp://HOST:PORT` of a Dask cluster that computes them; empty: none")
 
     def place_indexer(self, report: Callable[[str], None]) -> PlaceIndexer:
         """Reads the map.

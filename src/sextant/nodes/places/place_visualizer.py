@@ -16,7 +16,7 @@ from std_msgs.msg import Header
 from std_srvs.srv import Trigger, TriggerResponse
 from visualization_msgs.msg import MarkerArray
 
-from sextant.base.strict_params import not_empty, param, required, within
+from sextant.base.strict_params import Check, not_empty, param, required, within
 from sextant.msg import Places
 from sextant.nodes.base.exits import fatal
 from sextant.nodes.base.file_wait import wait_for_file
@@ -38,13 +38,17 @@ WARN_EVERY = 60.0  # seconds
 class VisualizerParams:
     """Private parameters of the node."""
 
-    map_file: str = required(not_empty)  # place map
-    wait_for_map: float = param(0.0, within(0.0, 3600.0))  # maximum time to wait for the map file, s
-    window: bool = param(False)  # show places/image in a window
-    trail: int = param(20, within(1, 1000))  # length of the trail of best places, including the last one
-    max_side: int = param(1600, within(100, 8192))  # maximum of the overview's longer side, pixels
-    rate: float = param(10.0, within(0.1, 100.0))  # maximum rate of the images, Hz
-    mesh_folder: str = param("")  # folder for rviz's overview mesh; empty: a temporary one
+    map_file: str = required("place map", not_empty)
+    wait_for_map: float = param(
+        0.0, "maximum time to wait for the map file, if another node writes it", within(0.0, 3600.0), "s"
+    )
+    window: bool = param(False, "also show `places/image` in a window; closing it stops the node")
+    trail: int = param(20, "length of the trail of best places, including the last one", within(1, 1000))
+    max_side: int = param(1600, "maximum length of the overview's longer side", within(100, 8192), "px")
+    rate: float = param(10.0, "maximum rate of the images", within(0.1, 100.0), "Hz")
+    mesh_folder: str = param(
+        "", "folder for the files of the overview's rectangle; empty: a temporary folder", Check("a folder")
+    )
 
 
 class ShownMap:

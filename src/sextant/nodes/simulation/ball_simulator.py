@@ -16,7 +16,7 @@ from std_srvs.srv import Trigger, TriggerResponse
 from visualization_msgs.msg import MarkerArray
 
 import sextant
-from sextant.base.strict_params import nested, not_empty, one_of, param, within
+from sextant.base.strict_params import Check, nested, not_empty, one_of, param, within
 from sextant.geometry.plane_poses import relative
 from sextant.msg import Objects
 from sextant.nodes.base.params import read_params
@@ -48,18 +48,29 @@ WORLD_PARAMS = (
 class BallSimulatorParams(SimulatedRobotParams):
     """Parameters of the robot, the task and the world."""
 
-    task: int = param(2, one_of(*TASKS))  # whose rules hold
-    obstacles: int = param(-1, within(-1, 2))  # pillars in front of the goal; -1: random
-    image_rate: float = param(10.0, within(0.1, 100.0))  # Hz
-    odometry_rate: float = param(20.0, within(1.0, 100.0))  # Hz
-    latency: float = param(0.05, within(0.0, 5.0))  # seconds from an image's stamp to its publication
-    depth_encoding: str = param("16UC1", one_of("16UC1", "32FC1"))  # in millimetres or metres
+    task: int = param(
+        2,
+        "task whose rules apply; 2: the ball lies in front of the goal; 3: it lies farther off the "
+        "goal's axis, and pillars may stand in front of the goal",
+        one_of(*TASKS),
+    )
+    obstacles: int = param(
+        -1,
+        "number of pillars in front of the goal, up to 2 in task 3; -1: random",
+        Check("-1, 0 to 2 in `task: 3`, else 0", within(-1, 2)),
+    )
+    image_rate: float = param(
+        10.0, "rate of the images; stamps are multiples of 10 ms", within(0.1, 100.0), "Hz"
+    )
+    odometry_rate: float = param(20.0, "rate of odometry", within(1.0, 100.0), "Hz")
+    latency: float = param(0.05, "delay from an image's stamp to its publication", within(0.0, 5.0), "s")
+    depth_encoding: str = param("16UC1", "encoding of `depth/image`", one_of("16UC1", "32FC1"))
     world: BallSimulationParams = nested(
         BallSimulationParams, only=WORLD_PARAMS
     )  # its seed: of the first world
-    map_frame: str = param("map", not_empty)  # of the ground truth; origin: initial pose of the robot
-    colour_frame: str = param("colour_optical_frame", not_empty)
-    depth_frame: str = param("depth_optical_frame", not_empty)
+    map_frame: str = param("map", "frame of the ground truth", not_empty)
+    colour_frame: str = param("colour_optical_frame", "frame of the colour images", not_empty)
+    depth_frame: str = param("depth_optical_frame", "frame of the depth images", not_empty)
 
     def __post_init__(self):
         """:raises ValueError: too many obstacles for the task"""

@@ -12,7 +12,7 @@ from std_msgs.msg import ColorRGBA, Header
 from std_srvs.srv import Trigger, TriggerResponse
 from visualization_msgs.msg import Marker, MarkerArray
 
-from sextant.base.strict_params import not_empty, param
+from sextant.base.strict_params import Check, not_empty, param, within
 from sextant.geometry.plane_poses import in_frame, relative
 from sextant.msg import LandmarkObservation, LandmarkObservations
 from sextant.nodes.base.exits import fatal
@@ -47,9 +47,19 @@ def two_sigmas(values: List[float]) -> str:
 class LandmarkSimulatorParams(LandmarkWorldParams, SimulatedRobotParams):
     """Parameters of the node landmark_simulator."""
 
-    duration: float = param(1e6)  # simulated seconds of the drive
-    range_noise: List[float] = param([0.02, 0.005], two_sigmas)  # metres, and per square metre of range
-    map_frame: str = param("map", not_empty)  # frame of the ground truth; its origin is the initial pose
+    duration: float = param(
+        1e6,
+        "simulated duration of the drive; afterwards only the clock is published",
+        Check("(0, 1e6]", within(1e-9, 1e6)),
+        "s",
+    )
+    range_noise: List[float] = param(
+        [0.02, 0.005],
+        "standard deviation of the range: constant part, and factor of the squared range",
+        Check("2, each [0, 10]", two_sigmas),
+        "m, 1/m",
+    )
+    map_frame: str = param("map", "frame of the ground truth", not_empty)
 
 
 class LandmarkSimulator(SimulatedRobot):

@@ -29,12 +29,26 @@ from sextant.simulation.odometry import OdometryReading
 class SimulatedRobotParams(StrictParams):
     """Simulated time, commands and frames."""
 
-    cmd_vel_timeout: float = param(0.5, within(0.01, 1e6))  # simulated seconds until a command expires
-    real_time_factor: float = param(1.0, within(0.01, 100.0))  # maximum simulated seconds per second
-    wait_for_subscriber: float = param(0.0, within(0.0, 3600.0))  # seconds that it waits for a listener
-    publish_tf: bool = param(True)  # odom -> base_link; the mounts of cameras are always published
-    odom_frame: str = param("odom", not_empty)
-    base_frame: str = param("base_link", not_empty)
+    cmd_vel_timeout: float = param(
+        0.5, "simulated time after which a command expires and the robot stops", within(0.01, 1e6), "s"
+    )
+    real_time_factor: float = param(
+        1.0,
+        "maximum simulated seconds per second of real time; reduce it on a slow computer",
+        within(0.01, 100.0),
+    )
+    wait_for_subscriber: float = param(
+        0.0,
+        "maximum time to wait for a subscriber of the images (or observations) before the simulation "
+        "starts",
+        within(0.0, 3600.0),
+        "s",
+    )
+    publish_tf: bool = param(
+        True, "publish `odom` → `base_link`; the transforms to cameras are always published"
+    )
+    odom_frame: str = param("odom", "odometry frame", not_empty)
+    base_frame: str = param("base_link", "frame of the robot", not_empty)
 
 
 class SimulatedRobot:

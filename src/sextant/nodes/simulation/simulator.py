@@ -15,7 +15,7 @@ from sensor_msgs.msg import CameraInfo, Image
 from std_msgs.msg import Bool, Header
 
 import sextant
-from sextant.base.strict_params import not_empty, one_of, param, within
+from sextant.base.strict_params import Check, not_empty, one_of, param, within
 from sextant.nodes.base.exits import fatal
 from sextant.nodes.base.params import read_params
 from sextant.nodes.base.subscriber_wait import wait_for_subscriber
@@ -35,13 +35,25 @@ IMAGE_QUEUE = 60  # frames; a slow subscriber loses none
 class SimulatorParams(DriveParams, SimulatedRobotParams):
     """Parameters of the drive, the robot and the room's map."""
 
-    map_file: str = param("")  # marker map of the room; empty: the default room
-    family: str = param("tag36h11")  # of the default room, or of a plain text map
-    marker_size: float = param(MARKER_SIZE, within(0.001, 100.0))  # of a plain text map, metres
-    motion: str = param("path", one_of("path", "cmd_vel"))  # figure of eight, or as commanded
-    frames: int = param(0, within(0, 10**9))  # after which the drive ends; 0: never
-    render_ahead: int = param(15, within(1, 100000))  # frames of a path rendered before the drive starts
-    camera_frame: str = param("camera_optical_frame", not_empty)
+    map_file: str = param(
+        "", "[marker map](marker_map.md) of the room; empty: eight markers in a room of 6 m × 6 m"
+    )
+    family: str = param(
+        "tag36h11",
+        "marker family of the default room, or of a plain text map",
+        Check("[families](#marker-families)"),
+    )
+    marker_size: float = param(
+        MARKER_SIZE, "edge length of the markers of a plain text map", within(0.001, 100.0), "m"
+    )
+    motion: str = param(
+        "path", "path: a figure of eight; cmd_vel: as commanded on `cmd_vel`", one_of("path", "cmd_vel")
+    )
+    frames: int = param(0, "number of frames after which the drive ends; 0: never", within(0, 10**9))
+    render_ahead: int = param(
+        15, "frames rendered before the drive starts, with `motion: path`", within(1, 100000)
+    )
+    camera_frame: str = param("camera_optical_frame", "frame of the images", not_empty)
 
     def marker_map(self) -> "sextant.MarkerMap":
         """The marker map. :raises ValueError, RuntimeError: unknown family, or an unreadable map file"""

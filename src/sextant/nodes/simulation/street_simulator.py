@@ -29,15 +29,25 @@ from sextant.simulation.street_walk import StreetWalk, WalkFrame, WalkParams, kn
 class StreetParams(WalkParams):
     """Private parameters of the node: those of the walk, the map and the frames."""
 
-    map_folder: str = param("")  # folder of the map, which is written if missing; empty: no map
-    # of the map's photos; season or light: a key of CONDITIONS
-    map_seasons: List[str] = param(["summer"], known_conditions)
-    spacing: float = param(3.0, within(0.5, 100.0))  # distance between places, m
-    parts: int = param(12, within(1, 100))  # number of places in the map of clusters
-    wait_for_subscriber: float = param(0.0, within(0.0, 3600.0))  # maximum time to wait for a subscriber, s
-    odom_frame: str = param("odom", not_empty)  # odometry frame
-    base_frame: str = param("base_link", not_empty)  # base frame
-    camera_frame: str = param("camera_optical_frame", not_empty)  # frame of the images
+    map_folder: str = param(
+        "",
+        "folder of photos, overview, `map.txt` and `clusters.txt`, which are written if there is no "
+        "`map.txt`; a map of another `seed`, size, `map_seasons`, `spacing` or `parts` is refused; "
+        "empty: no map",
+    )
+    map_seasons: List[str] = param(
+        ["summer"],
+        "seasons of the map's photos; one photo of each place per season",
+        known_conditions,
+    )
+    spacing: float = param(3.0, "distance between places", within(0.5, 100.0), "m")
+    parts: int = param(12, "number of places in `clusters.txt`", within(1, 100))
+    wait_for_subscriber: float = param(
+        0.0, "maximum time to wait for a subscriber before the walk starts", within(0.0, 3600.0), "s"
+    )
+    odom_frame: str = param("odom", "odometry frame", not_empty)
+    base_frame: str = param("base_link", "base frame", not_empty)
+    camera_frame: str = param("camera_optical_frame", "frame of the images", not_empty)
 
     def street_map(self) -> StreetMap:
         """Parameters of the map."""
