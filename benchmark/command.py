@@ -99,7 +99,8 @@ def write_section(page: Path, script: str, what: str, results: Results) -> None:
     """Replaces the section of a script in a page, or appends it."""
     begin, end = f"<!-- begin {script} -->\n", f"<!-- end {script} -->\n"
     tables = "\n\n".join(table.as_markdown() for tables in results.values() for table in tables)
-    section = f"{begin}## {script}\n\n{what.strip().splitlines()[0]}\n\n{tables}\n{end}"
+    summary = " ".join(what.strip().partition("\n\n")[0].split())
+    section = f"{begin}## {script}\n\n{summary}\n\n{tables}\n{end}"
     text = page.read_text()
     if begin in text:
         section = text.partition(begin)[0] + section + text.partition(end)[2]
