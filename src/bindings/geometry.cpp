@@ -30,7 +30,8 @@ void bindPose(py::module_& module) {
       "quaternion differs from 1 by more than the tolerance.");
   module.def("rpy_from_rotation", &rpyFromRotation, "rotation"_a,
              "Returns roll, pitch, yaw (radians) of a 3 x 3 rotation.");
-  module.def("exp_so3", &expSO3, "delta"_a, "Returns the rotation (3 x 3) about delta by the norm of delta, in radians.");
+  module.def("exp_so3", &expSO3, "delta"_a,
+             "Returns the rotation (3 x 3) about delta by the norm of delta, in radians.");
   module.def("log_so3", &logSO3, "rotation"_a, "Inverse of exp_so3; the norm of the result is in [0, pi].");
   module.def("perturbed", &perturbed, "pose"_a, "xi"_a,
              "Perturbs a pose by xi (6) in the axes of the parent frame: p + xi[:3], exp_so3(xi[3:]) R.");
