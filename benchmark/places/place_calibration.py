@@ -73,9 +73,9 @@ def _corridor(data: Path, quick: bool) -> List[Asked]:
     folder, lund = data / "corridor", find_photos(data / "lund")
     whole = corridor_map(folder)
     queries = queries_of_table(whole, folder / "truth.csv", folder / "query")
-    half = len(whole.photos) // 2
     if quick:
-        queries, lund = queries[:FEW], lund[:FEW]
+        whole, queries, lund = part_of(whole, 0, 2 * FEW), queries[:FEW], lund[:FEW]
+    half = len(whole.photos) // 2
     asked = [Asked("corridor", "corridor", whole, queries)]
     for name, part in (("first_out", part_of(whole, half, None)), ("second_out", part_of(whole, 0, half))):
         asked.append(Asked("corridor", name, part, still_right(queries, part)))
