@@ -2,11 +2,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Sphinx configuration, used by tools/docs.sh."""
 
+import dataclasses
+import inspect
+import pydoc
 import re
 
 project = "Sextant"
 extensions = ["sphinx.ext.autodoc", "sphinx.ext.graphviz", "myst_parser"]
 graphviz_output_format = "svg"
+LINK = re.compile(r"\[([^]]*)\]\([^)]*\)")  # of Markdown
 NODE_GRAPH = re.compile(r"^```mermaid\nflowchart LR\n(.*?)^```$", re.M | re.S)
 root_doc = "doc/index"
 autodoc_inherit_docstrings = False
@@ -19,9 +23,10 @@ html_show_copyright = False
 
 
 def setup(app):
-    """Shows the indented examples of module docstrings as they are, and draws node graphs by graphviz."""
+    """Shows examples of module docstrings as they are, describes fields, and draws node graphs."""
     app.connect("source-read", _draw_node_graphs)
     app.connect("autodoc-process-docstring", _mark_examples)
+    app.connect("autodoc-process-docstring", _describe_field)
 
 
 def _draw_node_graphs(app, docname, source):
@@ -40,3 +45,25 @@ def _mark_examples(app, what, name, obj, options, lines):
         for i in range(len(lines) - 1, 0, -1):
             if lines[i].startswith("    ") and not lines[i - 1]:
                 lines[i:i] = ["::", ""]
+
+
+def _describe_field(app, what, name, obj, options, lines):
+    """Describes a field of a dataclass or NamedTuple by its parameter's texts or the comment behind it."""
+    if what == "attribute" and (not lines or lines[0].startswith("Alias for field number")):
+        owner, _, field = name.rpartition(".")
+        lines[:] = [_rst(_text_of_field(pydoc.locate(owner), field)), ""]
+
+
+def _text_of_field(cls, name):
+    fields = {each.name: each for each in dataclasses.fields(cls)} if dataclasses.is_dataclass(cls) else {}
+    about = fields[name].metadata if name in fields else {}
+    if "what" in about:
+        return "; ".join(filter(None, [LINK.sub(r"\1", about["what"]), about["check"].text, about["unit"]]))
+    comment = re.search(rf"^    {name}: (?:.*\n        )*?.*?  # (.*)$", inspect.getsource(cls), re.M)
+    return comment[1] if comment else ""
+
+
+def _rst(text):
+    """Plain text, in which only `names` are marked, as reStructuredText."""
+    name_or_special = re.compile(r"(`[^`]+`)|([*|_\\`])")
+    return name_or_special.sub(lambda found: f"`{found[1]}`" if found[1] else f"\\{found[2]}", text)

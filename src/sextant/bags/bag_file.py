@@ -33,7 +33,7 @@ def listed(names: Iterable[str]) -> str:
 class Recorded(NamedTuple):
     """A message as it is stored in the bag."""
 
-    topic: str
+    topic: str  # its name
     received: int  # time of reception, nanoseconds
     data: bytes  # serialized message
     type: Callable[[], Any]  # message class

@@ -29,7 +29,7 @@ class BagParams:
     markers: Sequence[str] = ()  # topics of sextant/MarkerArray
     families: Sequence[str] = field(default_factory=_families)  # marker families to detect in images
     # calibration file by topic, replaces its camera_info; recorded corners are not changed
-    calibrations: Mapping[str, str] = field(default_factory=dict)
+    calibrations: Mapping[str, str] = field(default_factory=dict)  # files by topic, instead of camera_info
     rectified: Sequence[str] = ()  # topics of rectified images; image_rect* always are
     camera_is_base: bool = False  # the only camera is the base; tf and odometry are not used
     base_frame: str = "base_link"  # or the frame of a camera that is the base

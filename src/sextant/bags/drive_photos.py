@@ -66,7 +66,7 @@ class DrivePhotos:
 
     frame: str  # frame_id of the positions
     paths: List[np.ndarray]  # each (n, 2): positions of the camera without gaps, metres
-    photos: List[DrivePhoto]
+    photos: List[DrivePhoto]  # with positions, in order of time
     warnings: Tuple[str, ...] = ()  # notes on the reading
 
 

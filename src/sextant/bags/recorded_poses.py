@@ -27,9 +27,7 @@ class RecordedPoses:
     stamps: np.ndarray  # (N,) int64, nanoseconds
     poses: np.ndarray  # (N, 4, 4) metres
     covariances: np.ndarray  # (N, 6, 6) as published, NaN where the message has none
-    start: Optional[int] = (
-        None  # nanoseconds, start of the bag; None: computed from images, so there is nothing earlier
-    )
+    start: Optional[int] = None  # of the bag, nanoseconds; None: the poses are computed from its images
     warnings: Tuple[str, ...] = ()  # notes on the reading
 
 

@@ -31,8 +31,8 @@ MAX_READINGS = 100  # odometry messages
 class RgbdMount(NamedTuple):
     """Calibration and mount of a colour and a depth camera."""
 
-    colour: "sextant.CameraModel"
-    depth: "sextant.CameraModel"
+    colour: "sextant.CameraModel"  # lens of the colour camera
+    depth: "sextant.CameraModel"  # lens of the depth camera
     T_base_colour: np.ndarray  # (4, 4)
     T_base_depth: np.ndarray  # (4, 4)
 
@@ -49,12 +49,14 @@ def _slam() -> "sextant.LandmarkSlamParams":
 class BallPlayerParams:
     """Parameters of all components."""
 
-    locator: ObjectLocatorParams = field(default_factory=ObjectLocatorParams)
-    tracker: BallTrackerParams = field(default_factory=BallTrackerParams)
-    slam: "sextant.LandmarkSlamParams" = field(default_factory=_slam)
-    timeline: "sextant.LandmarkTimelineParams" = field(default_factory=sextant.LandmarkTimelineParams)
-    grid: FloorGridParams = field(default_factory=FloorGridParams)
-    task: BallTaskParams = field(default_factory=BallTaskParams)
+    locator: ObjectLocatorParams = field(default_factory=ObjectLocatorParams)  # of the pillars and the ball
+    tracker: BallTrackerParams = field(default_factory=BallTrackerParams)  # of the ball
+    slam: "sextant.LandmarkSlamParams" = field(default_factory=_slam)  # with the pillars as landmarks
+    timeline: "sextant.LandmarkTimelineParams" = field(
+        default_factory=sextant.LandmarkTimelineParams  # of the observations
+    )
+    grid: FloorGridParams = field(default_factory=FloorGridParams)  # of the known floor
+    task: BallTaskParams = field(default_factory=BallTaskParams)  # of the states
 
 
 class BallPlayer:

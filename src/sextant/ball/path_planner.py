@@ -27,8 +27,8 @@ class Disc(NamedTuple):
     """A round obstacle on the floor."""
 
     x: float  # metres, map
-    y: float
-    radius: float
+    y: float  # metres, map
+    radius: float  # metres
 
 
 class Costmap:

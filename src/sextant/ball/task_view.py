@@ -18,7 +18,7 @@ NO_PATH = np.zeros((0, 2))
 class SeenPillar(NamedTuple):
     """A pillar in the landmark map."""
 
-    class_name: str
+    class_name: str  # of the detector
     position: np.ndarray  # (2,) metres, map
 
 
@@ -40,10 +40,10 @@ class TaskView(NamedTuple):
 
     stamp: float  # seconds
     pose: np.ndarray  # (3,) x, y, heading of the robot, metres and radians, map
-    pillars: List[SeenPillar]
+    pillars: List[SeenPillar]  # of the landmark map
     ball: Optional[SeenBall]  # None: unknown
     is_bumped: bool  # since the last view
-    grid: FloorGrid
+    grid: FloorGrid  # the known floor
 
     def validate(self) -> None:
         """:raises ValueError: names the first position that is not finite"""
@@ -59,7 +59,7 @@ class TaskView(NamedTuple):
 class Step(NamedTuple):
     """Result of one step of a state."""
 
-    command: Command
+    command: Command  # for the robot
     next: str = ""  # next state; empty: no change
     reason: str = ""  # for the change of state
     path: np.ndarray = NO_PATH  # (n, 2) metres, map
@@ -68,11 +68,11 @@ class Step(NamedTuple):
 class Action(NamedTuple):
     """Result of one step of the task."""
 
-    command: Command
-    state: str
-    reason: str
+    command: Command  # for the robot
+    state: str  # name
+    reason: str  # of the last change of state
     path: np.ndarray  # (n, 2) metres, map; empty: none
-    goal: Optional[Goal]
-    kick: Optional[Kick]
-    kicks: int
-    is_ended: bool
+    goal: Optional[Goal]  # None: not found yet
+    kick: Optional[Kick]  # the planned one; None: none
+    kicks: int  # number of kicks so far
+    is_ended: bool  # the task is done or has failed

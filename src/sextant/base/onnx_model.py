@@ -26,7 +26,7 @@ class ImageInput(NamedTuple):
 class ModelInfo(NamedTuple):
     """Input, outputs and metadata of a model."""
 
-    input: ImageInput
+    input: ImageInput  # its shape and type
     outputs: List[str]  # names
     metadata: Dict[str, str]  # metadata_props of the file, by name
 

@@ -189,7 +189,7 @@ class Described(NamedTuple):
     name: str  # flat
     kind: str  # as in fields() of a struct of the core
     allowed: str  # allowed values; empty: every value of the type
-    unit: str
+    unit: str  # empty: none
     what: str  # description
     default: Any  # REQUIRED: has none
 

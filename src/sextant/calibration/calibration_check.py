@@ -62,11 +62,11 @@ class CheckParams(StrictParams):
 class LensDeviation:
     """Error of one lens parameter."""
 
-    name: str
+    name: str  # of the parameter
     unit: str  # of the following fields
     error: float  # calibration minus truth
     sigma: float  # standard deviation of the error
-    tolerance: float
+    tolerance: float  # maximum of a good calibration
 
     @property
     def state(self) -> int:
@@ -104,7 +104,7 @@ class CalibrationCheck:
     deviations: List[LensDeviation]  # one per lens parameter
     distances: List[DistanceComparison]  # by ascending distance
     rings: List[Ring]  # from the image centre outwards
-    fit: CalibrationFit
+    fit: CalibrationFit  # of the lens to the photos
 
 
 def check_calibration(

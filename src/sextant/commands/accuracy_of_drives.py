@@ -29,7 +29,7 @@ from sextant.evaluation.trajectory_metrics import RPE_UNITS
 class MeasuredDrive:
     """Result of measure()."""
 
-    accuracy: DriveAccuracy
+    accuracy: DriveAccuracy  # errors of the poses
     warnings: Tuple[str, ...]  # of reading the bag
 
 

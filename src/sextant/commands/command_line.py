@@ -24,8 +24,8 @@ class CommandParser(argparse.ArgumentParser):
 class Answer(NamedTuple):
     """Output lines and exit code of a command."""
 
-    lines: List[str]
-    exit_code: int = 0
+    lines: List[str]  # for standard output
+    exit_code: int = 0  # 0: success
 
 
 def run(

@@ -22,7 +22,7 @@ from sextant.evaluation.pose_series import PoseSeries, SeriesStatistics
 class AccuracyFiles(NamedTuple):
     """Files of a report."""
 
-    workbook: Path
+    workbook: Path  # all figures
     errors: Path  # plot
     spread: Path  # plot
     noise: Path  # parameter corner_sigma of the locator

@@ -27,7 +27,7 @@ LIMIT = 400.0  # maximum duration, seconds
 class MatchResult(NamedTuple):
     """Result in one world."""
 
-    task: int
+    task: int  # 2 or 3
     seed: int  # of the world
     through: bool  # the ball went through the goal
     stop: float  # final distance from the robot's front to the goal line, metres

@@ -25,7 +25,7 @@ OBSTACLES = {2: 0, 3: 2}  # number by task
 class Match(NamedTuple):
     """A world to run."""
 
-    task: int
+    task: int  # 2 or 3
     seed: int  # of the world
     model: str  # ONNX file; empty: detect objects by colour
 

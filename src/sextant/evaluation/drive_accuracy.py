@@ -34,14 +34,14 @@ HEADER = ("drive", "stamp", "x", "y", "z", "rx", "ry", "rz", "position", "angle"
 class DriveAccuracy:
     """Errors of one drive, at the stamps of poses with ground truth."""
 
-    truth: Trajectory
+    truth: Trajectory  # ground truth
     estimate: Trajectory  # in the frame of truth
     covariances: Dict[int, np.ndarray]  # (6, 6) by stamp, of the poses that have one
     without_truth: int  # number of poses without ground truth, left out
     singular: int  # number of covariances that are not positive definite, left out of the NEES
     absolute: TrajectoryErrors  # ATE
     relative: RelativeErrors  # RPE
-    nees: Nees
+    nees: Nees  # of the poses with a covariance
 
 
 def compare(

@@ -26,7 +26,7 @@ TURN = 2.0 * np.pi
 class BagCount:
     """Number of poses of a bag that are in a series, and that were left out."""
 
-    bag: str
+    bag: str  # path
     poses: int  # in the series
     stale: int = 0  # left out: stamped before the bag began
     invalid: int = 0  # left out: not finite, or not a rotation
@@ -81,11 +81,11 @@ class SeriesStatistics:
     distance: float  # metres, or radians for an angle
     axis: str  # measured axis
     count: int  # number of poses
-    truth: np.ndarray
+    truth: np.ndarray  # true values
     mean: np.ndarray  # angles within half a turn of the truth; of 0 if that is unknown
-    std: np.ndarray
+    std: np.ndarray  # standard deviations
     bias: np.ndarray  # mean - truth
-    rmse: np.ndarray
+    rmse: np.ndarray  # root mean square errors
     covariance: np.ndarray  # (6, 6) about the mean
     published: np.ndarray  # root of the mean published variance
     poses: np.ndarray  # (N, 6) of the series, angles unwrapped to their mean

@@ -41,10 +41,10 @@ class TrajectoryErrors:
 class ErrorSummary:
     """Statistics of errors, in their unit; NaN without samples."""
 
-    mean: float
+    mean: float  # arithmetic mean
     p95: float  # 95th percentile, linearly interpolated
     worst: float  # maximum
-    median: float = np.nan
+    median: float = np.nan  # 50th percentile
     rmse: float = np.nan  # root of the mean square
 
 

@@ -14,7 +14,7 @@ import sextant
 class DriveCamera:
     """A camera of the robot."""
 
-    calibration: "sextant.CameraCalibration"
+    calibration: "sextant.CameraCalibration"  # lens and image size
     rectified: bool = False  # corners are in the rectified image; False: in the raw image
     T_base_camera: np.ndarray = field(default_factory=lambda: np.eye(4))  # (4, 4) of the optical frame
 

@@ -25,7 +25,7 @@ Seen = List[List[List[Key]]]  # markers by instant, view and detection
 class MarkerQuality:
     """A marker of the map."""
 
-    key: Key
+    key: Key  # family and id
     known: bool  # it was in the known map
     is_anchor: bool  # it defines the map frame: a known marker that was used and is not wrong
     observations: int  # in the whole recording
@@ -63,7 +63,7 @@ class MarkerQuality:
 class WrongEntry:
     """A known marker whose entry contradicts all other observations."""
 
-    key: Key
+    key: Key  # family and id
     known_position: np.ndarray  # (3,) of the entry, in the map, metres
     offset: np.ndarray  # (3,) from there to the observed position, in the axes of the map, metres
     rotation: float  # between known and observed orientation, radians
@@ -73,7 +73,7 @@ class WrongEntry:
 class ConflictingMarker:
     """A marker that some images show at another position than its own in the map."""
 
-    key: Key
+    key: Key  # family and id
     place: np.ndarray  # (3,) position in the map, metres
     position: np.ndarray  # (3,) conflicting position, metres
     images: int  # number of images that show it there
@@ -84,7 +84,7 @@ class ConflictingMarker:
 class Unconnected:
     """Markers that are connected to each other, but not to the map."""
 
-    keys: FrozenSet[Key]
+    keys: FrozenSet[Key]  # families and ids
     images: int  # number of images that also show a marker of the map, but could not be used
 
 

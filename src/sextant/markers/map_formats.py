@@ -30,8 +30,8 @@ Writer = Callable[[sextant.MarkerMap, str], List[str]]
 class MapFormat:
     """Reader and writer of a format, and the fields of MapFormatParams that the reader uses."""
 
-    read: Reader
-    write: Writer
+    read: Reader  # reads a file
+    write: Writer  # writes a file
     needs: Tuple[str, ...] = ()  # required fields
     takes: Tuple[str, ...] = ("frame",)  # optional fields
 

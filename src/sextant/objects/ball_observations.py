@@ -16,10 +16,10 @@ from sextant.objects.object_locator import LocatedObject
 class BallObservations(NamedTuple):
     """Balls and pillars in one image, in the robot frame at the image's stamp."""
 
-    balls: List[LocatedObject]
+    balls: List[LocatedObject]  # positions and covariances
     pillars: List[np.ndarray]  # (3,) x, y and radius, metres
     T_base_camera: np.ndarray  # (4, 4) of the colour camera
-    visibility: BallVisibility
+    visibility: BallVisibility  # of a ball in this image
 
     @classmethod
     def of(

@@ -14,10 +14,10 @@ import sextant
 class BallVisibility:
     """Predicts whether a detector should find the ball at a position."""
 
-    camera: "sextant.CameraModel"
+    camera: "sextant.CameraModel"  # lens
     radius: float  # of the ball, metres
     min_depth: float  # metres along the optical axis
-    max_depth: float
+    max_depth: float  # metres along the optical axis
     margin: float = 0.08  # fraction of the image's width; a ball this close to the border may be missed
 
     def is_visible(

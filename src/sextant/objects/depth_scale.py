@@ -41,7 +41,7 @@ class DepthScaleParams(StrictParams):
 class DepthScale(NamedTuple):
     """The model true = scale * measured, its residuals, and significant deviations from it."""
 
-    scale: float
+    scale: float  # factor
     deviation: float  # standard deviation of the scale
     residuals: np.ndarray  # (n,) true - scale * measured, metres
     sigmas: np.ndarray  # (n,) expected standard deviations of the residuals, metres

@@ -15,7 +15,7 @@ class LetterBox(NamedTuple):
 
     scale: Tuple[float, float]  # of x and y; equal except for rounding to whole pixels
     left: int  # margin, pixels of the input
-    top: int
+    top: int  # margin, pixels of the input
     inner: Tuple[int, int]  # width and height of the image in the input
 
     def to_input(self, boxes: np.ndarray) -> np.ndarray:

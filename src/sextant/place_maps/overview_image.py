@@ -18,8 +18,8 @@ WEB_SUFFIXES = (".png", ".jpg", ".jpeg", ".webp")  # of formats that every brows
 class OverviewImage(NamedTuple):
     """An overview, its position, and the files to write for it."""
 
-    overview: Overview
-    georeference: Union[MetricFrame, GeoCorners, None]
+    overview: Overview  # file and size
+    georeference: Union[MetricFrame, GeoCorners, None]  # None: no scale
     files: Dict[str, bytes]  # files to write: content by name in the map's folder
 
     def empty_map(self, folder: Path) -> PlaceMap:

@@ -131,8 +131,8 @@ class PlaceMap(NamedTuple):
     """Content of a map file; not validated, see check()."""
 
     folder: Path  # file names are relative to it
-    overview: Overview
-    photos: Tuple[Photo, ...] = ()
+    overview: Overview  # file and size
+    photos: Tuple[Photo, ...] = ()  # in the order of the file
     georeference: Union[MetricFrame, GeoCorners, None] = None  # None: the map has no scale
 
     def places(self) -> List[List[Photo]]:

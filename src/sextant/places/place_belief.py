@@ -53,8 +53,7 @@ class BeliefParams(StrictParams):
     )
     evidence_exponent: float = param(
         0.6,
-        "exponent of the likelihood ratios; below 1, because errors of successive images are "
-        "correlated",
+        "exponent of the likelihood ratios; below 1, because errors of successive images are " "correlated",
         within(1e-6, 1),
     )
     evidence_penalty: float = param(

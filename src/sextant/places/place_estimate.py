@@ -18,8 +18,8 @@ ANY_ANGLE = math.pi**2 / 3  # variance of a uniformly distributed angle, rad^2
 class PlaceEstimate(NamedTuple):
     """Position in pixels of the overview, x to the right and y down."""
 
-    x: float
-    y: float
+    x: float  # pixels
+    y: float  # pixels
     covariance: np.ndarray  # (2, 2) pixels^2
     yaw: Optional[float]  # radians counterclockwise from the overview's right; None: unknown or contradictory
 

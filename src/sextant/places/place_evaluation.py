@@ -35,8 +35,8 @@ _BLACK_IMAGE = np.zeros((240, 320), np.uint8)
 class QueryResult(NamedTuple):
     """Localization of one query."""
 
-    query: Query
-    found: Localization
+    query: Query  # image and ground truth
+    found: Localization  # hypotheses
     seconds: float  # processing time
 
     @property
@@ -52,7 +52,7 @@ class Cost(NamedTuple):
 
     seconds: float  # until the first image can be localized
     is_loaded: bool  # whether the index was loaded from the cache and is unchanged
-    index_bytes: int
+    index_bytes: int  # size of the index
     resident_bytes: int  # growth of the process's resident memory until the end of the queries
 
 
@@ -60,9 +60,9 @@ class Cost(NamedTuple):
 class PlaceEvaluation:
     """Results of an evaluation; figures are nan if there is no data for them."""
 
-    results: Sequence[QueryResult]
+    results: Sequence[QueryResult]  # in the order of the queries
     pixels: np.ndarray  # (2,) metres per pixel of the overview along x and y; (1, 1) if the map has no scale
-    cost: Cost
+    cost: Cost  # of the index
 
     @property
     def ranks(self) -> np.ndarray:

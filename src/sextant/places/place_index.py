@@ -111,7 +111,7 @@ class PhotoFeatures(NamedTuple):
     """Features of one photo."""
 
     digest: str  # of the file's content
-    state: FileState
+    state: FileState  # of the file, to detect changes
     keypoints: np.ndarray  # uint16 (n, 2): x, y; UNIT is the longer side
     descriptors: np.ndarray  # float32 or uint8 (n, width)
     vector: np.ndarray = NO_VECTOR  # float32 (d,) global descriptor; d is 0 without one

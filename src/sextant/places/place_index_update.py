@@ -30,9 +30,9 @@ Report = Callable[[str], None]
 class PlaceIndexer:
     """Builds and caches the index of one map."""
 
-    map_path: Path
-    place_map: PlaceMap
-    params: IndexParams
+    map_path: Path  # the cache is beside it
+    place_map: PlaceMap  # content of the map file
+    params: IndexParams  # features and index
     jobs: int = 1  # processes, see sextant.base.jobs.run_jobs()
     scheduler: str = ""  # of a Dask cluster, see sextant.base.jobs.run_jobs()
     report: Report = lambda line: None  # called with each progress message

@@ -55,12 +55,12 @@ class PlaceHypothesis(NamedTuple):
 class Localization(NamedTuple):
     """Result of one image."""
 
-    status: Status
+    status: Status  # LOCALIZED, AMBIGUOUS, UNKNOWN_PLACE or UNUSABLE
     hypotheses: List[PlaceHypothesis]  # most probable first
     unknown_probability: float  # of a place that is not in the map
     estimate: Optional[PlaceEstimate]  # None unless the status is LOCALIZED
     # LOCALIZED for the first time, after UNKNOWN_PLACE, or farther away than the robot can have driven
-    relocalized: bool
+    relocalized: bool  # localized for the first time, or again
     statistics: MatchStatistics  # of the image's keypoints
     match: MatchedPhoto  # the photo that matches this image best
 

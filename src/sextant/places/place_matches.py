@@ -23,7 +23,7 @@ class Neighbours(NamedTuple):
 class MatchedPhoto(NamedTuple):
     """Matches between an image and one photo of the map."""
 
-    photo: Photo
+    photo: Photo  # of the map
     query_xy: np.ndarray  # (m, 2) keypoints of the image, as fractions of its longer side
     photo_xy: np.ndarray  # (m, 2) matched keypoints of the photo, as fractions of its longer side
     weights: np.ndarray  # (m,) larger is better

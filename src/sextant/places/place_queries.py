@@ -20,7 +20,7 @@ TOLERANCE = 2.0  # default tolerance, median distances between neighbouring plac
 class Query(NamedTuple):
     """An image with its ground truth."""
 
-    path: Path
+    path: Path  # image file
     true_places: FrozenSet[Position]  # correct places; empty: the query is not in the map
     position: Optional[Position] = None  # where it was taken; None: unknown
 

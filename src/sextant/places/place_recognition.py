@@ -53,7 +53,7 @@ class Recognition(NamedTuple):
     best_photos: List[Photo]  # (places,) most likely photo of each place
     usable: bool  # whether there is any evidence
     is_absolute: bool  # whether there are votes; otherwise log_ratios only compare places with each other
-    statistics: MatchStatistics
+    statistics: MatchStatistics  # of the image's keypoints
     match: MatchedPhoto  # of the most likely photo
 
 

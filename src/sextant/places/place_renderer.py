@@ -41,8 +41,8 @@ class Hypothesis(NamedTuple):
 class Radii(NamedTuple):
     """Radii of the dots, pixels of the overview."""
 
-    place: float
-    hypothesis: float
+    place: float  # for a place
+    hypothesis: float  # for a hypothesis
     best: float  # for the most probable hypothesis
 
 

@@ -14,7 +14,7 @@ import numpy as np
 class MatchStatistics(NamedTuple):
     """Statistics of the nearest neighbours."""
 
-    keypoints: int
+    keypoints: int  # number in the image
     matches: int  # keypoints whose nearest neighbour is in the map
     kept: int  # matches whose distance is at most the mean
     minimum: float  # distance

@@ -14,9 +14,9 @@ from sextant.places.place_votes import MatchStatistics, count_votes, kept_matche
 class VoteShares(NamedTuple):
     """Photos with their shares of the votes, in descending order; empty if there are too few votes."""
 
-    photos: List[Photo]
+    photos: List[Photo]  # of the map
     shares: List[float]  # fractions of all votes
-    statistics: MatchStatistics
+    statistics: MatchStatistics  # of the image's keypoints
     match: MatchedPhoto  # of the photo with most votes
 
 

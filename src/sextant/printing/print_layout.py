@@ -43,11 +43,11 @@ class Grid:
     The white rim may extend into the unprintable margin.
     """
 
-    piece: Piece
+    piece: Piece  # marker or chessboard with its margin
     page: Tuple[float, float]  # width, height; metres
     margin: float  # unprintable, metres
-    columns: int = 0
-    rows: int = 0
+    columns: int = 0  # 0: as many as fit
+    rows: int = 0  # 0: as many as fit
 
     @property
     def step(self) -> Tuple[float, float]:

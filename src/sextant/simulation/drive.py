@@ -107,11 +107,11 @@ class DriveParams(StrictParams):
 class Frame:
     """One frame of a drive."""
 
-    index: int
+    index: int  # number, from 0
     time: float  # seconds since the start
     image: np.ndarray  # (height, width) uint8, raw
     truth: Motion  # in map
-    odometry: OdometryReading
+    odometry: OdometryReading  # at the time of the image
 
     @property
     def T_map_base(self) -> np.ndarray:

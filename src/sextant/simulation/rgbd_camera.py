@@ -45,7 +45,7 @@ class RgbdImages(NamedTuple):
 
     colour: np.ndarray  # uint8 (height, width, 3), RGB
     depth: np.ndarray  # float32 (height, width), metres along the optical axis, 0: none
-    seen: List["sextant.VisibleObject"]
+    seen: List["sextant.VisibleObject"]  # with their boxes
 
 
 class RgbdCamera:

@@ -50,7 +50,7 @@ class WalkFrame(NamedTuple):
     time: float  # seconds since the start
     conditions: str  # key of CONDITIONS
     truth: Motion  # in the frame map
-    odometry: OdometryReading
+    odometry: OdometryReading  # at the time of the image
     image: np.ndarray  # uint8 (height, width)
 
 

@@ -35,7 +35,7 @@ class ObjectImage(NamedTuple):
     """An image and its ground truth."""
 
     image: np.ndarray  # uint8 (height, width, 3), RGB
-    truth: TrueObjects
+    truth: TrueObjects  # boxes and classes
 
 
 def random_image(seed: int, size: int) -> ObjectImage:

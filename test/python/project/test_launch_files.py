@@ -80,6 +80,7 @@ ARGUMENTS_ALONE = {
     ("ball_task.launch", "locator_params"): {"base_frame"},
 }
 
+
 def load(path, args=()):
     argv = [str(path), *args]
     return roslaunch.config.load_config_default(

@@ -4,6 +4,7 @@
 
 import ast
 import importlib
+import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -33,6 +34,30 @@ def test_python_is_documented():
     sources = sorted((ROOT / "src/sextant").rglob("*.py"))
     assert len(sources) > 200
     found = {str(path.relative_to(ROOT)): undocumented(path) for path in sources}
+    assert {path: names for path, names in found.items() if names} == {}
+
+
+def fields_without_text(path):
+    """Fields of public dataclasses and NamedTuples that have no comment behind them and are no parameter."""
+    source = path.read_text()
+    for each in ast.walk(ast.parse(source)):
+        if isinstance(each, ast.ClassDef) and not each.name.startswith("_") and is_record(each):
+            for field in each.body:
+                if isinstance(field, ast.AnnAssign) and not field.target.id.startswith("_"):
+                    text = ast.get_source_segment(source, field)
+                    line = source.splitlines()[field.end_lineno - 1]
+                    if not re.search(r"  # |= (param|required|nested|struct_param)\(", text + line):
+                        yield f"{each.name}.{field.target.id}"
+
+
+def is_record(node):
+    bases = {ast.unparse(base).rpartition(".")[2] for base in node.bases}
+    return "NamedTuple" in bases or any("dataclass" in ast.unparse(each) for each in node.decorator_list)
+
+
+def test_fields_are_documented():
+    sources = sorted((ROOT / "src/sextant").rglob("*.py"))
+    found = {str(path.relative_to(ROOT)): list(fields_without_text(path)) for path in sources}
     assert {path: names for path, names in found.items() if names} == {}
 
 

@@ -45,7 +45,7 @@ class MapFormatParams:
 class ReadMap:
     """A map that was read."""
 
-    marker_map: sextant.MarkerMap
+    marker_map: sextant.MarkerMap  # its content
     warnings: List[str] = field(default_factory=list)  # content of the file that the map cannot represent
 
 

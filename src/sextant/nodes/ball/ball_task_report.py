@@ -18,12 +18,12 @@ _LEVELS = {"waiting": DiagnosticStatus.WARN, "failed": DiagnosticStatus.ERROR}
 class BallTaskReport:
     """Counters and the present state."""
 
-    state: str = "stopped"
-    reason: str = ""
-    kicks: int = 0
-    pillars: int = 0
-    ball: str = "not seen"
-    depth_images: int = 0
+    state: str = "stopped"  # of the task
+    reason: str = ""  # of the last change of state
+    kicks: int = 0  # number of kicks
+    pillars: int = 0  # number of pillars in the map
+    ball: str = "not seen"  # when it was seen last
+    depth_images: int = 0  # number of depth images received
     without_pose: int = 0  # depth images without a pose
     rejected: int = 0  # messages
     longest_step: float = 0.0  # seconds

@@ -26,9 +26,9 @@ UNKNOWN_VARIANCE = 1e-6  # of what is not estimated: filters reject a variance o
 class SeenObject(NamedTuple):
     """A located object in the robot frame."""
 
-    class_name: str
-    kind: ObjectKind
-    place: LocatedObject
+    class_name: str  # of the detector
+    kind: ObjectKind  # shape and size
+    place: LocatedObject  # position and covariance
 
 
 def objects_message(
