@@ -4,7 +4,6 @@
 
 import dataclasses
 import inspect
-import pydoc
 import re
 
 project = "Sextant"
@@ -26,7 +25,8 @@ def setup(app):
     """Shows examples of module docstrings as they are, describes fields, and draws node graphs."""
     app.connect("source-read", _draw_node_graphs)
     app.connect("autodoc-process-docstring", _mark_examples)
-    app.connect("autodoc-process-docstring", _describe_field)
+    app.connect("autodoc-process-docstring", _describe_fields)
+    app.connect("autodoc-skip-member", _skip_listed_field)
 
 
 def _draw_node_graphs(app, docname, source):
@@ -47,14 +47,19 @@ def _mark_examples(app, what, name, obj, options, lines):
                 lines[i:i] = ["::", ""]
 
 
-def _describe_field(app, what, name, obj, options, lines):
-    """Describes a field of a dataclass or NamedTuple by its parameter's texts or the comment behind it."""
-    if what == "attribute" and (not lines or lines[0].startswith("Alias for field number")):
-        owner, _, field = name.rpartition(".")
-        lines[:] = [_rst(_text_of_field(pydoc.locate(owner), field)), ""]
+def _describe_fields(app, what, name, obj, options, lines):
+    """Lists the fields of a dataclass or NamedTuple with their texts."""
+    if what == "class" and (dataclasses.is_dataclass(obj) or hasattr(obj, "_fields")):
+        names = [name for name in vars(obj).get("__annotations__", {}) if not name.startswith("_")]
+        lines += ["", *(f":ivar {name}: {_rst(_text_of_field(obj, name))}" for name in names), ""]
+
+
+def _skip_listed_field(app, what, name, obj, skip, options):
+    return skip or (inspect.getdoc(obj) or "").startswith("Alias for field number")
 
 
 def _text_of_field(cls, name):
+    """Texts of the parameter, or the comment behind the field."""
     fields = {each.name: each for each in dataclasses.fields(cls)} if dataclasses.is_dataclass(cls) else {}
     about = fields[name].metadata if name in fields else {}
     if "what" in about:

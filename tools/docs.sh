@@ -20,7 +20,7 @@ log "C++ reference"
 doxygen <(cat tools/Doxyfile; echo "OUTPUT_DIRECTORY = $html"; echo "HTML_OUTPUT = cpp")
 
 log "pages and Python reference"
-python3 -m sphinx.ext.apidoc -q -f -M --implicit-namespaces -o "$pages/doc/api" src/sextant
+SPHINX_APIDOC_OPTIONS=members,show-inheritance python3 -m sphinx.ext.apidoc -q -f -M --implicit-namespaces -o "$pages/doc/api" src/sextant
 {
   printf '%s\n' "Compiled core" "=============" "" "All names are in the module \`\`sextant\`\`, too."
   for module in "$build"/devel/lib/python3/dist-packages/sextant/_core/*.so; do
