@@ -18,7 +18,7 @@ from tables import Row, Table, Value
 
 from sextant.base.onnx_model import BACKENDS
 from sextant.objects.colour_detector import ColourDetector, ColourParams
-from sextant.objects.detection import Detections
+from sextant.objects.detections import Detections
 from sextant.objects.shipped_model import shipped_model
 from sextant.objects.yolo_detector import YoloDetector, YoloParams
 from sextant.training.average_precision import DetectorScore, detector_score, recall_and_precision

@@ -13,8 +13,8 @@ namespace sextant {
 namespace {
 
 constexpr int kMaxIterations = 40;
-constexpr double kTilt = 0.5;  // radians about the occluded edge, of the additional starts
-// converged if a step reduces the residual norm by less, standard deviations
+constexpr double kTilt = 0.5;  // radians; tilt of the additional starts about a parallel to the occluded edge
+// converged if a step reduces the residual norm by less than this, standard deviations
 constexpr double kSettledDeviations = 1e-3;
 // maximum residual norm of a solution; seen head-on, noise may leave no exact one
 constexpr double kSolved = 4;
@@ -96,7 +96,7 @@ class Solver {
     return Solution{pose, now->residual.norm()};
   }
 
-  std::optional<ReconstructedEdge> found(const Pose& pose) const {
+  std::optional<ReconstructedEdge> edgeAt(const Pose& pose) const {
     const auto at = equations(pose);
     const Eigen::LLT<Matrix6d> information(at->jacobian.transpose() * at->jacobian);
     if (information.info() != Eigen::Success) return std::nullopt;
@@ -158,7 +158,7 @@ std::optional<ReconstructedEdge> reconstructEdge(const CameraModel& camera, cons
   if (solutions.empty()) return std::nullopt;
   const auto best = std::min_element(solutions.begin(), solutions.end(),
                                      [](auto& a, auto& b) { return a.residual < b.residual; });
-  auto found = solver.found(best->pose);
+  auto found = solver.edgeAt(best->pose);
   if (found) widen(camera, solutions, edge.first_corner, *found);
   return found;
 }

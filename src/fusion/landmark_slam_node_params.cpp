@@ -11,7 +11,7 @@ void requireThree(const Param& param) {
   const size_t count = std::get<std::vector<double>*>(param.value)->size();
   if (count != 3)
     throw std::invalid_argument(param.name + " has " + std::to_string(count) +
-                                " numbers, expected are x, y (m) and heading (rad)");
+                                " numbers, it must have three: x, y (m) and heading (rad)");
 }
 
 void requirePose(const Param& param) {

@@ -12,10 +12,11 @@
 namespace sextant {
 namespace {
 
-// Minimum numbers of images of a marker, tried in this order.
+// Minimum number of observations that fit the pose of a new marker; the next one is tried if no marker
+// reaches it.
 constexpr std::array<size_t, 3> kImages = {5, 2, 1};
 
-constexpr double kAgreement = 0.34;  // minimum fraction of the images that a pose must explain
+constexpr double kAgreement = 0.34;  // a pose must explain more than this fraction of the observations
 
 struct Placed {
   MarkerKey key;

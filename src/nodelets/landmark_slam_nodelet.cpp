@@ -53,8 +53,9 @@ class LandmarkSlamNodelet : public nodelet::Nodelet {
   }
 
   void advertise() {
-    // In this nodelet's queue: the listener's own thread would wake up a hundred times a second, and the
-    // multi-threaded queue may be destroyed before the nodelet, which a callback may keep alive.
+    // tf messages are received in this nodelet's single-threaded queue: a thread of the listener would wake
+    // up a hundred times a second, and the multi-threaded queue may be destroyed before the nodelet, because
+    // a running callback may keep the nodelet alive.
     tf_listener_ = std::make_unique<tf2_ros::TransformListener>(tf_, getNodeHandle(), false);
     transform_ = std::make_unique<MapTransform>(tf_);
     ros::NodeHandle& node = getNodeHandle();
@@ -104,7 +105,7 @@ class LandmarkSlamNodelet : public nodelet::Nodelet {
     try {
       const std::string& frame = msg->header.frame_id;
       if (frame != session_->frame())
-        throw std::invalid_argument("its frame is '" + frame + "', expected is '" + session_->frame() + "'");
+        throw std::invalid_argument("its frame is '" + frame + "', it must be '" + session_->frame() + "'");
       session_->setPose(planarFromMsg(msg->pose));
     } catch (const std::exception& error) {
       trouble_->refused("initialpose", pose_sub_.getTopic() + " is not used: " + error.what());
@@ -130,7 +131,7 @@ class LandmarkSlamNodelet : public nodelet::Nodelet {
   void applyOdometry(const nav_msgs::Odometry& msg) {
     requireHeader(msg);
     const Pose2 T_odom_base = planarFromMsg(msg.pose.pose);
-    if (odometry_ && (odometry_->header.stamp - msg.header.stamp).toSec() > kJumpBack) restart();
+    if (odometry_ && jumpsBack(msg.header.stamp, odometry_->header.stamp)) restart();
     const int jumps = session_->timeline().jumps();
     if (!session_->timeline().odometry(msg.header.stamp.toSec(), T_odom_base))
       throw std::invalid_argument("its stamp is not newer than that of the last message");
@@ -216,7 +217,7 @@ class LandmarkSlamNodelet : public nodelet::Nodelet {
 
   // ---- publishing
 
-  /// Empty if unknown before the first odometry.
+  /// Empty before the first odometry if ~base_frame is not set.
   std::string baseFrame() const {
     return odometry_ && params_.base_frame.empty() ? odometry_->child_frame_id : params_.base_frame;
   }

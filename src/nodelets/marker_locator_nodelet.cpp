@@ -132,7 +132,7 @@ class MarkerLocatorNodelet : public nodelet::Nodelet {
   void onMarkers(size_t camera, const MarkerArrayConstPtr& msg) {
     report_->image();
     const ros::Time stamp = msg->header.stamp;
-    if (!stamp.isZero() && newest_[camera].toSec() - stamp.toSec() > kJumpBack) restart();
+    if (!stamp.isZero() && jumpsBack(stamp, newest_[camera])) restart();
     newest_[camera] = stamp;
     groups_->add(camera, stamp.toSec(), ros::SteadyTime::now().toSec(), msg);
     processPending();

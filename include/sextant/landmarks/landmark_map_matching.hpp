@@ -14,7 +14,7 @@ namespace sextant {
 
 /// A landmark of a map with its marginal covariance.
 struct MapPoint {
-  Landmark2D landmark;         ///< position in the map, with its covariance
+  Landmark2D landmark;         ///< position, and heading if it has one, in its map
   LandmarkLabel label;         ///< class or marker, as far as known
   Eigen::Matrix2d covariance;  ///< of its position, in the axes of its map
 };
@@ -35,8 +35,8 @@ struct LandmarkMapMatch {
 };
 
 /// Finds a local map in a larger one. Pairs of landmarks with the same distance in both maps, and landmarks
-/// with an id and a heading, generate pose hypotheses. Each is scored by the likelihood ratio of all local
-/// landmarks to landmarks at random positions.
+/// with an id and a heading, generate pose hypotheses. A hypothesis is scored by a likelihood ratio:
+/// how likely the local landmarks are if the pose is right, compared with landmarks at random positions.
 /// @returns nothing if no hypothesis is significantly more likely than chance and than all others
 std::optional<LandmarkMapMatch> matchLandmarkMaps(const std::vector<MapPoint>& local,
                                                   const std::vector<MapPoint>& map,

@@ -31,18 +31,19 @@ InstantHypotheses locateInstant(const RecordedInstant& instant, const MarkerMap&
                                 const PathParams& params, const std::optional<PosePrior>& prior,
                                 const std::set<MarkerKey>& without = {});
 
-/// The markers to which the indices PoseHypothesis::used refer, with the same arguments.
+/// The markers that PoseHypothesis::used indexes, if locateInstant() was called with the same arguments.
 std::vector<MarkerKey> markersInSight(const RecordedInstant& instant, const MarkerMap& map,
                                       const PathParams& params, const std::set<MarkerKey>& without = {});
 
 /// Locates the base at each instant of a recording: all poses that explain the mapped markers. Odometry from
 /// the nearest unambiguous instants resolves ambiguities and replaces missing observations.
-/// @param kept hypotheses of instants that are not located again; empty at the others
+/// @param kept hypotheses of each instant; one with hypotheses is not located from scratch, but again if they
+/// are ambiguous and odometry predicts it
 std::vector<InstantHypotheses> locateRecording(const MarkerRecording& recording, const MarkerMap& map,
                                                const PathParams& params,
                                                std::vector<InstantHypotheses> kept = {});
 
-/// Whether the best hypothesis has this probability.
+/// Whether the best hypothesis has at least this probability.
 bool isUnambiguous(const InstantHypotheses& hypotheses, double min_probability);
 
 /// Whether the best hypothesis can be used as the pose: it is unambiguous, or several markers agree on it.

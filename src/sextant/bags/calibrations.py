@@ -15,4 +15,4 @@ def camera_from_file(path: str, rectified: bool) -> DriveCamera:
     try:
         return DriveCamera(read_calibration(path), rectified)
     except CalibrationFileError as error:
-        raise BagError(path, error.what, "expected is a YAML file as camera_calibration writes it") from None
+        raise BagError(path, error.what, "it must be a YAML file as camera_calibration writes it") from None

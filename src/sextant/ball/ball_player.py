@@ -21,7 +21,7 @@ from sextant.geometry.plane_poses import composed, rotation
 from sextant.objects.ball_observations import BallObservations
 from sextant.objects.ball_tracker import BallTracker, BallTrackerParams
 from sextant.objects.ball_visibility import BallVisibility
-from sextant.objects.detection import Detector
+from sextant.objects.detections import Detector
 from sextant.objects.object_kinds import BALL, KINDS
 from sextant.objects.object_locator import LocatedObject, ObjectLocator, ObjectLocatorParams
 

@@ -31,7 +31,7 @@ class DepthPoints:
         :raises ValueError: the depth image and its camera differ in size
         """
         if depth.shape[::-1] != self._size:
-            message = "the depth image is {1}×{0}, its camera {2}×{3}"
+            message = "the depth image is {1}×{0}, its camera_info has {2}×{3}"
             raise ValueError(message.format(*depth.shape, *self._size))
         found = depth[self._at]
         which = (found > 0.0) & self._has_ray

@@ -12,7 +12,7 @@ import sextant
 from sextant.ball.ball_player import BallPlayer, BallPlayerParams, RgbdMount
 from sextant.ball.goal import goal_between, goes_through
 from sextant.ball.task_view import Action
-from sextant.objects.detection import Detector
+from sextant.objects.detections import Detector
 from sextant.simulation.ball_simulation import BallSimulation, BallSimulationParams
 from sextant.simulation.ball_world import random_world
 from sextant.simulation.rgbd_camera import RgbdImages

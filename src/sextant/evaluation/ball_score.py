@@ -13,7 +13,7 @@ import numpy as np
 from sextant.ball.ball_player import BallPlayerParams
 from sextant.evaluation.ball_match import MatchResult, Watch, play
 from sextant.objects.colour_detector import ColourDetector, ColourParams
-from sextant.objects.detection import Detector
+from sextant.objects.detections import Detector
 from sextant.objects.object_locator import ObjectLocatorParams
 from sextant.objects.yolo_detector import YoloDetector, YoloParams
 from sextant.simulation.rgbd_camera import RgbdParams

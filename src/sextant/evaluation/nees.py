@@ -27,7 +27,7 @@ class Nees:
 
     @property
     def consistent(self) -> bool:
-        """Whether the mean is within the band; above, covariances are too small, below, too large."""
+        """Whether the mean is within the band: above it the covariances are too small, below it too large."""
         return self.band[0] <= self.mean <= self.band[1]
 
 
@@ -57,7 +57,7 @@ def _nees_at(stamp: int, truth: np.ndarray, estimate: np.ndarray, covariance: np
 
 
 def nees_band(samples: int) -> Tuple[float, float]:
-    """Returns the confidence band of the mean NEES of independent samples: chi-square with 6 degrees each."""
+    """Returns the confidence band of the mean NEES of independent samples: chi-square, 6 degrees each."""
     if samples == 0:
         return np.nan, np.nan
     low, high = chi2.ppf([0.5 - 0.5 * CONFIDENCE, 0.5 + 0.5 * CONFIDENCE], samples * 6) / samples

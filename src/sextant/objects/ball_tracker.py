@@ -8,7 +8,7 @@ from typing import Callable, List, NamedTuple, Optional, Sequence, Tuple
 import numpy as np
 
 from sextant.base.strict_params import StrictParams, nested, param, within
-from sextant.objects.ball_motion import (
+from sextant.objects.ball_filter import (
     BallModes,
     BallMotionParams,
     combined,

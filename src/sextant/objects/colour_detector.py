@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 
 from sextant.base.strict_params import Check, StrictParams, param, parse_params, required, within
-from sextant.objects.detection import Detections, check_image
+from sextant.objects.detections import Detections, check_image
 from sextant.objects.object_kinds import BALL, GOAL
 
 CLOSING_KERNEL = np.ones((3, 3), np.uint8)  # closes gaps caused by noise

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 
 from sextant.landmarks.landmark_colours import colour_of_class
-from sextant.objects.detection import Detections
+from sextant.objects.detections import Detections
 
 FONT, DARK, LIGHT = cv2.FONT_HERSHEY_SIMPLEX, (20, 20, 20), (255, 255, 255)
 FONT_SCALE = 1.0 / 900.0  # font size per pixel of the image's height

@@ -108,7 +108,7 @@ class ObjectLocator:
         width, height = self._depth.size
         if depth.shape != (height, width):
             raise ValueError(
-                f"the depth image is {depth.shape[1]}×{depth.shape[0]}, its camera {width}×{height}"
+                f"the depth image is {depth.shape[1]}×{depth.shape[0]}, its camera_info has {width}×{height}"
             )
         found = [
             self._located(depth, box, kind, T_base_colour) for box, kind in zip(np.asarray(boxes), kinds)

@@ -12,8 +12,9 @@ import numpy as np
 
 from sextant.base.onnx_model import BACKENDS, ModelInfo, open_network, read_model
 from sextant.base.strict_params import Check, StrictParams, one_of, param, within
-from sextant.objects.detection import Detections, check_image, non_maximum_suppression
+from sextant.objects.detections import Detections, check_image
 from sextant.objects.letter_box import GREY, blob_of, letter_box
+from sextant.objects.non_maximum_suppression import non_maximum_suppression
 from sextant.objects.yolo_output import decoded
 
 MULTIPLE = 32  # pixels; exporters round the input size up: 240 is exported as 256

@@ -13,7 +13,7 @@ from typing import Dict, List, Sequence, Tuple
 
 import numpy as np
 
-from sextant.objects.detection import Detections
+from sextant.objects.detections import Detections
 
 STRIDES = (8, 16, 32)  # pixels of the input per cell of each grid
 BINS = 16  # of a distance distribution, one cell each

@@ -33,7 +33,7 @@ class GlobalDescriptorParams(StrictParams):
     )
     width: int = param(0, "input width of the network; 0: that of the model", within(0, MAX_SIDE), "px")
     height: int = param(0, "input height of the network; 0: that of the model", within(0, MAX_SIDE), "px")
-    channels: str = param("RGB", "channel order of the input", one_of(*CHANNELS))
+    channels: str = param("RGB", "channels of the input and their order", one_of(*CHANNELS))
     mean: Tuple[float, ...] = param(
         IMAGENET_MEAN,
         "subtracted from pixel values in [0, 1]",

@@ -18,7 +18,7 @@ from sextant.places.place_verification import displacement_support
 from sextant.places.place_votes import MatchStatistics, lnbnn_scores, lnbnn_weights, match_statistics
 
 CELLS = 8  # number of cells along each side of the image, see contrast()
-MAX_DIFFERENCE = 500.0  # maximum difference to the largest log ratio, so that the exponential is not 0
+MAX_DIFFERENCE = 500.0  # log ratios farther below the largest are raised to this: no exponential is 0
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ class RecognitionParams(StrictParams):
 class Recognition(NamedTuple):
     """Evidence of one image for the places in the order of PlaceMap.places()."""
 
-    scores: np.ndarray  # (places,) score of each best photo by votes; at least 0, larger is better
+    scores: np.ndarray  # (places,) score by votes of the most likely photo; at least 0, larger is better
     log_ratios: np.ndarray  # (places,) log likelihood ratio of each place against an unknown place
     best_photos: List[Photo]  # (places,) most likely photo of each place
     usable: bool  # whether there is any evidence
@@ -124,7 +124,7 @@ class PlaceRecognizer:
         return scores + self._params.displacement_weight * support / np.maximum(counts, 1) ** exponent
 
     def _best(self, order: np.ndarray) -> np.ndarray:
-        """Number (places,) of the photo of each place that is last in the order."""
+        """Numbers (places,) of photos: for each place, its photo that comes last in the order."""
         best = np.zeros(1 + self._photos.place_of.max(), int)
         best[self._photos.place_of[order]] = order  # the last assignment remains
         return best

@@ -7,7 +7,7 @@ from typing import List, NamedTuple, Sequence, Tuple
 
 import numpy as np
 
-from sextant.objects.detection import Detections
+from sextant.objects.detections import Detections
 
 MIN_OVERLAP = 0.5  # minimum intersection over union of a box that matches an object
 

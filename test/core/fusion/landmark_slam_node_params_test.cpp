@@ -34,7 +34,7 @@ TEST(LandmarkSlamNodeParams, RefusesAPoseThatIsNotThreeNumbers) {
   LandmarkSlamNodeParams params;
   params.start_pose = {1, 2};
   EXPECT_EQ(refusal<std::invalid_argument>([&] { validate(params); }),
-            "start_pose has 2 numbers, expected are x, y (m) and heading (rad)");
+            "start_pose has 2 numbers, it must have three: x, y (m) and heading (rad)");
 }
 
 }  // namespace

@@ -57,5 +57,5 @@ def test_points_are_projected_to_the_pixels_that_are_picked(step):
 
 
 def test_an_image_of_another_size_is_refused():
-    with pytest.raises(ValueError, match="depth image is 32×48, its camera 64×48"):
+    with pytest.raises(ValueError, match="depth image is 32×48, its camera_info has 64×48"):
         DepthPoints(camera_with(D), T_BASE_DEPTH).of(np.ones((48, 32), np.float32))

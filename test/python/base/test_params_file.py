@@ -47,7 +47,7 @@ def test_every_parameter_is_an_attribute_of_its_type():
         ("gate: wide", "gate: must be a finite number, is 'wide'"),
         ("max_hypotheses: 1000.5", "max_hypotheses: must be a whole number, is 1000.5"),
         ("read_only: 1", "read_only: must be true or false, is 1"),
-        ("start_pose: [1, 2]", "start_pose has 2 numbers, expected are x, y (m) and heading (rad)"),
+        ("start_pose: [1, 2]", "start_pose has 2 numbers, it must have three: x, y (m) and heading (rad)"),
         ("pose_sigma: [0, 1, 1]", "pose_sigma is 0, allowed is (0, 1000] m, m, rad"),
         ("cameras: [a, a]", "cameras: 'a' is listed twice"),
         ("start: here", "start is 'here', allowed is one of origin, map, unknown"),

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from sextant.landmarks.landmark_colours import NAMED
-from sextant.objects.detection import NO_DETECTIONS, Detections
 from sextant.objects.detection_image import detection_image
+from sextant.objects.detections import NO_DETECTIONS, Detections
 
 CLASSES = ["blue_pillar", "red_pillar"]
 GREY = np.full((240, 320, 3), 128, np.uint8)

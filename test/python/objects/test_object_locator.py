@@ -133,7 +133,7 @@ def test_the_covariance_grows_with_the_range():
 
 def test_a_depth_image_of_another_size_is_refused_with_both_sizes():
     scene = Scene([(1.5, 0.0)])
-    with pytest.raises(ValueError, match="the depth image is 320×240, its camera 640×480"):
+    with pytest.raises(ValueError, match="the depth image is 320×240, its camera_info has 640×480"):
         scene.located(0, depth=scene.depth[::2, ::2])
 
 

@@ -136,10 +136,10 @@ class ObjectLocatorTest(unittest.TestCase):
         for depth, encoding, size, reason in (
             (nothing, "32FC1", None, "/depth/image: no pixel has a depth"),
             (nothing + np.nan, "32FC1", None, "/depth/image: no pixel has a depth"),
-            (nothing[::2, ::2] + 1, "32FC1", None, "the depth image is 320×240, its camera 640×480"),
+            (nothing[::2, ::2] + 1, "32FC1", None, "the depth image is 320×240, its camera_info has 640×480"),
             (nothing, "16UC1", None, "no pixel has a depth"),
             (np.zeros((480, 640), np.uint8), "mono8", None, "the encoding 'mono8' is not depth"),
-            (nothing + 1, "32FC1", (320, 240), "the image is 320×240, its camera 640×480"),
+            (nothing + 1, "32FC1", (320, 240), "the image is 320×240, its camera_info has 640×480"),
         ):
             stamp = camera.take(depth, encoding, size)
             self.assertTrue(until(lambda text=reason: text in count.summary(STATUS)), count.summary(STATUS))

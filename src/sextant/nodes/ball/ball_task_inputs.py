@@ -14,7 +14,7 @@ from sextant.msg import LandmarkMapEntries, Objects
 from sextant.nodes.base.pose_messages import pose_from_message
 from sextant.nodes.base.stamp_pairs import Pair, StampPairs
 from sextant.nodes.objects.pose_buffer import PoseBuffer
-from sextant.objects.ball_motion import roll
+from sextant.objects.ball_filter import roll
 from sextant.objects.object_kinds import BALL
 
 WAITING = 60  # depth images

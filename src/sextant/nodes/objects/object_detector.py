@@ -19,8 +19,8 @@ from sextant.nodes.images.latest_image import LatestImage
 from sextant.nodes.objects.object_detector_node_params import ObjectDetectorParams
 from sextant.nodes.objects.object_detector_report import ObjectDetectorReport
 from sextant.nodes.objects.object_messages import objects_message
-from sextant.objects.detection import Detector
 from sextant.objects.detection_image import detection_image
+from sextant.objects.detections import Detector
 
 
 class ObjectDetectorNode:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 from sextant.base.strict_params import StrictParams, nested, one_of, param, within
 from sextant.objects.colour_detector import ColourDetector, ColourParams
-from sextant.objects.detection import Detector
+from sextant.objects.detections import Detector
 from sextant.objects.shipped_model import shipped_model
 from sextant.objects.yolo_detector import YoloDetector, YoloParams
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Node object_locator: locates detected pillars by depth images and tracks the ball."""
+"""Node object_locator: locates detected pillars and balls in depth images, and tracks the ball."""
 
 import threading
 import time
@@ -108,7 +108,8 @@ class ObjectLocatorNode:
         locator, T_base_colour = self._locator.at(objects.header, depth.header)
         size = tuple(self._locator.colour.size)
         if (objects.width, objects.height) != size:
-            raise ValueError(f"the image is {objects.width}×{objects.height}, its camera {size[0]}×{size[1]}")
+            image, camera = f"{objects.width}×{objects.height}", f"{size[0]}×{size[1]}"
+            raise ValueError(f"the image is {image}, its camera_info has {camera}")
         known = self._known(objects.objects)
         boxes = np.array([[each.left, each.top, each.right, each.bottom] for each in known]).reshape(-1, 4)
         kinds = [self._kinds[each.class_name] for each in known]

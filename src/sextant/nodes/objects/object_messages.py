@@ -13,7 +13,7 @@ from visualization_msgs.msg import Marker
 from sextant.landmarks.landmark_colours import colour_of_class
 from sextant.msg import LandmarkObservation, LandmarkObservations, ObjectBox, Objects
 from sextant.objects.ball_tracker import BallEstimate
-from sextant.objects.detection import Detections
+from sextant.objects.detections import Detections
 from sextant.objects.object_kinds import ObjectKind
 from sextant.objects.object_locator import LocatedObject
 

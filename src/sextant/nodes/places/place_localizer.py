@@ -15,6 +15,7 @@ from std_msgs.msg import Header
 from std_srvs.srv import Trigger, TriggerResponse
 
 from sextant.base.jobs import JobError, SchedulerError
+from sextant.base.stamp_jump import jumps_back
 from sextant.messages.damaged_message import DamagedMessage
 from sextant.messages.image_messages import colour_compressed, colour_image
 from sextant.msg import PlaceHypotheses, Places
@@ -34,9 +35,6 @@ from sextant.places.odometry_track import OdometryTrack
 from sextant.places.place_localizer import Localization, PlaceLocalizer, Status
 
 WARN_EVERY = 10.0  # seconds
-LATE = rospy.Duration(
-    1.0
-)  # an image older than the last one by less is late and skipped; by more: the clock was set back
 MATCH_SIDE = 640  # of the map's photo in the match image, pixels
 
 _DECODE = {Image: colour_image, CompressedImage: colour_compressed}
@@ -121,7 +119,7 @@ class PlaceLocalizerNode:
         """Whether a newer image was processed already; resets the localizer if the clock was set back."""
         if self._last is None or stamp >= self._last:
             return False
-        if self._last - stamp < LATE:
+        if not jumps_back(stamp.to_nsec(), self._last.to_nsec()):
             self.report.late += 1
             return True
         rospy.logwarn("the images' clock was set back: the belief is reset")

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Motion of a ball with three modes: resting, rolling, and kicked since the last observation.
+"""Kalman filter of a ball with three modes: resting, rolling, and kicked since the last observation.
 
 Interacting multiple model filter (Blom and Bar-Shalom 1988, "The interacting multiple model algorithm for
 systems with Markovian switching coefficients"). A rolling ball decelerates until it rests; a kicked ball may

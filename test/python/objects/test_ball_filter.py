@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sextant.objects.ball_motion import (
+from sextant.objects.ball_filter import (
     KICKED,
     RESTING,
     ROLLING,

@@ -5,7 +5,8 @@
 import numpy as np
 import pytest
 
-from sextant.objects.detection import NO_DETECTIONS, Detections, check_image, non_maximum_suppression
+from sextant.objects.detections import NO_DETECTIONS, Detections
+from sextant.objects.non_maximum_suppression import non_maximum_suppression
 
 # The second and the third overlap the first by 1/3 and 9/11.
 BOXES = np.array([[0, 0, 10, 10], [5, 0, 15, 10], [0, 1, 10, 11], [40, 40, 50, 50]], float)
@@ -39,11 +40,3 @@ def test_only_the_highest_scores_are_kept():
 
 def test_no_detections_stay_none():
     assert len(non_maximum_suppression(NO_DETECTIONS, 0.5, False, 10).boxes) == 0
-
-
-@pytest.mark.parametrize(
-    "shape, kind", [((4, 4), "uint8"), ((4, 4, 4), "uint8"), ((0, 4, 3), "uint8"), ((4, 4, 3), "float32")]
-)
-def test_an_image_without_colours_is_refused(shape, kind):
-    with pytest.raises(ValueError, match=r"it must be uint8 \(height, width, 3\)"):
-        check_image(np.zeros(shape, kind))
