@@ -20,7 +20,12 @@ MIN_OVERSHOOT = 0.1  # metres behind the goal line that a final kick must be abl
 BEYOND_CONTACT = 0.05  # metres that the robot drives on after contact
 BRAKING = 1.0  # m/s^2, deceleration of the robot after contact
 TOLERANCE_REWARD = 5.0  # metres of path that a radian of tolerance is worth
-MIN_AIM = 0.1  # metres from ball to target; for a ball nearer to the goal line the target is behind the line
+MIN_AIM = 0.1  # metres; minimum distance from the ball to the line it is aimed at
+MIN_TOWARD_GOAL = 0.2  # cosine of the angle between a shot at the goal and the goal's normal
+# Obstacles from this far behind the ball to this far beyond its target limit a kick's tolerance, metres.
+BEHIND_BALL, BEYOND_TARGET = 0.05, 0.1
+MIN_RANGE = 0.2  # metres; a nearer obstacle counts as one at this distance
+NO_OBSTACLE = 1.0  # radians; tolerance of a kick with no obstacle ahead
 
 
 @dataclass(frozen=True)
@@ -36,7 +41,7 @@ class KickParams(StrictParams):
     run_up: float = param(
         0.62,
         "distance between the centres of robot and ball at the start of a kick",
-        also(within(1e-3, 5), "more than both radii"),
+        also(within(1e-3, 5), "at least `robot_radius` + `ball_radius`"),
         "m",
     )
     min_kick_speed: float = param(
@@ -60,18 +65,28 @@ class KickParams(StrictParams):
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.run_up < self.robot_radius + self.ball_radius:
-            raise ParamError("run_up", "must be more than robot_radius + ball_radius", self.run_up)
+            raise ParamError("run_up", "must be at least robot_radius + ball_radius", self.run_up)
         if self.min_kick_speed > self.max_kick_speed:
             raise ParamError("min_kick_speed", "must be at most", self.min_kick_speed, "max_kick_speed")
 
     def speed(self, distance: float, gain: float) -> float:
-        """Speed of the robot (m/s) that makes the ball roll a distance (metres): v^2 = 2 a s, restitution."""
+        """Speed of the robot (m/s) at contact that makes the ball roll a distance (metres): v^2 = 2 a s,
+        restitution; limited to min_kick_speed and max_kick_speed.
+
+        :param gain: correction learned from earlier kicks on this floor, 1: none
+        """
         wanted = gain * math.sqrt(2.0 * self.ball_deceleration * distance) / (1.0 + self.ball_restitution)
         return min(max(wanted, self.min_kick_speed), self.max_kick_speed)
 
     def roll(self, distance: float) -> float:
-        """Distance (metres) to roll for a ball at this distance from the goal line: beyond the line or, if
-        that is out of reach, short of it, so that the robot can still drive behind the ball."""
+        """Distance (metres) that a final kick should make the ball roll.
+
+        It passes the line by `overshoot`, or by less if max_kick_speed does not suffice. If it cannot pass it
+        by MIN_OVERSHOOT, it stops MIN_DISTANCE or more before the target, from where another final kick can
+        start.
+
+        :param distance: from the ball to its target on the goal line
+        """
         reach = ((1.0 + self.ball_restitution) * self.max_kick_speed) ** 2 / (2.0 * self.ball_deceleration)
         if reach > distance + MIN_OVERSHOOT:
             return min(distance + self.overshoot, reach)
@@ -85,8 +100,8 @@ class Kick(NamedTuple):
     target: np.ndarray  # (2,) metres, map: on the goal line if final, else where the ball stops
     start: np.ndarray  # (2,) metres, map: position of the robot before the run-up
     distance: float  # metres that the ball is planned to roll
-    tolerance: float  # radians, largest angular error with which the ball touches nothing
-    is_final: bool  # whether it leads through the goal
+    tolerance: float  # radians, as angular_tolerance()
+    is_final: bool  # aimed through the goal (the ball may be too far away to reach it)
 
     @property
     def direction(self) -> np.ndarray:
@@ -107,13 +122,13 @@ class KickPlanner:
         self._params, self._goal, self._costmap, self._costs = params, goal, costmap, costs
         self._discs = np.array(discs).reshape(-1, 3)
 
-    def plan(self, ball: np.ndarray, before: Optional[Kick] = None) -> Optional[Kick]:
+    def plan(self, ball: np.ndarray, previous: Optional[Kick] = None) -> Optional[Kick]:
         """Plan the best kick; None: no kick is possible.
 
-        :param before: the previous plan, kept among equally good kicks
+        :param previous: the previous plan, kept among equally good kicks
         """
         direct = list(self._through_goal(ball))
-        best = _most_tolerant(direct, before)
+        best = _most_tolerant(direct, previous)
         if best is not None and best.tolerance >= self._params.min_tolerance:
             return best
         return min(self._toward(ball), default=(math.inf, best), key=lambda each: each[0])[1]
@@ -121,12 +136,14 @@ class KickPlanner:
     def _through_goal(self, ball: np.ndarray, must_be_reachable: bool = True) -> Iterator[Kick]:
         """Kicks to the goal line, those to its middle first."""
         goal, params = self._goal, self._params
-        before = goal.distance_before(ball)
-        if before < -params.ball_radius:
+        ahead_of_line = goal.distance_before(ball)
+        if ahead_of_line < -params.ball_radius:
             return
-        middle = goal.middle + min(before - MIN_AIM, 0.0) * goal.normal
+        # The normal points toward the ball: a ball closer than MIN_AIM is aimed at a line shifted behind the
+        # goal line.
+        middle = goal.middle + min(ahead_of_line - MIN_AIM, 0.0) * goal.normal
         along = (goal.posts[1] - goal.posts[0]) / goal.width
-        # One ball diameter of clearance to the posts.
+        # The ball's centre passes 3 radii from a post's axis: its surface, 2 radii (one diameter).
         half = max(0.0, 0.5 * goal.width - 3.0 * params.ball_radius)
         for off in sorted(np.linspace(-half, half, TARGETS), key=abs):
             target = middle + off * along
@@ -153,9 +170,10 @@ class KickPlanner:
             return False
         if must_be_reachable and not np.isfinite(self._costs[self._costmap.cell(kick.start)]):
             return False
-        contact = self._params.robot_radius + self._params.ball_radius - BEYOND_CONTACT
-        rest = max(0.0, contact - self._params.speed(kick.distance, 1.0) ** 2 / (2.0 * BRAKING))
-        return self._costmap.is_line_free(kick.start, kick.ball - rest * kick.direction)
+        # Distances from the robot's centre to where the ball lay: where it begins to brake, where it stands.
+        reach = self._params.robot_radius + self._params.ball_radius - BEYOND_CONTACT
+        stop = max(0.0, reach - self._params.speed(kick.distance, 1.0) ** 2 / (2.0 * BRAKING))
+        return self._costmap.is_line_free(kick.start, kick.ball - stop * kick.direction)
 
     def _toward(self, ball: np.ndarray) -> Iterator[Tuple[float, Kick]]:
         """Intermediate kicks to where a final one is possible, with the cost of both, metres."""
@@ -170,6 +188,7 @@ class KickPlanner:
                     continue  # unknown floor: there may be a wall
                 last = _most_tolerant(list(self._through_goal(end, False)), None)
                 if last is not None and last.tolerance >= params.min_tolerance:
+                    # The length of this kick counts twice: an empirical weight.
                     cost = self._costs[self._costmap.cell(kick.start)] + 2.0 * length + last.distance
                     yield (
                         cost - TOLERANCE_REWARD * min(kick.tolerance, last.tolerance, ENOUGH_TOLERANCE),
@@ -178,32 +197,37 @@ class KickPlanner:
 
 
 def angular_tolerance(ball: np.ndarray, target: np.ndarray, discs: np.ndarray, radius: float) -> float:
-    """Largest angular error (radians) with which the ball touches no obstacle; negative: it always does.
+    """Angular error (radians) up to which the ball touches no obstacle; negative: it touches one even without
+    an error; NO_OBSTACLE: no obstacle ahead.
 
     :param discs: (n, 3) x, y, radius of the obstacles. :param radius: of the ball, metres
     """
     off = target - ball
     distance = float(np.linalg.norm(off))
     along = off / max(distance, 1e-9)
-    rest = discs[:, :2] - ball
-    ahead = rest @ along
-    aside = abs(rest[:, 0] * along[1] - rest[:, 1] * along[0])
-    which = (ahead > -0.05) & (ahead < distance + 0.1)
+    to_discs = discs[:, :2] - ball
+    ahead = to_discs @ along
+    aside = abs(to_discs[:, 0] * along[1] - to_discs[:, 1] * along[0])
+    which = (ahead > -BEHIND_BALL) & (ahead < distance + BEYOND_TARGET)
     room = aside - discs[:, 2] - radius
-    return float(min(room[which] / np.maximum(ahead[which], 0.2), default=1.0))
+    # Small angles: lateral room / range.
+    return float(min(room[which] / np.maximum(ahead[which], MIN_RANGE), default=NO_OBSTACLE))
 
 
 def straight_ahead(
     kick: Kick, pose: np.ndarray, goal: Goal, discs: np.ndarray, radius: float
 ) -> Optional[Kick]:
-    """The kick of a robot that drives from its pose straight to the ball; None: it would miss the goal, but a
-    final kick is planned. :param discs: and radius as angular_tolerance()"""
+    """The planned kick, redirected to the line from the robot through the ball. None: the plan is to shoot at
+    the goal, and this line misses it (or is nearly parallel to the goal line).
+
+    :param kick: planned. :param pose: (3,) of the robot. :param discs: and radius as angular_tolerance()
+    """
     off = kick.ball - pose[:2]
     along = off / np.linalg.norm(off)
     distance = float(np.linalg.norm(kick.target - kick.ball))
     if kick.is_final:
         toward = -float(along @ goal.normal)
-        if toward < 0.2:
+        if toward < MIN_TOWARD_GOAL:
             return None
         distance = max(goal.distance_before(kick.ball), MIN_AIM) / toward
     target = kick.ball + distance * along
@@ -213,12 +237,12 @@ def straight_ahead(
     return kick._replace(target=target, start=pose[:2].copy(), tolerance=found)
 
 
-def _most_tolerant(kicks: List[Kick], before: Optional[Kick]) -> Optional[Kick]:
+def _most_tolerant(kicks: List[Kick], previous: Optional[Kick]) -> Optional[Kick]:
     """The kick with the largest tolerance; of equally good ones the one closest to the previous plan."""
     if not kicks:
         return None
     best = max(min(kick.tolerance, ENOUGH_TOLERANCE) for kick in kicks)
     good = [kick for kick in kicks if kick.tolerance >= best - 0.01]
-    if before is None:
+    if previous is None:
         return good[0]
-    return min(good, key=lambda kick: round(float(np.linalg.norm(kick.target - before.target)), 2))
+    return min(good, key=lambda kick: round(float(np.linalg.norm(kick.target - previous.target)), 2))

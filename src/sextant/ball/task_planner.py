@@ -46,12 +46,15 @@ class TaskPlanner:
         """Corners (n, 2) of the robot's path to a point, also around the ball; None: no path."""
         return self.with_ball.path(self._view.pose[:2], end)
 
-    def kick(self, goal: Goal, before: Optional[Kick]) -> Optional[Kick]:
-        """The best kick of the ball, which must be known; None: no kick."""
+    def kick(self, goal: Goal, previous: Optional[Kick]) -> Optional[Kick]:
+        """The best kick of the ball, which must be known; None: no kick.
+
+        :param previous: the previous plan; None: none
+        """
         costs, _ = self.with_ball.costs(self._view.pose[:2])
         without_ball = self._costmap(self.discs)
         planner = KickPlanner(self._params.kick, goal, self.discs, without_ball, costs)
-        return planner.plan(self._view.ball.position, before)
+        return planner.plan(self._view.ball.position, previous)
 
     def vantage(self) -> Optional[np.ndarray]:
         """A point (2,) close to many frontier cells (Yamauchi 1997, "A frontier-based approach for autonomous

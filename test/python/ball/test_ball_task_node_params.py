@@ -33,7 +33,7 @@ def test_every_value_reaches_its_place():
         ({"max_kicks": 2.5}, "/ball_task/max_kicks: must be a whole number, is 2.5"),
         ({"max_kicks": 0}, "/ball_task/max_kicks: must be within [1, 100], is 0"),
         ({"speed": 50.0}, "/ball_task/speed: must be within [0.001, 10], is 50.0"),
-        ({"run_up": 0.2}, "/ball_task/run_up: must be more than robot_radius + ball_radius, is 0.2"),
+        ({"run_up": 0.2}, "/ball_task/run_up: must be at least robot_radius + ball_radius, is 0.2"),
         ({"grid_resolution": 2.0}, "/ball_task/grid_resolution: must be within [0.01, 1], is 2.0"),
         (
             {"grid_floor_tolerance": 0.15},

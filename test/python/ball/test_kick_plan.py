@@ -22,7 +22,7 @@ def goal_before(ball):
     return goal_between(np.array(POSTS[0][:2]), np.array(POSTS[1][:2]), np.asarray(ball))
 
 
-def planned(ball, others=(), robot=(2.5, 0.5), before=None, seen=(-5.0, 5.0)):
+def planned(ball, others=(), robot=(2.5, 0.5), previous=None, seen=(-5.0, 5.0)):
     """The kick, among pillars, on a floor that is seen. :param seen: from and to which y"""
     ball, robot = np.array(ball, float), np.array(robot, float)
     grid = FloorGrid(FloorGridParams(half_side=5.0))
@@ -32,7 +32,7 @@ def planned(ball, others=(), robot=(2.5, 0.5), before=None, seen=(-5.0, 5.0)):
     about = np.array([robot, ball, [-1.0, -1.5], [2.5, 1.5]])
     free = Costmap(grid, discs, 0.237, about)
     costs, _ = Costmap(grid, [*discs, Disc(*ball, PARAMS.ball_radius)], 0.237, about).costs(robot)
-    return KickPlanner(PARAMS, goal_before([1.0, 0.0]), discs, free, costs).plan(ball, before)
+    return KickPlanner(PARAMS, goal_before([1.0, 0.0]), discs, free, costs).plan(ball, previous)
 
 
 def test_a_ball_that_is_kicked_so_fast_rolls_so_far():
@@ -149,9 +149,9 @@ def test_a_ball_on_the_line_is_kicked_across_it_and_one_behind_it_is_brought_bac
 def test_of_kicks_as_good_it_keeps_to_the_one_it_planned():
     first = planned([1.0, 0.0])
     other = first._replace(target=np.array([0.0, 0.12]))
-    again = planned([1.0, 0.0], before=other)
+    again = planned([1.0, 0.0], previous=other)
     assert abs(again.target[1] - 0.12) < 0.06
-    np.testing.assert_allclose(planned([1.0, 0.0], before=first).target, first.target)
+    np.testing.assert_allclose(planned([1.0, 0.0], previous=first).target, first.target)
 
 
 def kick_at(ball, is_final=True):
