@@ -63,7 +63,7 @@ def detector_tables(quick: bool) -> List[Table]:
 
 def _judged(detector, pictures: ImageSet) -> Judged:
     found = [detector.detect(image) for image in pictures.images]
-    return Judged(detector_score(found, pictures.known(), len(CLASSES), YoloParams.confidence), found)
+    return Judged(detector_score(found, pictures.truths(), len(CLASSES), YoloParams.confidence), found)
 
 
 def _class_row(which: int, network: DetectorScore, colour: DetectorScore) -> Row:

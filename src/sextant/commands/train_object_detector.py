@@ -69,7 +69,7 @@ def _train(options: argparse.Namespace) -> Answer:
     seeds = range(first + VALIDATION, first + VALIDATION + options.validation)
     validation = image_set(seeds, options.size, options.jobs, "validation")
     model = YoloParams(model=str(options.folder / MODEL))
-    score = scored(validation.images, validation.known(), model)
+    score = scored(validation.images, validation.truths(), model)
     plot_confusion(options.folder / CONFUSION, score, CLASSES)
     return Answer(_table(score, options))
 

@@ -17,7 +17,7 @@ class TrueObjects(NamedTuple):
 
     boxes: np.ndarray  # (n, 4) left, top, right, bottom, pixels
     classes: np.ndarray  # (n,) indices of the classes
-    counts: np.ndarray  # (n,) bool, whether the object counts: the others are neither hits nor misses
+    is_counted: np.ndarray  # (n,) bool; the other objects are neither hits nor misses
 
 
 @dataclass(frozen=True)
@@ -71,13 +71,13 @@ def _average_precision(found: Sequence[Detections], known: Sequence[TrueObjects]
     for detections, objects in zip(found, known):
         detected = detections.of(detections.classes == class_index)
         is_of_class = objects.classes == class_index
-        counts = objects.counts[is_of_class]
-        matches = _matches(detected.boxes, objects.boxes[is_of_class], counts)
+        is_counted = objects.is_counted[is_of_class]
+        matches = _matches(detected.boxes, objects.boxes[is_of_class], is_counted)
         for score, match in zip(detected.scores, matches):
-            if match < 0 or counts[match]:
+            if match < 0 or is_counted[match]:
                 scores.append(score)
                 hits.append(match >= 0)
-        total += int(np.count_nonzero(counts))
+        total += int(np.count_nonzero(is_counted))
     if not total:
         return float("nan")
     order = np.argsort(-np.array(scores), kind="stable")
@@ -114,8 +114,8 @@ def _count(table: np.ndarray, found: Detections, objects: TrueObjects) -> None:
             table[background, detected] += 1
         else:
             detected_as[match] = detected
-    for true, detected, counts in zip(objects.classes, detected_as, objects.counts):
-        if counts or detected != background:
+    for true, detected, is_counted in zip(objects.classes, detected_as, objects.is_counted):
+        if is_counted or detected != background:
             table[true, detected] += 1
 
 

@@ -29,6 +29,7 @@ MIN_AREA, MIN_SIDE = 16.0, 4.0
 MAX_CLUTTER = 12  # maximum number of objects in front of the camera
 NEAR, FAR = 0.3, 6.0  # minimum and maximum distance of these objects to the camera, metres
 CLEARANCE = 0.35  # minimum distance of the robot to walls and objects, metres
+MIN_RADIUS, MAX_RADIUS = 0.03, 0.08  # of the objects in front of the camera, metres
 
 
 class ObjectImage(NamedTuple):
@@ -61,7 +62,8 @@ def task_image(seed: int, size: int) -> ObjectImage:
 
 
 def clutter_image(seed: int, size: int) -> ObjectImage:
-    """Renders objects of random size and colour with a random lens and mount; some have no class."""
+    """Renders objects of random size and colour with a random field of view, blur, noise and mount; some have
+    no class."""
     random = np.random.default_rng([seed, 22])
     scene_params = sextant.ArenaSceneParams()
     scene_params.size, scene_params.seed = random.uniform(5.0, 12.0, 2), seed
@@ -74,7 +76,7 @@ def clutter_image(seed: int, size: int) -> ObjectImage:
     scene.set_objects(objects)
     scene.set_light(random_light(random))
     calibration = camera_calibration(WIDTH, HEIGHT, fov)
-    camera = sextant.ArenaCamera(_lens(random, seed), sextant.CameraModel(calibration))
+    camera = sextant.ArenaCamera(_sensor(random, seed), sextant.CameraModel(calibration))
     mount = camera_mount([*at, high], [random.normal(0.0, 0.02), random.uniform(0.0, 0.45), yaw])
     image, seen = camera.take(scene, mount, 0)
     return ObjectImage(image, truth_of(seen, names, size))
@@ -91,13 +93,16 @@ def truth_of(seen: Iterable["sextant.VisibleObject"], names: Sequence[str], size
             for each in seen if names[each.object] in CLASSES]  # fmt: skip
     table = np.array(rows, float).reshape(-1, 6)
     sides = (table[:, 2:4] - table[:, :2]).min(axis=1, initial=np.inf)
-    counts = (table[:, 5] * scale**2 >= MIN_AREA) & (sides * scale >= MIN_SIDE)
-    return TrueObjects(table[:, :4], table[:, 4].astype(int), counts)
+    is_counted = (table[:, 5] * scale**2 >= MIN_AREA) & (sides * scale >= MIN_SIDE)
+    return TrueObjects(table[:, :4], table[:, 4].astype(int), is_counted)
 
 
-def _free_place(random: np.random.Generator, size: Sequence[float], occupied: np.ndarray) -> np.ndarray:
-    """A random position (2,), metres, with CLEARANCE to walls and occupied positions (n, 2)."""
-    half = 0.5 * np.asarray(size) - CLEARANCE
+def _free_place(random: np.random.Generator, room: Sequence[float], occupied: np.ndarray) -> np.ndarray:
+    """A random position (2,), metres, with CLEARANCE to walls and occupied positions (n, 2).
+
+    :param room: width and depth of the room, metres
+    """
+    half = 0.5 * np.asarray(room) - CLEARANCE
     while True:
         at = random.uniform(-half, half)
         if np.all(np.linalg.norm(occupied - at, axis=1) > CLEARANCE):
@@ -107,13 +112,18 @@ def _free_place(random: np.random.Generator, size: Sequence[float], occupied: np
 def _places(
     random: np.random.Generator, at: np.ndarray, yaw: float, fov: float, half: np.ndarray
 ) -> np.ndarray:
-    """Positions (n, 2) in and near the field of view inside the room, at least two pillar radii apart."""
+    """Positions (n, 2) in and near the field of view inside the room.
+
+    :param half: half the width and depth of the part of the room with objects (2,), metres
+    """
     places: List[np.ndarray] = []
     for _ in range(random.integers(0, MAX_CLUTTER + 1)):
         distance = np.exp(random.uniform(np.log(NEAR), np.log(FAR)))
         turn = yaw + 0.6 * random.uniform(-fov, fov)
         place = at + distance * np.array([np.cos(turn), np.sin(turn)])
-        if np.all(abs(place) < half) and all(np.linalg.norm(place - each) > 0.16 for each in places):
+        # At least two of the largest radii apart, so that objects do not overlap.
+        is_apart = all(np.linalg.norm(place - each) > 2.0 * MAX_RADIUS for each in places)
+        if np.all(abs(place) < half) and is_apart:
             places.append(place)
     return np.array(places).reshape(-1, 2)
 
@@ -127,10 +137,12 @@ def _cluttered(
         name = CLASSES[random.choice(len(CLASSES), p=[0.4, 0.2, 0.2, 0.2])]
         is_ball = name == BALL
         each = sextant.ArenaObject()
-        each.radius = random.uniform(0.03, 0.08)
+        each.radius = random.uniform(MIN_RADIUS, MAX_RADIUS)
         each.height = random.uniform(0.2, 0.6)
         each.colour = np.clip(random_paint(name, random) * random.uniform(0.75, 1.3), 0.0, 1.0)
-        if random.random() < 0.12:  # yellow pillars, red balls and grey objects have no class
+        # Objects without a class: the other shape in this class's paint (a yellow pillar, a red ball), half
+        # of them grey.
+        if random.random() < 0.12:
             is_ball = not is_ball
             name = ""
             if random.random() < 0.5:
@@ -143,7 +155,7 @@ def _cluttered(
     return objects, names
 
 
-def _lens(random: np.random.Generator, seed: int) -> "sextant.ArenaCameraParams":
+def _sensor(random: np.random.Generator, seed: int) -> "sextant.ArenaCameraParams":
     """Random blur, noise and gamma of a camera."""
     params = sextant.ArenaCameraParams()
     params.blur_sigma = random.uniform(0.3, 2.0)
@@ -160,13 +172,15 @@ class ImageSet(NamedTuple):
     boxes: np.ndarray  # (n, most, 4) left, top, right, bottom, pixels
     classes: np.ndarray  # (n, most) int
     exists: np.ndarray  # (n, most) bool; False: padding
-    counts: np.ndarray  # (n, most) bool, as TrueObjects.counts
+    is_counted: np.ndarray  # (n, most) bool, as TrueObjects.is_counted
 
-    def known(self) -> List[TrueObjects]:
+    def truths(self) -> List[TrueObjects]:
         """Ground truth of each image."""
         return [
-            TrueObjects(boxes[exists], classes[exists], counts[exists])
-            for boxes, classes, exists, counts in zip(*self[1:])
+            TrueObjects(boxes[exists], classes[exists], is_counted[exists])
+            for boxes, classes, exists, is_counted in zip(
+                self.boxes, self.classes, self.exists, self.is_counted
+            )
         ]
 
 
@@ -180,10 +194,11 @@ def image_set(seeds: Sequence[int], size: int, jobs: int, progress: str = "") ->
     drawn = list(run_jobs(functools.partial(_letterboxed_image, size=size), seeds, jobs, progress=progress))
     most = max([1, *(len(each.truth.classes) for each in drawn)])
     return ImageSet(
-        np.array([each.image for each in drawn]),
-        *(_filled([each.truth[field] for each in drawn], most) for field in (0, 1)),
-        _filled([np.ones(len(each.truth.classes), bool) for each in drawn], most),
-        _filled([each.truth.counts for each in drawn], most),
+        images=np.array([each.image for each in drawn]),
+        boxes=_filled([each.truth.boxes for each in drawn], most),
+        classes=_filled([each.truth.classes for each in drawn], most),
+        exists=_filled([np.ones(len(each.truth.classes), bool) for each in drawn], most),
+        is_counted=_filled([each.truth.is_counted for each in drawn], most),
     )
 
 

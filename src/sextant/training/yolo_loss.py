@@ -24,7 +24,7 @@ class Targets(NamedTuple):
     boxes: Tensor  # (n, most, 4) left, top, right, bottom, pixels
     classes: Tensor  # (n, most)
     exists: Tensor  # (n, most) bool
-    counts: Tensor  # (n, most) bool; predictions of objects that do not count are ignored
+    is_counted: Tensor  # (n, most) bool; predictions of the other objects are ignored
 
 
 class YoloLoss:
@@ -104,7 +104,7 @@ class YoloLoss:
         classes = targets.classes.gather(1, owner.indices)
         wanted = functional.one_hot(classes, self._classes) * (level * predicted)[..., None]
         ignored = self._near_uncounted(targets) & ~predicted
-        uncounted = ~targets.counts.gather(1, owner.indices) & predicted
+        uncounted = ~targets.is_counted.gather(1, owner.indices) & predicted
         return (
             torch.where(uncounted, torch.full_like(assigned, -1), assigned),
             wanted * ~uncounted[..., None],
@@ -121,7 +121,7 @@ class YoloLoss:
 
     def _near_uncounted(self, targets: Targets) -> Tensor:
         """Whether (n, predictions) a cell is a candidate of an object that does not count."""
-        near = self._candidates(targets) * (~targets.counts)[..., None]
+        near = self._candidates(targets) * (~targets.is_counted)[..., None]
         return near.any(1)
 
 

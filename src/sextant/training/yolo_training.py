@@ -176,7 +176,7 @@ def augmented(
     targets = Targets(
         torch.from_numpy(boxes).float(), torch.from_numpy(pictures.classes).long(),
         torch.from_numpy(pictures.exists & (inside > 0.0)),
-        torch.from_numpy(pictures.counts & _is_large_enough(boxes, inside)),
+        torch.from_numpy(pictures.is_counted & _is_large_enough(boxes, inside)),
     )  # fmt: skip
     return _relit(images, params, random), targets
 

@@ -11,9 +11,9 @@ from sextant.training.average_precision import TrueObjects, detector_score, over
 BOXES = np.array([[0.0, 0, 10, 10], [20, 0, 30, 10], [40, 0, 50, 10]])
 
 
-def known(classes, counts=None):
+def known(classes, is_counted=None):
     many = len(classes)
-    return TrueObjects(BOXES[:many], np.array(classes), np.array(counts or [True] * many))
+    return TrueObjects(BOXES[:many], np.array(classes), np.array(is_counted or [True] * many))
 
 
 def found(*rows):

@@ -23,9 +23,9 @@ def test_boxes_hold_what_looks_like_their_class():
     strongest = {name: [] for name in CLASSES}
     for seed in SEEDS:
         picture = random_image(seed, SIZE)
-        for (left, top, right, bottom), which, counts in zip(*picture.truth):
+        for (left, top, right, bottom), which, is_counted in zip(*picture.truth):
             assert 0 <= left < right <= 640 and 0 <= top < bottom <= 480
-            if counts and right - left > 30:
+            if is_counted and right - left > 30:
                 x, y = int(0.5 * (left + right)), int(0.5 * (top + bottom))
                 strongest[CLASSES[which]].append(
                     picture.image[y - 2 : y + 3, x - 2 : x + 3].mean(axis=(0, 1))
@@ -42,10 +42,10 @@ def test_a_set_is_letter_boxed_and_filled_up():
     assert np.all(pictures.images[:, :19] == 114) and np.all(
         pictures.images[:, -19:] == 114
     )  # 4:3 in a square
-    for known, seed in zip(pictures.known(), SEEDS):
-        truth = random_image(seed, SIZE).truth
-        np.testing.assert_allclose(known.boxes, truth.boxes / 4.0 + [0, 20, 0, 20])
-        np.testing.assert_array_equal(known.classes, truth.classes)
-        sides = (known.boxes[:, 2:] - known.boxes[:, :2]).min(axis=1, initial=np.inf)
-        assert np.all(sides[known.counts] >= MIN_SIDE)
-    assert 0.5 < pictures.counts[pictures.exists].mean() < 1.0
+    for truth, seed in zip(pictures.truths(), SEEDS):
+        original = random_image(seed, SIZE).truth
+        np.testing.assert_allclose(truth.boxes, original.boxes / 4.0 + [0, 20, 0, 20])
+        np.testing.assert_array_equal(truth.classes, original.classes)
+        sides = (truth.boxes[:, 2:] - truth.boxes[:, :2]).min(axis=1, initial=np.inf)
+        assert np.all(sides[truth.is_counted] >= MIN_SIDE)
+    assert 0.5 < pictures.is_counted[pictures.exists].mean() < 1.0

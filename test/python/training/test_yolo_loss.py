@@ -17,10 +17,10 @@ PLACES = prediction_count((SIZE, SIZE))
 BOX = [13.0, 9.0, 35.0, 41.0]
 
 
-def targets(counts=True):
+def targets(is_counted=True):
     boxes = torch.tensor([[BOX, [0.0, 0.0, 0.0, 0.0]]])
     flags = torch.tensor([[True, False]])
-    return Targets(boxes, torch.tensor([[1, 0]]), flags, flags & counts)
+    return Targets(boxes, torch.tensor([[1, 0]]), flags, flags & is_counted)
 
 
 def prediction(box, right=8.0, elsewhere=-8.0):
@@ -55,8 +55,8 @@ def test_right_detections_cost_less_than_wrong_ones():
 
 def test_what_does_not_count_costs_nothing_whether_it_is_detected_or_not():
     silent = prediction(np.array(BOX), right=-8.0)
-    assert loss(prediction(np.array(BOX)), counts=False) == pytest.approx(
-        loss(silent, counts=False), abs=0.05
+    assert loss(prediction(np.array(BOX)), is_counted=False) == pytest.approx(
+        loss(silent, is_counted=False), abs=0.05
     )
     assert loss(silent) > 1.0
 
