@@ -45,8 +45,9 @@ void bindResiduals(py::module_& module) {
           "index of the detection in the image")
       .def_readonly("used", &ObservationResidual::used, "False: outside the gate")
       .def_readonly("squared_distance", &ObservationResidual::squared_distance,
-                    "sum of the squared residuals over their variances, eight coordinates")
-      .def_readonly("rms", &ObservationResidual::rms, "of the eight coordinates, pixels");
+                    "sum of the squared residuals over their variances, x and y of four corners")
+      .def_readonly("rms", &ObservationResidual::rms,
+                    "root mean square residual of x and y of the four corners, pixels");
 }
 
 void bindFindings(py::module_& module) {
@@ -103,7 +104,8 @@ void bindMapMaker(py::module_& module) {
       .def_readonly("known", &MappingResult::known, "list of KnownMarkerCheck")
       .def_property_readonly(
           "ambiguous", [](const MappingResult& self) { return pairs(self.ambiguous); },
-          "(family, id) of markers not in the map: two poses explain their observations")
+          "(family, id) of markers not in the map: two poses explain their observations, or none explains "
+          "enough of them")
       .def_property_readonly(
           "unconnected", [](const MappingResult& self) { return pairs(self.unconnected); },
           "(family, id) of markers not in the map: no usable image or odometry connects them with the others")
@@ -115,8 +117,9 @@ void bindMapMaker(py::module_& module) {
       "make_marker_map", &makeMarkerMap, "recording"_a, "sizes"_a, "known"_a, "params"_a,
       py::call_guard<py::gil_scoped_release>(),
       "Makes a map; returns a MappingResult. recording: list of RecordedInstant in order of time; sizes: "
-      "MarkerSizes of unknown markers; known: MarkerMap that defines the frame; if empty, the first marker "
-      "of the largest connected group is upright at the origin, facing along -y; params: MappingParams. "
+      "MarkerSizes of unknown markers; known: MarkerMap that defines the frame; if empty, the marker with "
+      "the lowest family and id of the largest connected group is upright at the origin, facing along -y; "
+      "with a floor, only its x, y and heading are fixed; params: MappingParams. "
       "RuntimeError if no marker can be located.");
 }
 

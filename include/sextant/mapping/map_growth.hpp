@@ -17,7 +17,8 @@ namespace sextant {
 /// A map extended by growMap().
 struct GrownMap {
   MapEstimate estimate;  ///< covariances accumulated along the chain of markers, without loop closures
-  std::set<MarkerKey> ambiguous;  ///< connected, but two poses explain their observations
+  /// Connected, but two poses explain their observations, or none explains enough of them.
+  std::set<MarkerKey> ambiguous;
 };
 
 /// Adds the markers of a recording to a map in rings: locates the base at every instant from the markers of

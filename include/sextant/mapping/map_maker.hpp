@@ -35,8 +35,8 @@ struct MappingParams {
 struct ObservationResidual {
   RecordedObservation observation;  ///< which detection
   bool used;                        ///< false: outside the gate
-  double squared_distance;          ///< sum of the squared residuals over their variances, eight coordinates
-  double rms;                       ///< of the eight coordinates, pixels
+  double squared_distance;  ///< sum of the squared residuals over their variances, x and y of four corners
+  double rms;               ///< root mean square residual of x and y of the four corners, pixels
 };
 
 /// A previously known marker, compared with the recording.
@@ -60,7 +60,8 @@ struct MappingResult {
   /// Of every observation of a mapped marker at an instant with a pose.
   std::vector<ObservationResidual> residuals;
   std::vector<KnownMarkerCheck> known;  ///< observed known markers with a covariance
-  std::vector<MarkerKey> ambiguous;     ///< not in the map: two poses explain their observations
+  /// Not in the map: two poses explain their observations, or none explains enough of them.
+  std::vector<MarkerKey> ambiguous;
   /// Not in the map: no usable image or odometry connects them with the others.
   std::vector<MarkerKey> unconnected;
   /// Not in the map: moved during the recording, or the id is used twice.
@@ -71,8 +72,9 @@ struct MappingResult {
 /// Makes a marker map from a recording: traverses the graph of observations, adding each marker once its pose
 /// is unambiguous, then adjusts all poses to all corners (bundle adjustment).
 /// @param sizes of the markers that are not known
-/// @param known markers that define the frame, by their covariance or exactly; if empty, the first marker of
-/// the largest connected group is upright at the origin, facing along -y
+/// @param known markers that define the frame, by their covariance or exactly; if empty, the marker with the
+/// lowest family and id of the largest connected group is upright at the origin, facing along -y; with a
+/// floor, only its x, y and heading are fixed
 /// @throws std::invalid_argument as validate(MappingParams)
 /// @throws std::runtime_error with the reason if no marker can be located
 MappingResult makeMarkerMap(MarkerRecording recording, const MarkerSizes& sizes, const MarkerMap& known,

@@ -128,7 +128,7 @@ def _inconsistent(quality: MapQuality) -> Iterator[Finding]:
 
 
 def _ambiguous(quality: MapQuality) -> Iterator[Finding]:
-    why = "two poses explain its observations"
+    why = "two poses explain its observations, or none explains enough of them"
     advice = "drive past it closer and from both sides, with other markers in the same images"
     return _left_out(quality, quality.ambiguous, "ambiguous", why, advice)
 

@@ -100,7 +100,7 @@ class MapQuality:
     swapped: List[Pair]  # wrong or moved markers, each at the known position of the other
     conflicting: List[ConflictingMarker]  # the clearest first
     inconsistent: List[Key]  # not in the map: moved during the recording, or printed twice
-    ambiguous: List[Key]  # not in the map: two poses explain their observations
+    ambiguous: List[Key]  # not in the map: two poses explain their observations, or none enough of them
     unconnected: List[Unconnected]  # not in the map
     odometry: bool  # the recording has odometry, which connects images as well
 

@@ -39,7 +39,7 @@ def test_verdict_counts_markers_not_findings():
         "5 is seen elsewhere (12 images with 0 and 1 show it 3.00 m from its position, at 4.00, 0.00, 1.00 m",
         "10 does not fit its pose (30 of its 80 observations were left out): ",
         "22 and 23 are not in the map (never seen together with its markers): ",
-        "21 is not in the map (two poses explain its observations): ",
+        "21 is not in the map (two poses explain its observations, or none explains enough of them): ",
         "9 is connected to the rest only by 3 images with 1: drive slowly past 1 and 9 again",
         "11 is uncertain (8.0 cm and 0.1 degrees, standard deviation): ",
         "12 was never seen, its entry is unchanged: ",
