@@ -52,8 +52,8 @@ void MapDraft::draft() {
   fit.begin(inconsistent);
   grow();
   for (int round = 0; round < kRobustRounds; ++round) {
-    adjust(useful(fit.placed()), params_->robust_width);
-    if (params_->estimate_noise) fit.measureNoise(useful(fit.placed()));
+    adjust(informative(fit.placed()), params_->robust_width);
+    if (params_->estimate_noise) fit.measureNoise(informative(fit.placed()));
     if (!mendBranches()) break;
   }
 }
@@ -66,7 +66,7 @@ void MapDraft::grow() {
   fit.estimate = std::move(grown.estimate);
   ambiguous = std::move(grown.ambiguous);
   if (frameless_ && floor_) held = known = putOnFloor(known.markers().begin()->first, fit.estimate);
-  if (useful(fit.placed()).empty())
+  if (informative(fit.placed()).empty())
     throw std::runtime_error(
         "no image contains a known and another marker: check that the known markers are in the recording, "
         "with "
@@ -131,7 +131,7 @@ AdjustmentParams MapDraft::adjustment(double robust_width) const {
           params_->odometry,     params_->threads};
 }
 
-std::vector<RecordedObservation> MapDraft::useful(const std::vector<RecordedObservation>& all) const {
+std::vector<RecordedObservation> MapDraft::informative(const std::vector<RecordedObservation>& all) const {
   std::map<size_t, int> markers;
   for (const RecordedObservation& each : all) ++markers[each.instant];
   std::vector<RecordedObservation> some;
@@ -149,7 +149,7 @@ void MapDraft::adjust(const std::vector<RecordedObservation>& used, double robus
   fit.estimate = *found;
 }
 
-void MapDraft::locateOthers(const std::vector<RecordedObservation>& used) {
+void MapDraft::locateRemainingInstants(const std::vector<RecordedObservation>& used) {
   const auto adjusted = fit.posesOf(used);
   const auto found = locateRecording(fit.recording(), fit.estimate.map, path(floor_), adjusted);
   for (size_t i = 0; i < found.size(); ++i) {

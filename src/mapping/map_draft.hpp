@@ -29,17 +29,18 @@ class MapDraft {
   /// @throws std::runtime_error if the minimization fails
   void adjust(const std::vector<RecordedObservation>& used, double robust_width);
   /// Locates the instants without any of these observations.
-  void locateOthers(const std::vector<RecordedObservation>& used);
+  void locateRemainingInstants(const std::vector<RecordedObservation>& used);
   /// Observations with information about the map: an instant with one marker has none, unless odometry or the
   /// floor constrains it.
-  std::vector<RecordedObservation> useful(const std::vector<RecordedObservation>& all) const;
+  std::vector<RecordedObservation> informative(const std::vector<RecordedObservation>& all) const;
   AdjustmentParams adjustment(double robust_width) const;
 
   MapFit fit;
-  MarkerMap known;                   ///< known markers, or the first marker
-  MarkerMap held;                    ///< markers that define the frame, with scaled covariances
-  double correlated_images = 1.0;    ///< see correlatedImages()
-  std::set<MarkerKey> ambiguous;     ///< not in the map: two poses explain their observations
+  MarkerMap known;                 ///< known markers, or the first marker
+  MarkerMap held;                  ///< markers that define the frame, with scaled covariances
+  double correlated_images = 1.0;  ///< see correlatedImages()
+  /// Not in the map: two poses explain their observations, or none explains enough of them.
+  std::set<MarkerKey> ambiguous;
   std::set<MarkerKey> inconsistent;  ///< not in the map: no single pose explains their observations
   std::vector<ConflictingPose> conflicting_poses;
 

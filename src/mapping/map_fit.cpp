@@ -34,7 +34,7 @@ void MapFit::begin(const std::set<MarkerKey>& excluded) {
 size_t MapFit::unexplained() const {
   size_t all = 0;
   for (const auto& entry : observations_) all += entry.second.size();
-  return all - fitting().size();
+  return all - withinGate().size();
 }
 
 bool MapFit::isPlaced(const RecordedObservation& each) const {
@@ -50,7 +50,7 @@ std::vector<RecordedObservation> MapFit::placed() const {
   return all;
 }
 
-std::vector<RecordedObservation> MapFit::fitting() const {
+std::vector<RecordedObservation> MapFit::withinGate() const {
   std::vector<RecordedObservation> all = placed();
   all.erase(std::remove_if(all.begin(), all.end(), [&](const auto& each) { return !fits(each); }), all.end());
   return all;

@@ -34,7 +34,7 @@ class MapFit {
   /// Number of observations that are not placed or do not fit.
   size_t unexplained() const;
   /// Observations within the gate.
-  std::vector<RecordedObservation> fitting() const;
+  std::vector<RecordedObservation> withinGate() const;
   bool fits(const RecordedObservation& each) const;  ///< whether an observation is within the gate
   /// Poses of the instants at which several markers and all observations fit; empty at all others.
   std::vector<InstantHypotheses> explained() const;

@@ -12,8 +12,8 @@
 
 namespace sextant {
 
-/// Returns a map of one marker, which defines the frame of a recording without known markers: the first
-/// marker of the largest connected group, upright at the origin, facing along -y.
+/// Returns a map of one marker, which defines the frame of a recording without known markers: the one with
+/// the lowest family and id of the largest connected group, upright at the origin, facing along -y.
 /// @param without markers that must not be used
 MarkerMap firstMarker(const std::string& frame, const MarkerRecording& recording, const MarkerSizes& sizes,
                       const std::set<MarkerKey>& without);

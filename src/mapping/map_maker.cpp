@@ -14,11 +14,12 @@
 namespace sextant {
 namespace {
 
-constexpr int kPlainRounds = 6;
-constexpr int kScaleRounds = 4;
+constexpr int kPlainRounds = 6;  // maximum number of adjustments without robust loss
+constexpr double kNoRobustLoss = 0.0;
+constexpr int kScaleRounds = 4;           // maximum number of scalings of the known markers' covariances
 constexpr double kSameCovariance = 0.04;  // relative difference
 // Whether both maps have the same markers with about the same covariances.
-bool holdAlike(const MarkerMap& a, const MarkerMap& b) {
+bool haveSimilarCovariances(const MarkerMap& a, const MarkerMap& b) {
   if (a.markers().size() != b.markers().size()) return false;
   return std::all_of(a.markers().begin(), a.markers().end(), [&](const auto& entry) {
     const MappedMarker* other = b.find(entry.first);
@@ -40,28 +41,28 @@ class Making {
   }
 
  private:
-  // Adjusts with the observations within the gate until these do not change any more.
+  // Adjusts with the observations within the gate until their number no longer changes.
   void settle() {
-    used_ = draft_.useful(draft_.fit.fitting());
+    used_ = draft_.informative(draft_.fit.withinGate());
     for (int round = 0; round < kPlainRounds; ++round) {
-      draft_.adjust(used_, 0.0);
-      draft_.locateOthers(used_);
+      draft_.adjust(used_, kNoRobustLoss);
+      draft_.locateRemainingInstants(used_);
       if (params_.estimate_noise) {
         draft_.fit.measureNoise(used_);
         draft_.correlated_images = draft_.fit.correlation(used_);
       }
       const size_t before = used_.size();
-      used_ = draft_.useful(draft_.fit.fitting());
+      used_ = draft_.informative(draft_.fit.withinGate());
       if (used_.size() == before && round > 0) break;
     }
     dropUnused();
     const auto covariance = mapCovariance(draft_.fit.recording(), used_, draft_.held, draft_.fit.estimate,
-                                          draft_.adjustment(0.0));
+                                          draft_.adjustment(kNoRobustLoss));
     if (!covariance) throw std::runtime_error("the recording does not determine the pose of every marker");
     covariance_ = *covariance;
   }
 
-  // Drops markers without an observation that fits.
+  // Drops markers of which no observation is used.
   void dropUnused() {
     std::set<MarkerKey> seen;
     for (const RecordedObservation& each : used_) seen.insert(detectionOf(draft_.fit.recording(), each).key);
@@ -75,7 +76,8 @@ class Making {
     draft_.fit.estimate.map = map;
   }
 
-  // Drops one wrong marker at a time, because it also affects the others.
+  // Stops using wrong known poses as priors, the worst first and one at a time: a wrong prior also makes
+  // correct ones look wrong.
   void checkKnownMarkers() {
     for (MarkerMap believed = draft_.known;;) {
       scaleKnown(believed);
@@ -92,12 +94,13 @@ class Making {
     }
   }
 
-  // Scales the covariances of the known markers to their scatter.
+  // Scales the covariances of the known markers up until their distances from the recording are not larger
+  // than expected, and adjusts again.
   void scaleKnown(const MarkerMap& believed) {
     for (int round = 0; round < kScaleRounds; ++round) {
       scales_ = knownScales(believed, draft_.held, draft_.fit.estimate.map, covariance_);
       const MarkerMap scaled = scaledKnown(believed, scales_);
-      if (holdAlike(scaled, draft_.held)) return;
+      if (haveSimilarCovariances(scaled, draft_.held)) return;
       draft_.held = scaled;
       settle();
     }
@@ -110,7 +113,8 @@ class Making {
     for (auto [key, marker] : draft_.fit.estimate.map.markers()) {
       const Matrix6d P = covariance_.block<6, 6>(row, row);
       row += 6;
-      if (draft_.known.find(key) && P.isZero(0.0)) continue;  // fixed, or never observed
+      if (draft_.known.find(key) && P.isZero(0.0))
+        continue;  // exact, or never observed: keeps its entry as given
       marker.covariance = 0.5 * (P + P.transpose());
       made.map.set(marker);
     }

@@ -27,21 +27,21 @@ TEST(MapDraft, OneMarkerSaysNothingOfTheMapUnlessTheFloorOrOdometryDoes) {
   auto simulated = drive(roomWithMarkers(4), 60, 0, 1);
   const MarkerSizes sizes;
   MappingParams params;
-  const auto usefulOf = [&] {
+  const auto informativeOf = [&] {
     MapDraft draft(simulated.recording, sizes, simulated.truth, params);
     draft.fit.estimate = {simulated.truth, {simulated.T_map_base.begin(), simulated.T_map_base.end()}};
-    return std::make_pair(draft.useful(draft.fit.placed()), draft.fit.placed().size());
+    return std::make_pair(draft.informative(draft.fit.placed()), draft.fit.placed().size());
   };
-  const auto [some, all] = usefulOf();
+  const auto [some, all] = informativeOf();
   EXPECT_LT(some.size(), all);
   EXPECT_GT(some.size(), 0u);
   for (const RecordedObservation& each : some)
     EXPECT_GT(simulated.recording[each.instant].views[0].detections.size(), 1u);
   params.floor_height_sigma = 0.01;
-  EXPECT_EQ(usefulOf().first.size(), all);
+  EXPECT_EQ(informativeOf().first.size(), all);
   params.floor_height_sigma = 0;
   for (RecordedInstant& instant : simulated.recording) instant.T_odom_base = Pose::Identity();
-  EXPECT_EQ(usefulOf().first.size(), all);
+  EXPECT_EQ(informativeOf().first.size(), all);
 }
 
 TEST(MapDraft, LocatesWhatWasNotAdjusted) {
@@ -51,7 +51,7 @@ TEST(MapDraft, LocatesWhatWasNotAdjusted) {
   MapDraft draft(simulated.recording, sizes, simulated.truth, params);
   draft.fit.estimate = {simulated.truth, BasePath(simulated.T_map_base.size(), Pose::Identity())};
   size_t several = 0;
-  draft.locateOthers({});
+  draft.locateRemainingInstants({});
   for (size_t i = 0; i < simulated.T_map_base.size(); ++i) {
     if (simulated.recording[i].views[0].detections.size() < 2) continue;
     ++several;

@@ -38,7 +38,7 @@ TEST(MapFit, TheTruthExplainsAllButWhatIsSpoilt) {
   const size_t spoilt = spoilOne(simulated);
   const MapFit fit = fitOfTheTruth(simulated);
   EXPECT_EQ(fit.placed().size(), detectionsOf(simulated));
-  EXPECT_EQ(fit.fitting().size(), detectionsOf(simulated) - 1);
+  EXPECT_EQ(fit.withinGate().size(), detectionsOf(simulated) - 1);
   const ObservationResidual residual = fit.residual({spoilt, 0, 0});
   EXPECT_FALSE(residual.used);
   EXPECT_NEAR(residual.rms, 20 * std::sqrt(0.5), 1e-6);  // in one of two coordinates
