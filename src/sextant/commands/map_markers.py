@@ -69,7 +69,10 @@ def _add_frame(group) -> None:
         "--floor-sigma", type=float, metavar="METRES",
         help="the base moves on the plane z = 0 of the map, with this standard deviation",
     )  # fmt: skip
-    group.add_argument("--frame", default="map", help="tf frame, without --known or --refine (default: map)")
+    group.add_argument(
+        "--frame", default="map",
+        help="tf frame of the map (default: map); ignored if the file of --known or --refine is .yaml",
+    )  # fmt: skip
 
 
 def _add_markers(group) -> None:
