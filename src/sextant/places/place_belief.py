@@ -79,6 +79,15 @@ class BeliefParams(StrictParams):
             raise ParamError("kidnap_probability + exit_probability", "must be at most 1", total)
 
 
+def spacing_of(positions: np.ndarray) -> float:
+    """Median distance between neighbouring places (n, 2); 1 if there are no two distinct positions."""
+    if len(positions) < 2:
+        return 1.0
+    nearest = cKDTree(positions).query(positions, 2)[0][:, 1]
+    distinct = nearest[nearest > 0]
+    return float(np.median(distinct)) if len(distinct) else 1.0
+
+
 class BeliefPeak(NamedTuple):
     """A local maximum of the belief."""
 
@@ -92,14 +101,14 @@ class PlaceBelief:
 
     places: np.ndarray  # (n,) probabilities
     unknown: float  # probability of a place that is not in the map
-    spacing: float  # median distance between neighbouring places, in the unit of the positions
+    spacing: float  # spacing_of() the positions, in their unit
 
     def __init__(self, positions: np.ndarray, params: Optional[BeliefParams] = None):
         """:param positions: (n, 2) of the places, in the unit of the distances passed to predict()"""
         self._params = params or BeliefParams()
         self._positions = np.asarray(positions, float).reshape(-1, 2)
         self._tree = cKDTree(self._positions)
-        self.spacing = self._spacing()
+        self.spacing = spacing_of(self._positions)
         self._transitions = {}
         self.reset()
 
@@ -153,14 +162,6 @@ class PlaceBelief:
             peaks.append(BeliefPeak(place, float(remaining[around].sum()), around))
             remaining[around] = 0
         return sorted(peaks, key=lambda peak: -peak.probability)
-
-    def _spacing(self) -> float:
-        """Median distance between neighbouring places; 1 if there are no two distinct positions."""
-        if len(self._positions) < 2:
-            return 1.0
-        nearest = self._tree.query(self._positions, 2)[0][:, 1]
-        distinct = nearest[nearest > 0]
-        return float(np.median(distinct)) if len(distinct) else 1.0
 
     def _transition(self, distance: Optional[float]) -> Optional[csr_matrix]:
         """Transition matrix (n, n): row i has the probabilities of moving from place i; None: uniform."""

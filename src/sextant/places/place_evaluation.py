@@ -23,7 +23,7 @@ from sextant.places.place_metrics import (
     perfect_calibration_error,
     precision_recall,
 )
-from sextant.places.place_queries import Query, leave_one_out_queries, pixels_of
+from sextant.places.place_queries import Query, leave_one_out_queries, metres_per_pixel
 
 RANKS = (1, 5, 10)  # of recall
 ELLIPSE = 0.95  # probability of the confidence ellipse
@@ -191,7 +191,9 @@ class _Session(NamedTuple):
 
     def evaluation(self, place_map: PlaceMap, results: Sequence[QueryResult]) -> PlaceEvaluation:
         growth = resident_bytes() - self.cost.resident_bytes
-        return PlaceEvaluation(results, pixels_of(place_map), self.cost._replace(resident_bytes=growth))
+        return PlaceEvaluation(
+            results, metres_per_pixel(place_map), self.cost._replace(resident_bytes=growth)
+        )
 
 
 def _start(indexer: PlaceIndexer, params: PlaceLocalizationParams) -> _Session:

@@ -9,12 +9,12 @@ from typing import Dict, FrozenSet, Iterator, List, NamedTuple, Optional, Tuple
 import numpy as np
 
 from sextant.place_maps.place_map import Photo, PlaceMap
-from sextant.places.place_belief import PlaceBelief
+from sextant.places.place_belief import spacing_of
 from sextant.places.place_estimate import scale_of
 
 Position = Tuple[float, float]  # pixels of the overview
 COLUMNS = ("query", "right_refs")
-TOLERANCE = 2.0  # default tolerance, median distances between neighbouring places
+TOLERANCE = 2.0  # default tolerance, in spacings (glossary: median distance between neighbouring places)
 
 
 class Query(NamedTuple):
@@ -25,7 +25,7 @@ class Query(NamedTuple):
     position: Optional[Position] = None  # where it was taken; None: unknown
 
 
-def pixels_of(place_map: PlaceMap) -> np.ndarray:
+def metres_per_pixel(place_map: PlaceMap) -> np.ndarray:
     """Metres per pixel of the overview along x and y, (2,); (1, 1) if the map has no scale."""
     return np.array(scale_of(place_map) or (1.0, 1.0))
 
@@ -37,7 +37,7 @@ def default_tolerance(place_map: PlaceMap) -> float:
     """
     if not place_map.photos:
         raise ValueError("the map has no photos")
-    return TOLERANCE * PlaceBelief(place_map.positions() * pixels_of(place_map)).spacing
+    return TOLERANCE * spacing_of(place_map.positions() * metres_per_pixel(place_map))
 
 
 def places_near(place_map: PlaceMap, position: Position, tolerance: float) -> FrozenSet[Position]:
@@ -46,7 +46,7 @@ def places_near(place_map: PlaceMap, position: Position, tolerance: float) -> Fr
     :param tolerance: metres, or pixels if the map has no scale
     """
     positions = place_map.positions()
-    distances = np.linalg.norm((positions - position) * pixels_of(place_map), axis=1)
+    distances = np.linalg.norm((positions - position) * metres_per_pixel(place_map), axis=1)
     return frozenset((float(x), float(y)) for x, y in positions[distances <= tolerance])
 
 
@@ -56,7 +56,7 @@ def queries_of_map(place_map: PlaceMap, other: PlaceMap, tolerance: float) -> Li
     :param tolerance: see places_near()
     :raises ValueError: the overviews differ
     """
-    size, other_size = (each.overview[1:] for each in (place_map, other))
+    size, other_size = ((each.overview.width, each.overview.height) for each in (place_map, other))
     if size != other_size or place_map.georeference != other.georeference:
         raise ValueError("the map of the queries has another overview: its size or position differs")
     return [
@@ -66,7 +66,10 @@ def queries_of_map(place_map: PlaceMap, other: PlaceMap, tolerance: float) -> Li
 
 
 def queries_of_table(place_map: PlaceMap, path: Path, folder: Path) -> List[Query]:
-    """Reads a CSV file with the columns query and right_refs: correct photos of the map, separated by blanks.
+    """Reads a CSV file with the columns query and right_refs.
+
+    query: file name. right_refs: file names of the map's photos that are correct answers, separated by
+    blanks; empty: the query is not in the map.
 
     :param folder: of the query images
     :raises OSError: the CSV file cannot be read
