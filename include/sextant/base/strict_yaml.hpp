@@ -33,14 +33,14 @@ std::string nonEmptyText(const YAML::Node& node);
 Eigen::VectorXd numbers(const YAML::Node& node, size_t count);  ///< a list of count finite numbers
 /// @}
 
-/// Writers of text that the readers accept.
+/// Formats values as YAML text that the readers above read back.
 /// @{
 std::string listText(const double* values, size_t count);
 std::string quotedText(const std::string& text);
 /// @}
 
-/// Calls add for every item of a list, if there is one. A std::invalid_argument from add becomes a YamlError
-/// at the item's line.
+/// Calls add for every item of a list; a missing key counts as an empty list. A std::invalid_argument from
+/// add becomes a YamlError at the item's line.
 template <typename Add>
 void forEach(const YAML::Node& list, const std::string& name, Add add) {
   if (!list) return;
