@@ -17,8 +17,9 @@ from sextant.mapping.map_plots import plan_view, residual_boxes
 from sextant.mapping.map_quality import MapQuality, MarkerQuality
 from sextant.mapping.map_report_template import TEMPLATE
 
-LINKS = 30  # maximum number of rows, the weakest ones
-NOTABLE_SCALE = 1.5  # of the known markers' deviations, above which the report mentions it
+MAX_LINKS = 30  # rows of the table of links; if there are more, the weakest are shown
+# Factor on the known markers' standard deviations from which on the report has a note.
+NOTABLE_SCALE = 1.5
 HEADS = (
     "marker",
     "to note",
@@ -30,7 +31,7 @@ HEADS = (
     "position, mm",
     "rotation, deg",
     "seen with",
-    "images to the frame",
+    "images linking to the frame",  # a minimum cut, see the note in the template
 )
 
 
@@ -47,14 +48,14 @@ class MapOrigin:
 @dataclass(frozen=True)
 class _Row:
     cells: Tuple[str, ...]
-    look: bool = False
+    highlighted: bool = False
 
 
 @dataclass(frozen=True)
 class _Table:
     heads: Tuple[str, ...]
     rows: List[_Row]
-    text: Tuple[int, ...] = (0,)  # columns of text
+    text_columns: Tuple[int, ...] = (0,)  # indices, aligned to the left
 
 
 def write_map_report(path: Union[str, Path], result, quality: MapQuality, origin: MapOrigin) -> None:
@@ -97,8 +98,8 @@ def _marker_table(quality: MapQuality) -> _Table:
     rows = [_marker_row(quality, marker, words.get(marker.key, [])) for marker in quality.markers]
     for key in sorted(set(words) - set(mapped)):
         cells = (quality.name(key), "; ".join(["not in the map", *words[key]]), *[""] * (len(HEADS) - 2))
-        rows.append(_Row(cells, look=True))
-    return _Table(HEADS, rows, text=(0, 1))
+        rows.append(_Row(cells, highlighted=True))
+    return _Table(HEADS, rows, text_columns=(0, 1))
 
 
 def _marker_row(quality: MapQuality, marker: MarkerQuality, words: Sequence[str]) -> _Row:
@@ -116,7 +117,7 @@ def _marker_row(quality: MapQuality, marker: MarkerQuality, words: Sequence[str]
         count(len(marker.neighbours), "other"),
         "" if marker.images is None else str(marker.images),
     )
-    return _Row(cells, look=bool(words))
+    return _Row(cells, highlighted=bool(words))
 
 
 def _number(value: float, digits: int) -> str:
@@ -149,19 +150,17 @@ def _link_table(quality: MapQuality) -> _Table:
     rows = [
         _Row(
             (" and ".join(map(quality.name, pair)), str(images), "weak" if frozenset(pair) in weak else ""),
-            look=frozenset(pair) in weak,
+            highlighted=frozenset(pair) in weak,
         )
-        for pair, images in order[:LINKS]
+        for pair, images in order[:MAX_LINKS]
     ]
     return _Table(("markers", "images with both", "to note"), rows, (0, 2))
 
 
 def _links_note(quality: MapQuality) -> str:
-    shown = f"; the {LINKS} weakest are shown" if len(quality.links) > LINKS else ""
-    return (
-        f"Pairs of markers that were seen in one used image: {len(quality.links)}{shown}. "
-        "Some markers are connected to the rest only by a weak link."
-    )
+    shown = f"; the {MAX_LINKS} weakest are shown" if len(quality.links) > MAX_LINKS else ""
+    weak = " Some markers are connected to the rest only by a weak link." if quality.weak else ""
+    return f"Pairs of markers that were seen in one used image: {len(quality.links)}{shown}.{weak}"
 
 
 def _camera_table(result, origin: MapOrigin) -> _Table:
@@ -170,7 +169,7 @@ def _camera_table(result, origin: MapOrigin) -> _Table:
         _Row((name, f"{scale * origin.corner_sigma:.2f}", f"{scale:.2f}"))
         for name, scale in zip(names, result.noise_scales)
     ]
-    return _Table(("camera", "corner noise, px", f"over the assumed {origin.corner_sigma:g} px"), rows)
+    return _Table(("camera", "corner noise, px", f"ratio to the assumed {origin.corner_sigma:g} px"), rows)
 
 
 def _noise_notes(result) -> List[str]:

@@ -22,7 +22,7 @@ table { border-collapse: collapse; }
 th, td { padding: 0.2rem 0.7rem; border-bottom: 1px solid #ddd; text-align: right; }
 th { background: #f2f2f2; vertical-align: bottom; }
 td.text, th.text { text-align: left; }
-tr.look td { background: #fdebdc; }
+tr.highlighted td { background: #fdebdc; }
 p.note { color: #555; max-width: 60rem; }
 </style>
 </head>
@@ -30,11 +30,13 @@ p.note { color: #555; max-width: 60rem; }
 {%- macro table(part) %}
 <table>
 <tr>
-{%- for head in part.heads %}<th{% if loop.index0 in part.text %} class="text"{% endif %}>{{ head }}</th>
+{%- for head in part.heads %}
+<th{% if loop.index0 in part.text_columns %} class="text"{% endif %}>{{ head }}</th>
 {%- endfor %}</tr>
 {%- for row in part.rows %}
-<tr{% if row.look %} class="look"{% endif %}>
-{%- for cell in row.cells %}<td{% if loop.index0 in part.text %} class="text"{% endif %}>{{ cell }}</td>
+<tr{% if row.highlighted %} class="highlighted"{% endif %}>
+{%- for cell in row.cells %}
+<td{% if loop.index0 in part.text_columns %} class="text"{% endif %}>{{ cell }}</td>
 {%- endfor %}</tr>
 {%- endfor %}
 </table>
@@ -56,8 +58,8 @@ Names of markers with findings are bold.</p>
 <h2>Markers</h2>
 <p class="note">Position and rotation are standard deviations along and about each marker's worst axis,
 relative to the markers that define the frame. Observations that are neither used nor left out are in images
-that add no information. "Images to the frame": the fewest images whose removal would disconnect the marker
-from the markers that define the frame.</p>
+that add no information. "Images linking to the frame": the fewest images whose removal would disconnect the
+marker from the markers that define the frame.</p>
 {{ table(markers) }}
 {% if wrong.rows %}
 <h2>Entries that were wrong</h2>

@@ -6,9 +6,10 @@ import re
 from html.parser import HTMLParser
 
 import pytest
-from made_maps import WEAK, WRONG, faulty_quality, made_of, map_of, marker_quality, simulated_drive
+from made_maps import WEAK, WRONG, faulty_quality, key, made_of, map_of, marker_quality, simulated_drive
 
 from sextant.mapping.map_findings import findings, list_findings, verdict
+from sextant.mapping.map_links import Cut
 from sextant.mapping.map_quality import map_quality
 from sextant.mapping.map_report import MapOrigin, write_map_report
 
@@ -69,6 +70,15 @@ def test_a_faultless_map_has_no_list(report):
     text = report(map_of([marker_quality(1)]))
     assert "Findings" not in text and "Entries that were wrong" not in text
     assert "no problem found" in text
+
+
+def test_the_note_on_links_speaks_of_weak_ones_only_if_there_are_any(report):
+    links = {(key(1), key(2)): 40}
+    markers = [marker_quality(1), marker_quality(2)]
+    assert "weak link" not in Page(report(map_of(markers, links=links))).text
+    weak = [Cut(frozenset([key(2)]), 3, ((key(2), key(1)),))]
+    text = Page(report(map_of(markers, links=links, weak=weak))).text
+    assert "only by a weak link" in text
 
 
 def test_rows_state_the_problem_in_words(report):
