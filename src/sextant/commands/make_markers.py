@@ -12,8 +12,8 @@ from sextant.commands.command_line import Answer, CommandParser, check_output, r
 from sextant.commands.sheet_options import add_sheet_options, columns_and_rows
 from sextant.printing.board_sheet import BoardParams, rounded_min_gap, write_board
 from sextant.printing.map_template import write_map_template
-from sextant.printing.marker_print import check_size
-from sextant.printing.sheets import SheetParams, write_sheets
+from sextant.printing.marker_shape import check_size
+from sextant.printing.marker_sheet import SheetParams, write_sheets
 
 _EXAMPLES = """\
 examples:

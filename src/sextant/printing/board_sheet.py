@@ -11,7 +11,8 @@ import numpy as np
 
 import sextant
 from sextant.base.strict_params import StrictParams, required, within
-from sextant.printing.marker_print import black_boxes, check_size, marker_shape
+from sextant.printing.marker_shape import black_boxes, check_size, marker_shape
+from sextant.printing.marker_sheet import SheetParams, check_ids, id_ranges
 from sextant.printing.print_label import UP, Label, draw_label, label_height
 from sextant.printing.print_layout import (
     Grid,
@@ -22,7 +23,6 @@ from sextant.printing.print_layout import (
     require_room,
 )
 from sextant.printing.print_page import PrintPages
-from sextant.printing.sheets import SheetParams, check_ids, id_ranges
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from printed_pages import detector, pictures, texts
 
 import sextant
 from sextant.printing.board_sheet import BoardParams, board_map, min_gap, rounded_min_gap, write_board
-from sextant.printing.sheets import SheetParams
+from sextant.printing.marker_sheet import SheetParams
 
 DPI = 150
 CASES = [

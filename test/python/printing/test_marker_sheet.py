@@ -10,9 +10,9 @@ import pytest
 from printed_pages import detector, paper, pictures, poppler, texts
 
 import sextant
-from sextant.printing.marker_print import black_boxes, marker_shape
+from sextant.printing.marker_shape import black_boxes, marker_shape
+from sextant.printing.marker_sheet import SheetParams, id_ranges, write_sheets
 from sextant.printing.print_layout import PAGES
-from sextant.printing.sheets import SheetParams, id_ranges, write_sheets
 
 DPI = 150
 MM = 25.4 / DPI  # edge of a pixel

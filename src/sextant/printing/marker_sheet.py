@@ -8,7 +8,7 @@ from typing import Optional, Sequence, Union
 
 import sextant
 from sextant.base.strict_params import param, within
-from sextant.printing.marker_print import black_boxes, check_size, marker_shape
+from sextant.printing.marker_shape import black_boxes, check_size, marker_shape
 from sextant.printing.print_label import UP, Label, draw_label, label_height
 from sextant.printing.print_layout import (
     Grid,
