@@ -80,11 +80,7 @@ void bindFindings(py::module_& module) {
           "(family, id) of the other markers from which those images were located");
 }
 
-void bindMapMaker(py::module_& module) {
-  bindRecording(module);
-  bindMappingParams(module);
-  bindResiduals(module);
-  bindFindings(module);
+void bindResult(py::module_& module) {
   py::class_<MappingResult>(module, "MappingResult", "A map made from a recording, with diagnostics.")
       .def_readonly("map", &MappingResult::map, "MarkerMap with covariances")
       .def_readonly("covariance", &MappingResult::covariance,
@@ -113,6 +109,14 @@ void bindMapMaker(py::module_& module) {
           "inconsistent", [](const MappingResult& self) { return pairs(self.inconsistent); },
           "(family, id) of markers not in the map: moved during the recording, or the id is used twice")
       .def_readonly("conflicting_poses", &MappingResult::conflicting_poses, "list of ConflictingPose");
+}
+
+void bindMapMaker(py::module_& module) {
+  bindRecording(module);
+  bindMappingParams(module);
+  bindResiduals(module);
+  bindFindings(module);
+  bindResult(module);
   module.def(
       "make_marker_map", &makeMarkerMap, "recording"_a, "sizes"_a, "known"_a, "params"_a,
       py::call_guard<py::gil_scoped_release>(),
