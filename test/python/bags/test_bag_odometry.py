@@ -77,4 +77,5 @@ def test_odometry_that_cannot_be_chosen_or_used(tmp_path):
 
 def test_odometry_none_of_which_can_be_used(tmp_path):
     with pytest.raises(BagError, match="/odom can be used: position and quaternion must be finite"):
-        read_with_odometry(tmp_path, lambda bag: bag.odometry("/odom", np.full((4, 4), np.nan), 0.0))
+        nowhere = sextant.pose_from_xyz_rpy(np.full(3, np.nan), np.zeros(3))
+        read_with_odometry(tmp_path, lambda bag: bag.odometry("/odom", nowhere, 0.0))

@@ -103,7 +103,7 @@ def test_errors(jobs):
 def test_a_process_that_dies_and_a_result_that_cannot_be_sent():
     with pytest.raises(JobError, match="first: a worker process died; is there memory"):
         list(run_jobs(dies, [1], jobs=2, names=["first"]))
-    with pytest.raises(JobError, match="first: .*pickle"):
+    with pytest.raises(JobError, match="first: .*(pickle|local object)"):
         list(run_jobs(returns_what_cannot_be_sent, [1], jobs=2, names=["first"]))
 
 

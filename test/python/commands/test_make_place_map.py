@@ -20,7 +20,7 @@ PAGE = (ROOT / "doc/how_to/place_map.md").read_text()
 
 REFUSED = {
     "no way": ([], "required: COMMAND"),
-    "an unknown way": (["walk"], "choose from 'exif', 'drive', 'image'"),
+    "an unknown way": (["walk"], "invalid choice: 'walk'"),
     "an option before the way": (["--force", "exif", "photos"], "--force"),
     "no folder of photos": (["exif", "nowhere"], "nowhere: is not a folder"),
     "photos without positions": (["exif", "blank"], "no photo has a GPS position"),

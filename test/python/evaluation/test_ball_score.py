@@ -87,7 +87,7 @@ def test_worlds_that_were_played_are_not_played_again(tmp_path, capsys):
         (["--worlds", "0"], "--worlds must be 1 or more"),
         (["--film", "film.png"], "--film is of one world"),
         (["--model", "nowhere.onnx"], "nowhere.onnx: No such file"),
-        (["--tasks", "4"], "invalid choice: 4"),
+        (["--tasks", "4"], "argument --tasks: invalid choice"),
     ],
 )
 def test_what_cannot_be_is_refused(arguments, reason, capsys):

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The page for placing photos, in a real browser."""
 
+import shutil
 import time
 
 import pytest
@@ -24,8 +25,11 @@ CHROMIUM = (
 
 
 @pytest.fixture
-def browser():
+def browser(monkeypatch):
+    # Without this, new versions of selenium look for one to download.
+    monkeypatch.setenv("SE_CHROMEDRIVER", shutil.which("chromedriver") or "")
     options = webdriver.ChromeOptions()
+    options.binary_location = shutil.which("chromium") or ""
     for argument in CHROMIUM:
         options.add_argument(argument)
     browser = webdriver.Chrome(options=options)
