@@ -9,7 +9,7 @@
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/../tools/environment.sh"
 
-install_packages "$root/tools/apt_packages.txt"
+install_packages build run
 continue_as_owner "$@"
 build_package demo  # what the demo needs, a third of everything: scripts/build.sh builds the rest
 

@@ -7,7 +7,7 @@
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
 
-install_packages "$root/tools/apt_packages.txt" "$root/tools/apt_packages_docs.txt"
+install_packages build run docs
 continue_as_owner "$@"
 build_package all
 

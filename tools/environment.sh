@@ -24,19 +24,23 @@ if [[ $root =~ [^[:alnum:]/._+@-] ]]; then
   die "catkin cannot build in '$root': move it to a path without blanks and special characters"
 fi
 
-# missing_packages LIST...: the names in the lists that dpkg does not know as installed. `NAME >= VERSION` is for this and
-# later versions of Debian.
-missing_packages() {
-  local version
+# listed_packages LIST...: the names in tools/apt_packages_LIST.txt. `NAME >= VERSION` is for this and later versions of Debian.
+listed_packages() {
+  local version files=("${@/#/$root/tools/apt_packages_}")
+  files=("${files[@]/%/.txt}")
   version=$(. /etc/os-release && echo "${VERSION_ID:-99}")  # testing and unstable have none
-  LC_ALL=C comm -23 \
-    <(sed 's/#.*//' "$@" | awk -v version="$version" 'NF && version >= $3 + 0 {print $1}' | LC_ALL=C sort -u) \
+  sed 's/#.*//' "${files[@]}" | awk -v version="$version" 'NF && version >= $3 + 0 {print $1}' | LC_ALL=C sort -u
+}
+
+# missing_packages LIST...: those of them that are not installed.
+missing_packages() {
+  LC_ALL=C comm -23 <(listed_packages "$@") \
     <(dpkg-query -W -f='${db:Status-Status} ${Package}\n' | sed -n 's/^installed //p' | LC_ALL=C sort -u)
 }
 
-# install_packages LIST...: installs missing packages with apt; needs root or sudo only then.
+# install_packages LIST...: installs them with apt; needs root or sudo only then.
 install_packages() {
-  command -v dpkg-query >/dev/null || die "this is not Debian (no dpkg); install by hand what $* name"
+  command -v dpkg-query >/dev/null || die "this is not Debian (no dpkg); install by hand what tools/apt_packages_*.txt list"
   local missing log sudo=()
   mapfile -t missing < <(missing_packages "$@")
   ((${#missing[@]})) || return 0
@@ -100,22 +104,26 @@ prepare_build() {
 run_cmake() {
   mkdir -p "$1"
   cmake -S "$source" -B "$1" -DCATKIN_DEVEL_PREFIX="$2" -DCATKIN_TEST_RESULTS_DIR="$build/test_results" \
-    -DPYTHON_EXECUTABLE=/usr/bin/python3 -DCATKIN_ENABLE_TESTING=ON -DCMAKE_TARGET_MESSAGES=OFF "${@:3}" >"$1/configure.log" 2>&1 ||
+    -DPYTHON_EXECUTABLE=/usr/bin/python3 -DCMAKE_TARGET_MESSAGES=OFF "${@:3}" >"$1/configure.log" 2>&1 ||
     { cat "$1/configure.log" >&2; die "cmake failed, see above"; }
 }
 
+# configure [ON]: with the tests, whose packages are not installed otherwise.
 configure() {
   prepare_build
-  [[ $build/configured -nt ${BASH_SOURCE[0]} && -f $binary/Makefile ]] && return
+  local tests=${1:-OFF} stamp
+  for stamp in "$build/configured_$tests" "$build/configured_ON"; do
+    if [[ $stamp -nt ${BASH_SOURCE[0]} && -f $binary/Makefile ]]; then return; fi
+  done
   # Debug information of lines and functions, for backtraces: the whole of it takes a third more of the compiler's time.
-  run_cmake "$binary" "$build/devel" -DCMAKE_CXX_FLAGS_RELWITHDEBINFO="-O2 -g1 -DNDEBUG"
-  touch "$build/configured"
+  run_cmake "$binary" "$build/devel" -DCATKIN_ENABLE_TESTING="$tests" -DCMAKE_CXX_FLAGS_RELWITHDEBINFO="-O2 -g1 -DNDEBUG"
+  touch "$build/configured_$tests"
 }
 
 # build_package [TARGET...]: builds the targets (everything but the tests when none is named) and sources the result.
 # The compiler's own output goes to $build/build.log.
 build_package() {
-  configure
+  if [[ ${1-} == tests ]]; then configure ON; else configure; fi
   set -o pipefail
   flock "$build/lock" make -C "$binary" --no-print-directory -j"$(make_jobs)" "${@:-all}" 2>&1 |
     python3 "$root/tools/build_progress.py" "$build/build.log" ||

@@ -7,7 +7,7 @@
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
 
-install_packages "$root/tools/apt_packages.txt" "$root/tools/apt_packages_lint.txt"
+install_packages build run test lint
 continue_as_owner "$@"
 cd "$root"
 
@@ -21,7 +21,7 @@ fi
 
 # The core's compile commands, each file by itself, are those of $source; everything else is checked in its place.
 prepare_build
-run_cmake "$build/lint/cmake" "$build/lint/devel" -DCMAKE_EXPORT_COMPILE_COMMANDS=ON -DSEXTANT_UNITY=OFF -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON
+run_cmake "$build/lint/cmake" "$build/lint/devel" -DCATKIN_ENABLE_TESTING=ON -DCMAKE_EXPORT_COMPILE_COMMANDS=ON -DSEXTANT_UNITY=OFF -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON
 mapfile -t cpp < <(find include src test benchmark -name '*.[ch]pp' | sort)
 mapfile -t python < <(find setup.py src scripts tools test benchmark -name '*.py' | sort)
 mapfile -t shell < <(find scripts tools -name '*.sh'; echo .ci/run)

@@ -20,7 +20,7 @@ case ${1-} in
 esac
 sanitizer=$1
 
-install_packages "$root/tools/apt_packages.txt"
+install_packages build run test
 continue_as_owner "$@"
 prepare_build
 
@@ -33,7 +33,7 @@ export UBSAN_OPTIONS=print_stacktrace=1
 export TSAN_OPTIONS=suppressions=$lists/threads.txt:halt_on_error=1:second_deadlock_stack=1:history_size=7:handle_sigtrap=1
 
 binary=$build/sanitize_$sanitizer
-run_cmake "$binary" "$binary/devel" -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS="$flags -O1 -g1 -fno-omit-frame-pointer"
+run_cmake "$binary" "$binary/devel" -DCATKIN_ENABLE_TESTING=ON -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS="$flags -O1 -g1 -fno-omit-frame-pointer"
 make -C "$binary" --no-print-directory -j"$(make_jobs)" "${targets[@]}"
 set +u
 # shellcheck disable=SC1091

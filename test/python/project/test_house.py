@@ -126,8 +126,11 @@ def test_scripts_use_debians_python_whatever_comes_first(tmp_path):
 
 
 def test_only_missing_packages_are_asked_for(tmp_path):
-    (tmp_path / "list").write_text("# comment\n\nbash\nno-such-package  # why\n")
-    assert in_environment(ROOT, f"missing_packages {tmp_path}/list").stdout.split() == ["no-such-package"]
+    (tmp_path / "tools").mkdir()
+    (tmp_path / "tools/apt_packages_a.txt").write_text("# comment\n\nbash\nno-such-package  # why\n")
+    (tmp_path / "tools/apt_packages_b.txt").write_text("old >= 11\nnot-yet >= 99\n")
+    missing = in_environment(ROOT, f"root={tmp_path}; missing_packages a b").stdout
+    assert missing.split() == ["no-such-package", "old"]
 
 
 def test_a_path_that_catkin_cannot_build_in_is_refused(tmp_path):
@@ -157,7 +160,9 @@ def test_every_nodelet_is_described():
 
 def test_the_header_of_every_node_begins_with_its_name():
     nodes = [
-        path for path in (ROOT / "src/sextant/nodes").rglob("*.py") if (ROOT / "scripts" / path.stem).exists()
+        path
+        for path in (ROOT / "src/sextant/nodes").rglob("*.py")
+        if (ROOT / "scripts/nodes" / path.stem).exists()
     ]
     headers = {path.stem: ast.get_docstring(ast.parse(path.read_text())) for path in nodes}
     assert len(headers) > 10
