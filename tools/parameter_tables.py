@@ -32,7 +32,7 @@ def records() -> Dict[str, type]:
     result = {}
     for path in sorted((ROOT / "src/sextant/nodes").rglob("*.py")):
         read = re.search(r"\bread_params\(([A-Z]\w+)\)", path.read_text(encoding="utf-8"))
-        if read and (ROOT / "scripts" / path.stem).exists():
+        if read and (ROOT / "scripts/nodes" / path.stem).exists():
             module = importlib.import_module(f"sextant.nodes.{path.parent.name}.{path.stem}")
             result[path.stem] = getattr(module, read[1])
     return result

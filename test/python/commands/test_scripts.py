@@ -8,7 +8,9 @@ from pathlib import Path
 import pytest
 
 FOLDER = Path(__file__).resolve().parents[3] / "scripts"
-COMMANDS = sorted(path.name for path in FOLDER.iterdir() if "from sextant.commands." in path.read_text())
+COMMANDS = sorted(
+    path.name for path in FOLDER.iterdir() if path.is_file() and "from sextant.commands." in path.read_text()
+)
 
 
 @pytest.mark.slow

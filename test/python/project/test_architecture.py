@@ -128,7 +128,7 @@ def files(*folders, suffixes=(".cpp", ".hpp", ".py", ".sh")):
 
 
 def executables():
-    return sorted(path for path in (ROOT / "scripts").iterdir() if path.is_file() and not path.suffix)
+    return sorted(path for path in (ROOT / "scripts").rglob("*") if path.is_file() and not path.suffix)
 
 
 def all_code():
