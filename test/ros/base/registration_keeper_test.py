@@ -1,0 +1,109 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""roscore is restarted again and again, under nodes of C++ and of Python."""
+
+import os
+import socket
+import subprocess
+import time
+import unittest
+
+import rosgraph
+import rostest
+
+RESTARTS = 10
+LIMIT = 10.0  # seconds until everything is registered again
+NODES = {
+    "keeper": ["registration_keeper"],
+    "cpp": ["landmark_slam", "_max_range:=7.5"],
+    "python": ["image_decompressor"],
+    "mortal": ["image_decompressor"],
+}
+
+
+def free_port():
+    with socket.socket() as sock:
+        sock.bind(("localhost", 0))
+        return sock.getsockname()[1]
+
+
+class RegistrationKeeperTest(unittest.TestCase):
+    def setUp(self):
+        self.uri = f"http://localhost:{free_port()}"
+        self.env = {**os.environ, "ROS_MASTER_URI": self.uri}
+        self.master = rosgraph.Master("/registration_keeper_test", self.uri)
+        self.start_master()
+        self.nodes = {name: self.start(*command, f"__name:={name}") for name, command in NODES.items()}
+
+    def start(self, *command):
+        process = subprocess.Popen(["rosrun", "sextant", *command], env=self.env)
+        self.addCleanup(self.stop, process)
+        return process
+
+    def stop(self, process):
+        process.terminate()
+        process.wait(20)
+
+    def start_master(self):
+        port = self.uri.rsplit(":", 1)[1]
+        self.core = subprocess.Popen(["rosmaster", "--core", "-p", port], stdout=subprocess.DEVNULL)
+        self.addCleanup(self.core.kill)
+        self.assertTrue(self.eventually(self.master.is_online))
+
+    @staticmethod
+    def eventually(condition, seconds=LIMIT):
+        end = time.monotonic() + seconds
+        while not condition():
+            if time.monotonic() > end:
+                return False
+            time.sleep(0.05)
+        return True
+
+    def registered(self):
+        """(topic or service, node) of all three kinds; URIs of services; types of topics."""
+        kinds = self.master.getSystemState()
+        pairs = [{(name, node) for name, nodes in kind for node in nodes} for kind in kinds]
+        services = {name: self.master.lookupService(name) for name, _ in kinds[2]}
+        return pairs, services, dict(self.master.getTopicTypes())
+
+    def complete(self):
+        pairs, _, _ = self.registered()
+        nodes = {node for kind in pairs for _, node in kind}
+        return {"/" + name for name in NODES} <= nodes and ("/tf", "/cpp") in pairs[0] | pairs[1]
+
+    def test_running_nodes_are_registered_again_and_parameters_restored(self):
+        self.master.setParam("/use_sim_time", False)
+        self.master.setParam("/robot", {"name": "a", "wheels": {"radius": 0.1}})
+        self.assertTrue(self.eventually(self.complete, 30.0))
+        time.sleep(3.0)  # two looks of the keeper
+        expected, parameters = self.registered(), self.master.getParam("/")
+        for number in range(RESTARTS):
+            if number == 1:
+                self.stop_abruptly("mortal", expected)
+            self.core.kill()
+            self.core.wait()
+            time.sleep(0.5 if number else 3.0)  # once long enough for the keeper to notice that there is none
+            self.start_master()
+            self.master.setParam("/robot/name", f"b{number}")  # of the new master: is kept
+            self.assertTrue(self.eventually(lambda: self.registered() == expected), number)
+            kept = self.master.getParam("/")
+            self.assertEqual(kept["robot"], {"name": f"b{number}", "wheels": {"radius": 0.1}})
+            self.assertEqual(kept["cpp"], parameters["cpp"])
+            self.assertIs(kept["use_sim_time"], False)
+            time.sleep(2.0)
+
+    def stop_abruptly(self, name, expected):
+        """A node that does not unregister: it is not registered again."""
+        self.nodes[name].kill()
+        self.nodes[name].wait()
+        pairs, services, types = expected
+        for kind in pairs:
+            kind.difference_update({pair for pair in kind if pair[1] == "/" + name})
+        for known in (services, types):
+            for each in [each for each in known if each.startswith(f"/{name}/")]:
+                del known[each]
+
+
+if __name__ == "__main__":
+    rostest.rosrun("sextant", "registration_keeper", RegistrationKeeperTest)
