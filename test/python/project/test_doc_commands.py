@@ -22,6 +22,7 @@ PAGES = [ROOT / "README.md", *sorted((ROOT / "doc").rglob("*.md"))]
 NODES = re.findall(r"^## (\w+)$", NODES_PAGE, re.M)
 FOREIGN = (
     *(
+        "apt install ./sextant_*.deb",
         "rosbag record ",
         "rqt_image_view ",
         "rosrun tf2_ros ",
@@ -63,7 +64,7 @@ def tag_of(command):
 
 def test_shell_examples_are_of_a_known_kind():
     kinds = ("rosrun sextant ", "roslaunch sextant ", "rosservice call ", "rostopic echo ", *FOREIGN)
-    scripts = ("scripts/", "benchmark/", ". build/devel/setup.bash")
+    scripts = ("scripts/", "tools/", "benchmark/", ". build/devel/setup.bash")
     unknown = [each for each in map(" ".join, COMMANDS) if not each.startswith((*kinds, *scripts))]
     assert unknown == []
 
@@ -107,7 +108,9 @@ def test_services_and_topics_are_those_of_the_nodes(command):
 
 
 @pytest.mark.parametrize(
-    "command", [each for each in COMMANDS if each[0].startswith(("scripts/", "benchmark/"))], ids=tag_of
+    "command",
+    [each for each in COMMANDS if each[0].startswith(("scripts/", "tools/", "benchmark/"))],
+    ids=tag_of,
 )
 def test_scripts_are_there(command):
     assert os.access(ROOT / command[0], os.X_OK)

@@ -38,7 +38,11 @@ BRANCHES = {
         ["map:=" + ROOM, "start_camera:=true", "camera_info:=calibration"],
         ["start_manager:=false"],
     ],
-    "markers.launch": [["map:=" + ROOM, "camera_info:=calibration"], ["start_manager:=false"]],
+    "markers.launch": [
+        ["map:=" + ROOM, "camera_info:=calibration"],
+        ["start_manager:=false"],
+        ["detections:=tag_detections", "camera_info:=calibration"],
+    ],
     "demo.launch": [["rviz:=true", "mode:=nearest"], ["mode:=average"]],
     "calibrate.launch": [
         ["fisheye:=true", "commit:=false"],
@@ -55,6 +59,7 @@ BRANCHES = {
     "amcl.launch": [["floor:=floor.yaml"]],
     "places.launch": [["start_camera:=true", "rviz:=true"], ["visualizer:=false"]],
     "places_demo.launch": [["rviz:=true", "season:=[dusk]"]],
+    "teleop.launch": [["joystick:=/dev/input/js0", "bag:=drive.bag", "topics:=/odom"]],
     "view.launch": [["hostname:=laptop", "master:=http://robot:11311"], ["rviz:=false"]],
 }
 RUNS = [
@@ -71,6 +76,8 @@ FILES = [
     for each in ElementTree.parse(path).getroot().iter("arg")
     if each.get("name").endswith("params") and each.get("default")
 ]
+# Arguments without which the node that reads the file is not started.
+STARTED = {"adapter_params": ["detections:=tag_detections"]}
 # What such a file cannot set, because it is of several nodes or the user has to give it.
 ARGUMENTS_ALONE = {
     ("demo.launch", "simulator_params"): {"map_file", "family", "marker_size"},
@@ -203,10 +210,10 @@ def params_with(path, *args):
     return {key: param.value for key, param in load(path, [*needed, *args]).params.items()}
 
 
-def reader_of(path, name, file):
+def reader_of(path, name, file, start):
     """The node that reads a file of parameters, with a slash at both ends."""
     file.write_text("probe: 1")
-    (node,) = (key[:-5] for key in params_with(path, f"{name}:={file}") if key.endswith("/probe"))
+    (node,) = (key[:-5] for key in params_with(path, f"{name}:={file}", *start) if key.endswith("/probe"))
     return node
 
 
@@ -217,15 +224,16 @@ def differences(params, others):
 @pytest.mark.parametrize(("path", "name"), FILES, ids=lambda each: getattr(each, "name", each))
 def test_a_file_wins_over_defaults_and_arguments_win_over_the_file(path, name, tmp_path):
     file = tmp_path / "params.yaml"
-    node = reader_of(path, name, file)
+    start = STARTED.get(name, [])
+    node = reader_of(path, name, file, start)
     empty = {arg for arg, (default, _) in own_declared(path).items() if default == ""}
-    sevens = [f"{arg}:=7" for arg in empty - {"camera_info", "manager"}]  # which are names
-    plain, given = params_with(path), params_with(path, *sevens)
+    sevens = [f"{arg}:=7" for arg in empty - {"camera_info", "manager", "detections"}]  # which are names
+    plain, given = params_with(path, *start), params_with(path, *start, *sevens)
     from_file = {key: "of the file" for key in given if key.startswith(node)}
     file.write_text(yaml.safe_dump({key[len(node) :]: value for key, value in from_file.items()}))
-    lost = differences(from_file, params_with(path, f"{name}:={file}"))
+    lost = differences(from_file, params_with(path, f"{name}:={file}", *start))
     assert {key[len(node) :] for key in lost} == ARGUMENTS_ALONE.get((path.name, name), set())
-    lost = differences(given, params_with(path, f"{name}:={file}", *sevens))
+    lost = differences(given, params_with(path, f"{name}:={file}", *start, *sevens))
     assert not lost & differences(given, plain)
 
 

@@ -14,7 +14,7 @@ from sextant.msg import Objects
 from sextant.nodes.base.exits import fatal, until_shutdown
 from sextant.nodes.base.init_node import init_node
 from sextant.nodes.base.params import read_params
-from sextant.nodes.images.image_message import image_to_message
+from sextant.nodes.images.image_publisher import ImagePublisher
 from sextant.nodes.images.latest_image import LatestImage
 from sextant.nodes.objects.object_detector_node_params import ObjectDetectorParams
 from sextant.nodes.objects.object_detector_report import ObjectDetectorReport
@@ -32,7 +32,7 @@ class ObjectDetectorNode:
         self._updater.setHardwareID("none")
         self._updater.add("objects", self._report.fill_diagnostics)
         self._objects = rospy.Publisher("objects", Objects, queue_size=10)
-        self._drawn_images = rospy.Publisher("objects/image", Image, queue_size=1)
+        self._drawn_images = ImagePublisher("objects/image")
         rospy.loginfo("detects %s", ", ".join(detector.classes))
 
     def run(self) -> None:
@@ -57,7 +57,7 @@ class ObjectDetectorNode:
         self._objects.publish(objects_message(found, self._detector.classes, size, message.header))
         if self._drawn_images.get_num_connections():
             drawn = detection_image(image, found, self._detector.classes)
-            self._drawn_images.publish(image_to_message(drawn, message.header))
+            self._drawn_images.publish(drawn, message.header)
 
 
 def _rgb_image(message: Image) -> np.ndarray:

@@ -23,7 +23,7 @@ from sextant.nodes.base.exits import fatal
 from sextant.nodes.base.file_wait import wait_for_file
 from sextant.nodes.base.init_node import init_node
 from sextant.nodes.base.params import read_params
-from sextant.nodes.images.image_message import image_to_message
+from sextant.nodes.images.image_publisher import ImagePublisher
 from sextant.nodes.images.latest_image import LatestImage
 from sextant.nodes.places.place_localizer_node_params import PlaceLocalizerNodeParams
 from sextant.nodes.places.place_messages import fix_message, hypotheses_message, places_message, pose_message
@@ -81,7 +81,7 @@ class PlaceLocalizerNode:
     def _advertise(self) -> None:
         self._places = rospy.Publisher("places", Places, queue_size=10)
         self._hypotheses = rospy.Publisher("hypotheses", PlaceHypotheses, queue_size=10)
-        self._matches = rospy.Publisher("matches/image", Image, queue_size=1)
+        self._matches = ImagePublisher("matches/image")
         self._poses = rospy.Publisher("pose", PoseWithCovarianceStamped, queue_size=10)
         self._fixes = rospy.Publisher("fix", NavSatFix, queue_size=10)
         self._initialpose = rospy.Publisher("initialpose", PoseWithCovarianceStamped, queue_size=1)
@@ -163,7 +163,7 @@ class PlaceLocalizerNode:
         status = found.status.name.lower().replace("_", " ")
         caption = f"{photo.image} ({photo.id}): {len(found.match.weights)} matches, {status}"
         rgb = image if image.ndim == 2 else image[:, :, ::-1]
-        self._matches.publish(image_to_message(match_image(rgb, map_photo, found.match, caption), header))
+        self._matches.publish(match_image(rgb, map_photo, found.match, caption), header)
 
     # ---- services
 

@@ -3,14 +3,15 @@
 """Visualization of a place map and its hypotheses in rviz."""
 
 import math
-from pathlib import Path
 from typing import Dict, Iterable, List, Sequence
 
+import numpy as np
 from geometry_msgs.msg import Point, Pose, Quaternion, Vector3
+from nav_msgs.msg import MapMetaData, OccupancyGrid
 from std_msgs.msg import ColorRGBA, Header
 from visualization_msgs.msg import Marker, MarkerArray
 
-from sextant.place_maps.place_map import MetricFrame, Photo, PlaceMap
+from sextant.place_maps.place_map import MetricFrame, Overview, Photo, PlaceMap
 from sextant.places.place_renderer import (
     INK,
     MAX_LABELS,
@@ -24,7 +25,7 @@ from sextant.places.probability_scale import Colour, probability_colour
 
 
 class PlaceVisualization:
-    """rviz markers in the metric frame of a map: the overview in its plane, dots on it."""
+    """rviz markers in the metric frame of a map: dots on the plane of the overview."""
 
     def __init__(self, place_map: PlaceMap, frame: MetricFrame, radii: Radii):
         self._overview, self._frame = place_map.overview, frame
@@ -32,18 +33,10 @@ class PlaceVisualization:
         self._photos: Dict[int, Photo] = {photo.id: photo for photo in place_map.photos}
         self._places = [photos[0].id for photos in place_map.places()]
 
-    def map_markers(self, mesh: Path) -> MarkerArray:
-        """Markers of the overview and all places.
-
-        :param mesh: of the overview, in metres, by sextant.place_maps.overview_mesh
-        """
-        x, y, yaw = self._frame.origin
-        turn = Quaternion(0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2))
-        overview = self._marker("overview", Marker.MESH_RESOURCE, Vector3(1.0, 1.0, 1.0))
-        overview.pose = Pose(Point(x, y, 0.0), turn)
-        overview.mesh_resource, overview.mesh_use_embedded_materials = mesh.as_uri(), True
+    def map_markers(self) -> MarkerArray:
+        """Markers of all places."""
         dots = self._spheres("places", self._radii.place, self._places, [_colour(PLACE)] * len(self._places))
-        return MarkerArray([delete_all(), overview, *dots])
+        return MarkerArray([delete_all(), *dots])
 
     def hypothesis_markers(self, likely: Sequence[Hypothesis], trail: Sequence[int]) -> MarkerArray:
         """Markers of hypotheses.
@@ -108,6 +101,22 @@ class PlaceVisualization:
         upright = Pose(Point(), Quaternion(0.0, 0.0, 0.0, 1.0))  # rviz warns about zero quaternions
         header = Header(frame_id=self._frame.frame)
         return Marker(header=header, ns=name, type=kind, pose=upright, scale=scale, color=_colour(colour))
+
+
+def overview_grid(image: np.ndarray, overview: Overview, frame: MetricFrame) -> OccupancyGrid:
+    """The overview as a map that rviz displays in grey: 0 for white, 100 for black.
+
+    :param image: uint8 (rows, columns, 3), RGB: the overview at any size
+    """
+    x, y, yaw = frame.origin
+    rows, columns = image.shape[:2]
+    origin = Pose(Point(x, y, 0.0), Quaternion(0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2)))
+    resolution = overview.width * frame.resolution / columns
+    grid = OccupancyGrid(header=Header(frame_id=frame.frame))
+    grid.info = MapMetaData(width=columns, height=rows, resolution=resolution, origin=origin)
+    darkness = np.rint((255.0 - image.mean(axis=2)) * (100.0 / 255.0)).astype(np.int8)
+    grid.data = darkness[::-1].ravel().tolist()  # the first row of a grid is the lowest
+    return grid
 
 
 def delete_all() -> Marker:

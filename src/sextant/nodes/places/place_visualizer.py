@@ -2,31 +2,28 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Node place_visualizer: shows place_localizer's hypotheses on the overview, in a window and in rviz."""
 
-import tempfile
 import threading
 from collections import deque
 from dataclasses import dataclass
 from math import ceil
-from pathlib import Path
 from typing import Deque, List, Optional, Sequence
 
 import rospy
-from sensor_msgs.msg import Image
+from nav_msgs.msg import OccupancyGrid
 from std_msgs.msg import Header
 from std_srvs.srv import Trigger, TriggerResponse
 from visualization_msgs.msg import MarkerArray
 
-from sextant.base.strict_params import Check, not_empty, param, required, within
+from sextant.base.strict_params import not_empty, param, required, within
 from sextant.msg import Places
 from sextant.nodes.base.exits import fatal
 from sextant.nodes.base.file_wait import wait_for_file
 from sextant.nodes.base.init_node import init_node
 from sextant.nodes.base.params import read_params
-from sextant.nodes.images.image_message import image_to_message
+from sextant.nodes.images.image_publisher import ImagePublisher
 from sextant.nodes.images.image_window import ImageWindow
 from sextant.nodes.places.place_messages import hypotheses_from_message
-from sextant.nodes.places.place_visualization import PlaceVisualization, delete_all
-from sextant.place_maps.overview_mesh import write_overview_mesh
+from sextant.nodes.places.place_visualization import PlaceVisualization, delete_all, overview_grid
 from sextant.place_maps.place_map import MetricFrame
 from sextant.place_maps.place_map_file import read_place_map
 from sextant.places.place_renderer import Hypothesis, PlaceRenderer
@@ -46,29 +43,26 @@ class VisualizerParams:
     trail: int = param(20, "length of the trail of best places, including the last one", within(1, 1000))
     max_side: int = param(1600, "maximum length of the overview's longer side", within(100, 8192), "px")
     rate: float = param(10.0, "maximum rate of the images", within(0.1, 100.0), "Hz")
-    mesh_folder: str = param(
-        "", "folder for the files of the overview's rectangle; empty: a temporary folder", Check("a folder")
-    )
 
 
 class ShownMap:
-    """A map with its renderer and, if it has a metric frame, its rviz markers.
+    """A map with its renderer and, if it has a metric frame, what rviz displays.
 
-    :raises OSError: the map or the overview cannot be read, or the mesh cannot be written
+    :raises OSError: the map or the overview cannot be read
     :raises ValueError: "file:line: reason"
     """
 
-    def __init__(self, params: VisualizerParams, mesh_folder: Path):
+    def __init__(self, params: VisualizerParams):
         place_map = read_place_map(params.map_file)
         self.renderer = PlaceRenderer(place_map, params.max_side)
         self.count = len(place_map.photos)
         self.frame, self.visualization, self.map_markers = "", None, MarkerArray([delete_all()])
-        frame, overview = place_map.georeference, place_map.overview
+        self.overview: Optional[OccupancyGrid] = None
+        frame = place_map.georeference
         if isinstance(frame, MetricFrame):
-            size = (overview.width * frame.resolution, overview.height * frame.resolution)
-            mesh = write_overview_mesh(mesh_folder, self.renderer.backdrop, *size)
+            self.overview = overview_grid(self.renderer.backdrop, place_map.overview, frame)
             self.visualization = PlaceVisualization(place_map, frame, self.renderer.radii)
-            self.frame, self.map_markers = frame.frame, self.visualization.map_markers(mesh)
+            self.frame, self.map_markers = frame.frame, self.visualization.map_markers()
 
     def hypothesis_markers(self, hypotheses: Sequence[Hypothesis], trail: Sequence[int]) -> MarkerArray:
         """Markers of hypotheses; without a metric frame, those that delete all previous ones."""
@@ -78,7 +72,7 @@ class ShownMap:
         return self.visualization.hypothesis_markers(self.renderer.likely(hypotheses), known)
 
 
-class PlaceVisualizer(rospy.SubscribeListener):
+class PlaceVisualizer:
     """Node that draws the newest hypotheses in the main thread.
 
     :raises OSError, ValueError: as ShownMap, or there is no display for the window
@@ -86,17 +80,16 @@ class PlaceVisualizer(rospy.SubscribeListener):
 
     def __init__(self, params: VisualizerParams):
         self._params = params
-        self._temporary = tempfile.TemporaryDirectory(prefix="sextant_places_")
-        self._mesh_folder = Path(params.mesh_folder or self._temporary.name).absolute()
         self._window = ImageWindow(rospy.get_name()) if params.window else None
         self._lock, self._changed, self._stop = threading.Lock(), threading.Event(), threading.Event()
         self._hypotheses: Optional[List[Hypothesis]] = None
         self._header: Optional[Header] = None
         self._trail: Deque[int] = deque(maxlen=params.trail)
-        shown = ShownMap(params, self._mesh_folder)
-        self._image = rospy.Publisher(
-            "places/image", Image, subscriber_listener=self, queue_size=1, latch=True
-        )
+        shown = ShownMap(params)
+        self._image = ImagePublisher(
+            "places/image", True, self._changed.set
+        )  # none is drawn without subscribers
+        self._overview = rospy.Publisher("places/overview", OccupancyGrid, queue_size=1, latch=True)
         self._map_markers = rospy.Publisher("places/map", MarkerArray, queue_size=1, latch=True)
         self._hypothesis_markers = rospy.Publisher(
             "places/visualization", MarkerArray, queue_size=1, latch=True
@@ -105,10 +98,6 @@ class PlaceVisualizer(rospy.SubscribeListener):
         rospy.on_shutdown(self._stop.set)
         rospy.Service("~reload", Trigger, self._reload)
         rospy.Subscriber("places", Places, self._on_places, queue_size=1)
-
-    def peer_subscribe(self, *_args) -> None:
-        """Draws an image for a new subscriber; none is drawn without subscribers."""
-        self._changed.set()
 
     def run(self) -> None:
         """Draws until the node is shut down or its window is closed."""
@@ -128,14 +117,18 @@ class PlaceVisualizer(rospy.SubscribeListener):
     def _set_map(self, shown: ShownMap) -> None:
         self._shown = shown
         self._map_markers.publish(shown.map_markers)
+        if shown.overview:
+            self._overview.publish(shown.overview)
         self._changed.set()
         rospy.loginfo("%s: %d photos", self._params.map_file, shown.count)
         if shown.visualization is None:
-            rospy.loginfo("the map has no metric frame: places/image is published, but no markers")
+            rospy.loginfo(
+                "the map has no metric frame: places/image is published, but nothing for rviz's 3-D view"
+            )
 
     def _reload(self, _request) -> TriggerResponse:
         try:
-            shown = ShownMap(self._params, self._mesh_folder)
+            shown = ShownMap(self._params)
         except (OSError, ValueError) as error:
             rospy.logerr("the map is not reloaded, the old one is kept: %s", error)
             return TriggerResponse(False, str(error))
@@ -174,7 +167,7 @@ class PlaceVisualizer(rospy.SubscribeListener):
         self._hypothesis_markers.publish(shown.hypothesis_markers(hypotheses or (), trail))
         if self._window or self._image.get_num_connections():
             image = shown.renderer.draw(hypotheses, trail)
-            self._image.publish(image_to_message(image, header))
+            self._image.publish(image, header)
             if self._window:
                 self._window.show(image)
 
