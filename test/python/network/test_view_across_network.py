@@ -213,22 +213,27 @@ def test_a_late_viewer_gets_everything_over_a_poor_link(name, namespaces, launch
     topics = [f"{topic}:{kind}" for topic, kind in {**system.topics, system.pose: POSE}.items()]
     received = answer_of(helper(viewer, "late_listener.py", "120", "/laptop", system.displayed, *topics), 150)
     assert received["missing"] == []
-    subscribers = received["subscribers"]
     for image in system.images:
-        assert [node for node in subscribers[image + "/compressed"] if "laptop" in node]
-        assert not [
-            node for node in subscribers.get(image, []) if "laptop" in node
-        ]  # nothing raw is transmitted
-    if name == "markers":
+        assert on_laptop(received, image + "/compressed")
+        assert not on_laptop(received, image)  # nothing raw is transmitted
+    if name == "markers":  # what was drawn before is removed; a board and an id a marker
         assert {*"01234567", "camera_optical_frame"} <= set(received["frames"])
-        assert received["sizes"]["marker_map"] == 1 + 2 * 8  # what was drawn before is removed; board and id
+        assert received["sizes"]["marker_map"] == 1 + 2 * 8
+    local, remote = received_poses(namespaces, system.pose)
+    assert len(local) >= 5
+    assert len(local & remote) >= 0.95 * len(local)
 
-    recorders = [helper(side, "stamp_recorder.py", system.pose, "20") for side in namespaces]
+
+def on_laptop(received, topic):
+    return [node for node in received["subscribers"].get(topic, []) if "laptop" in node]
+
+
+def received_poses(namespaces, topic):
+    """Stamps of the poses that were received on the robot, and of those on the viewer."""
+    recorders = [helper(side, "stamp_recorder.py", topic, "20") for side in namespaces]
     local, remote = (set(answer_of(each, 60)) for each in recorders)
     begin, end = max(min(local), min(remote)), max(local)
-    expected = {stamp for stamp in local if begin <= stamp < end - 1.0}  # the last may be under way
-    assert len(expected) >= 5
-    assert len(expected & remote) >= 0.95 * len(expected)
+    return {stamp for stamp in local if begin <= stamp < end - 1.0}, remote  # the last may be under way
 
 
 @pytest.mark.slow
@@ -246,10 +251,8 @@ def test_a_lost_link_does_not_fill_the_robots_memory(namespaces, launched):
     assert len(before) >= 4
     grown = {name: after[name] - before[name] for name in before}
     assert max(grown.values()) < 8.0, f"MB: {grown}"
-    assert (
-        answer_of(helper(viewer, "late_listener.py", "60", "", "", f"{system.pose}:{POSE}"), 90)["missing"]
-        == []
-    )
+    listener = helper(viewer, "late_listener.py", "60", "", "", f"{system.pose}:{POSE}")
+    assert answer_of(listener, 90)["missing"] == []
 
 
 def memory_of_nodes(namespace):

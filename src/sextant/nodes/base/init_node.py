@@ -25,6 +25,8 @@ def init_node(name: str) -> None:
     signal.set_wakeup_fd(wakeup)
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: None)  # Python writes its number to the pipe
+    if not hasattr(threading.Thread, "isAlive"):  # called by rospy of Debian 11; Python 3.9 has it no more
+        threading.Thread.isAlive = threading.Thread.is_alive
     rospy.init_node(name, disable_signals=True)
     atexit.register(_finish, thread, wakeup)
 

@@ -8,7 +8,7 @@ and registers it again by the master's API (http://wiki.ros.org/ROS/Master_API),
 """
 
 from concurrent.futures import ThreadPoolExecutor
-from typing import Any, Dict, Iterable, List, NamedTuple, Optional, Set, Tuple
+from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Set, Tuple
 from xmlrpc.client import Fault, ServerProxy, Transport
 
 import rosgraph
@@ -50,25 +50,25 @@ def read_registrations(master: rosgraph.Master, known: Optional[Registrations]) 
     :raises OSError, Fault, MasterException: the master does not answer
     """
     publishers, subscribers, services = (dict(each) for each in master.getSystemState())
-    old_nodes, old_services = (known.nodes, known.service_uris) if known else ({}, {})
-    nodes, uris = {}, {}
-    for name in _names(publishers, subscribers, services):
-        uri = old_nodes.get(name) or _looked_up(master.lookupNode, name)
-        if uri:
-            nodes[name] = uri
-    for name, providers in services.items():
-        same = known is not None and known.services.get(name) == providers
-        uri = (same and old_services.get(name)) or _looked_up(master.lookupService, name)
-        if uri:
-            uris[name] = uri
-    return Registrations(publishers, subscribers, services, dict(master.getTopicTypes()), nodes, uris)
+    old_nodes, old_services = {}, {}
+    if known is not None:
+        old_nodes = known.nodes
+        same = [name for name, providers in services.items() if known.services.get(name) == providers]
+        old_services = {name: uri for name, uri in known.service_uris.items() if name in same}
+    nodes = _uris(_names(publishers, subscribers, services), old_nodes, master.lookupNode)
+    service_uris = _uris(services, old_services, master.lookupService)
+    return Registrations(publishers, subscribers, services, dict(master.getTopicTypes()), nodes, service_uris)
 
 
-def _looked_up(lookup, name: str) -> str:
-    try:
-        return lookup(name)
-    except rosgraph.MasterException:  # it has just been unregistered
-        return ""
+def _uris(names: Iterable[str], known: Dict[str, str], look_up: Callable[[str], str]) -> Dict[str, str]:
+    """URIs by name, without names that have just been unregistered."""
+    uris = {}
+    for name in names:
+        try:
+            uris[name] = known.get(name) or look_up(name)
+        except rosgraph.MasterException:
+            continue
+    return uris
 
 
 class _TimedTransport(Transport):
