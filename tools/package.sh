@@ -96,9 +96,9 @@ open_tree() {
   tree=$build/package_trees/$1
   mkdir -p "$build/package_trees"
   touch "$build/CATKIN_IGNORE"
-  trap 'umount -q "$tree/proc" "$tree/dev" "$tree/native" || true' EXIT
+  trap 'umount -q "$tree/proc" "$tree/dev/pts" "$tree/dev" "$tree/native" 2>/dev/null || true' EXIT
   make_tree "$tree" "$arch" ca-certificates
-  mount -t proc proc "$tree/proc" && mount --bind /dev "$tree/dev"
+  mount -t proc proc "$tree/proc" && mount --bind /dev "$tree/dev" && mount --bind /dev/pts "$tree/dev/pts"
 }
 
 build_in_tree() {

@@ -11,6 +11,7 @@ import unittest
 
 import rosgraph
 import rostest
+from ros_probe import until
 
 RESTARTS = 10
 LIMIT = 10.0  # seconds until everything is registered again
@@ -49,16 +50,7 @@ class RegistrationKeeperTest(unittest.TestCase):
         port = self.uri.rsplit(":", 1)[1]
         self.core = subprocess.Popen(["rosmaster", "--core", "-p", port], stdout=subprocess.DEVNULL)
         self.addCleanup(self.core.kill)
-        self.assertTrue(self.eventually(self.master.is_online))
-
-    @staticmethod
-    def eventually(condition, seconds=LIMIT):
-        end = time.monotonic() + seconds
-        while not condition():
-            if time.monotonic() > end:
-                return False
-            time.sleep(0.05)
-        return True
+        self.assertTrue(until(self.master.is_online, LIMIT))
 
     def registered(self):
         """(topic or service, node) of all three kinds; URIs of services; types of topics."""
@@ -75,7 +67,7 @@ class RegistrationKeeperTest(unittest.TestCase):
     def test_running_nodes_are_registered_again_and_parameters_restored(self):
         self.master.setParam("/use_sim_time", False)
         self.master.setParam("/robot", {"name": "a", "wheels": {"radius": 0.1}})
-        self.assertTrue(self.eventually(self.complete, 30.0))
+        self.assertTrue(until(self.complete, 30.0))
         time.sleep(3.0)  # two looks of the keeper
         expected, parameters = self.registered(), self.master.getParam("/")
         for number in range(RESTARTS):
@@ -86,7 +78,7 @@ class RegistrationKeeperTest(unittest.TestCase):
             time.sleep(0.5 if number else 3.0)  # once long enough for the keeper to notice that there is none
             self.start_master()
             self.master.setParam("/robot/name", f"b{number}")  # of the new master: is kept
-            self.assertTrue(self.eventually(lambda: self.registered() == expected), number)
+            self.assertTrue(until(lambda: self.registered() == expected, LIMIT), number)
             kept = self.master.getParam("/")
             self.assertEqual(kept["robot"], {"name": f"b{number}", "wheels": {"radius": 0.1}})
             self.assertEqual(kept["cpp"], parameters["cpp"])
