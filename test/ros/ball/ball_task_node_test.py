@@ -255,7 +255,7 @@ class EndTest(unittest.TestCase):
         mistakes = (
             ("no_such_parameter", "1", "/bad/no_such_parameter: unknown"),
             ("max_kicks", "1.5", "/bad/max_kicks: must be a whole number"),
-            ("run_up", "0.2", "/bad/run_up: must be more than"),
+            ("run_up", "0.2", "/bad/run_up: must be at least"),
         )
         assert_refused(self, "ball.ball_task", mistakes)
 
