@@ -44,7 +44,8 @@ build_here() {
   install_packages build package
   continue_as_owner "$@"
   prepare_build
-  rm -rf "$packages" && mkdir -p "$packages/source"
+  rm -rf "$packages/source" "$packages"/sextant*  # packages of other suites are in folders here
+  mkdir -p "$packages/source"
   tar -C "$root" --exclude=./build --exclude=./.git --exclude=__pycache__ -c . | tar -C "$packages/source" -x
   write_control "$packages/source/debian"
   cd "$packages/source"

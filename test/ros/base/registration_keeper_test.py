@@ -73,17 +73,29 @@ class RegistrationKeeperTest(unittest.TestCase):
         for number in range(RESTARTS):
             if number == 1:
                 self.stop_abruptly("mortal", expected)
+            if number == 2:
+                expected = self.start_again("cpp")
             self.core.kill()
             self.core.wait()
             time.sleep(0.5 if number else 3.0)  # once long enough for the keeper to notice that there is none
             self.start_master()
             self.master.setParam("/robot/name", f"b{number}")  # of the new master: is kept
-            self.assertTrue(until(lambda: self.registered() == expected, LIMIT), number)
+            self.assertTrue(until(lambda expected=expected: self.registered() == expected, LIMIT), number)
             kept = self.master.getParam("/")
             self.assertEqual(kept["robot"], {"name": f"b{number}", "wheels": {"radius": 0.1}})
             self.assertEqual(kept["cpp"], parameters["cpp"])
             self.assertIs(kept["use_sim_time"], False)
             time.sleep(2.0)
+
+    def start_again(self, name):
+        """A node dies and is respawned: its name has another URI. Returns what is then registered."""
+        before = self.master.lookupNode("/" + name)
+        self.nodes[name].kill()
+        self.nodes[name].wait()
+        self.nodes[name] = self.start(*NODES[name], f"__name:={name}")
+        self.assertTrue(until(lambda: self.master.lookupNode("/" + name) != before, LIMIT))
+        time.sleep(3.0)  # two looks of the keeper
+        return self.registered()
 
     def stop_abruptly(self, name, expected):
         """A node that does not unregister: it is not registered again."""

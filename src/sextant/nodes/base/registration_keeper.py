@@ -46,17 +46,18 @@ def _names(*topics: Topics) -> Set[str]:
 def read_registrations(master: rosgraph.Master, known: Optional[Registrations]) -> Registrations:
     """Asks the master for its registrations.
 
-    :param known: the last answer, whose URIs are not asked for again as long as a node is registered
+    :param known: the last answer; URIs of services are asked for again when that of their node is another
     :raises OSError, Fault, MasterException: the master does not answer
     """
     publishers, subscribers, services = (dict(each) for each in master.getSystemState())
-    old_nodes, old_services = {}, {}
-    if known is not None:
-        old_nodes = known.nodes
-        same = [name for name, providers in services.items() if known.services.get(name) == providers]
-        old_services = {name: uri for name, uri in known.service_uris.items() if name in same}
-    nodes = _uris(_names(publishers, subscribers, services), old_nodes, master.lookupNode)
-    service_uris = _uris(services, old_services, master.lookupService)
+    nodes = _uris(_names(publishers, subscribers, services), {}, master.lookupNode)
+    same: Dict[str, str] = {}
+    if known is not None:  # a node that was started again has the old name, but another URI
+        kept = {node for node, uri in nodes.items() if known.nodes.get(node) == uri}
+        same = {
+            name: uri for name, uri in known.service_uris.items() if kept.issuperset(known.services[name])
+        }
+    service_uris = _uris(services, same, master.lookupService)
     return Registrations(publishers, subscribers, services, dict(master.getTopicTypes()), nodes, service_uris)
 
 
@@ -169,7 +170,9 @@ class RegistrationKeeper:
         for name, value in parameters.items():
             self._master.setParam(name, value)
         alive = running(self._known.nodes)
-        count = restore_registrations(rosgraph.get_master_uri(), self._known, alive)
+        # This node comes last: as long as it is missing, everything is tried again.
+        uri, own = rosgraph.get_master_uri(), {self._name}
+        count = sum(restore_registrations(uri, self._known, each) for each in (alive - own, alive & own))
         rospy.logwarn(
             "roscore was restarted: registered %d topics and services of %d nodes again and restored "
             "%d parameters; nodes that did not answer: %s",
