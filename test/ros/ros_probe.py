@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What the tests here listen with. Every wait ends; None is what came too late."""
 
+import collections
 import os
 import re
 import threading
@@ -126,11 +127,18 @@ class Diagnostics:
 
     def __init__(self):
         self._status = {}
+        self._received = collections.Counter()
         self._subscriber = rospy.Subscriber("/diagnostics", DiagnosticArray, self._on_message)
 
     def _on_message(self, msg):
         for each in msg.status:
             self._status[each.name] = each
+            self._received[each.name] += 1
+
+    def renewed(self, name):
+        """Waits for two further reports of this status: what happened before the call is in the second."""
+        before = self._received[name]
+        return until(lambda: self._received[name] >= before + 2)
 
     def summary(self, name):
         """What the operator reads of the status of this name."""

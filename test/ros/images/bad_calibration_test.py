@@ -53,6 +53,8 @@ class BadCalibrationTest(ChainTest):
     def setUp(self):
         super().setUp()
         self.assert_still_right()
+        # Refused images of the test before may not be in the diagnostics yet.
+        self.assertTrue(self.diagnostics.renewed(DETECTION))
 
     def refuse(self, name, fields):
         """Shows images until the detector has counted that it did not use one, and then one more."""
