@@ -49,7 +49,11 @@ class LocatedRobotTest(unittest.TestCase):
         for publisher in publishers:
             self.addCleanup(publisher.unregister)
             self.assertTrue(until(lambda: publisher.get_num_connections() > 0))  # noqa: B023
-        self.assertTrue(until(lambda: self.moving.pub_tf.get_num_connections() >= len(subscribers_of("/tf"))))
+        for tf, topic in ((self.moving, "/tf"), (self.fixed, "/tf_static")):
+            self.assertTrue(
+                until(lambda: tf.pub_tf.get_num_connections() >= len(subscribers_of(topic))),  # noqa: B023
+                f"not all of {subscribers_of(topic)} are connected to {topic}",
+            )
         return publishers
 
     def map_of(self, robot):

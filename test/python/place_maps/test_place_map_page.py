@@ -2,11 +2,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The page for placing photos, in a real browser."""
 
+import inspect
 import shutil
 import time
 
 import pytest
 from selenium import webdriver
+from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
@@ -25,14 +27,18 @@ CHROMIUM = (
 
 
 @pytest.fixture
-def browser(monkeypatch):
-    # Without this, new versions of selenium look for one to download.
-    monkeypatch.setenv("SE_CHROMEDRIVER", shutil.which("chromedriver") or "")
+def browser():
     options = webdriver.ChromeOptions()
     options.binary_location = shutil.which("chromium") or ""
     for argument in CHROMIUM:
         options.add_argument(argument)
-    browser = webdriver.Chrome(options=options)
+    driver = (
+        shutil.which("chromedriver") or ""
+    )  # given, because new versions of selenium look for one to download
+    if "service" in inspect.signature(webdriver.Chrome.__init__).parameters:
+        browser = webdriver.Chrome(options=options, service=Service(driver))
+    else:  # Debian 11
+        browser = webdriver.Chrome(driver, options=options)
     yield browser
     browser.quit()
 
