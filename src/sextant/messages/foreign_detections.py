@@ -61,9 +61,10 @@ class Projection(NamedTuple):
 
 
 def _apriltags(message: Any, projection: Projection) -> Iterator[ForeignMarker]:
-    for detection in message.detections:
-        if len(detection.id) != 1:
-            continue  # a bundle, which has the pose of several tags
+    single = [detection for detection in message.detections if len(detection.id) == 1]
+    if message.detections and not single:  # a bundle has one pose of several tags
+        raise DamagedMessage("only bundles: list their tags in standalone_tags of apriltag_ros, too")
+    for detection in single:
         pose = detection.pose.pose.pose
         corners = projection.corners(pose.position, pose.orientation, detection.size[0], projection.axes)
         yield ForeignMarker(detection.id[0], corners - APRILTAG_PIXEL, True)

@@ -67,6 +67,12 @@ def test_a_pose_of_apriltag_ros_gives_the_corners_that_it_projects_to():
     assert marker.corners == pytest.approx(expected() - 0.5, abs=1e-9)
 
 
+def test_bundles_alone_are_refused():
+    with pytest.raises(DamagedMessage, match="standalone_tags"):
+        read(apriltags([4, 5]))
+    assert read(apriltags()) == ()
+
+
 def test_bundles_and_poses_without_a_projection_are_left_out():
     assert [marker.id for marker in read(apriltags([3], [4, 5], [6]))] == [3, 6]
     for bad in ([0.0, 0.0, -1.0], [0.0, np.nan, 1.0]):
