@@ -16,16 +16,16 @@ Topics = Dict[str, Callable[[argparse.Namespace], List[Table]]]
 Results = Dict[str, List[Table]]
 
 
-def run(topics: Topics, what: Optional[str], pictures: str) -> int:
+def run(topics: Topics, what: Optional[str], pictures: Optional[str] = None) -> int:
     """Measures the chosen topics. Returns the exit status: 0 when every bar holds, 1, or 2.
 
     A bar is a limit that a figure must keep. 1: a bar fails; 2: a topic could not be measured.
 
     :param topics: name: function of the options that returns tables, or raises OSError if its data is missing
     :param what: the script's docstring
-    :param pictures: module whose plot() writes pictures of the results into a folder
+    :param pictures: module whose plot() writes pictures of the results into a folder, for the option --plots
     """
-    options = _parse(topics, what)
+    options = _parse(topics, what, pictures)
     stream = sys.stderr if options.json == "-" else sys.stdout
     results: Results = {}
     for name in options.only:
@@ -41,7 +41,7 @@ def run(topics: Topics, what: Optional[str], pictures: str) -> int:
     return 0 if holds else 1
 
 
-def _parse(topics: Topics, what: Optional[str]) -> argparse.Namespace:
+def _parse(topics: Topics, what: Optional[str], pictures: Optional[str]) -> argparse.Namespace:
     """Parses the command line; exits with an error message if an option is invalid."""
     parser = argparse.ArgumentParser(description=what, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--quick", action="store_true", help="smoke run: few frames, without bars")
@@ -53,7 +53,9 @@ def _parse(topics: Topics, what: Optional[str]) -> argparse.Namespace:
     parser.add_argument(
         "--markdown", type=Path, metavar="PAGE", help="page whose section of this script to replace"
     )
-    parser.add_argument("--plots", type=Path, metavar="DIR", help="pictures of the topics, one a file")
+    parser.set_defaults(plots=None)
+    if pictures:
+        parser.add_argument("--plots", type=Path, metavar="DIR", help="pictures of the topics, one a file")
     options = parser.parse_args()
     options.only = options.only.split(",")
     unknown = sorted(set(options.only) - set(topics))
@@ -76,13 +78,15 @@ def _check_writable(parser: argparse.ArgumentParser, options: argparse.Namespace
             parser.error(f"--plots: {options.plots}: {error.strerror}")
 
 
-def _write(options: argparse.Namespace, what: str, pictures: str, results: Results, holds: bool) -> None:
+def _write(
+    options: argparse.Namespace, what: str, pictures: Optional[str], results: Results, holds: bool
+) -> None:
     """Writes the output files that the options request."""
     if options.json:
         _write_json(options, results, holds)
     if options.markdown:
         write_section(options.markdown, Path(sys.argv[0]).stem, what, results)
-    if options.plots:
+    if options.plots and pictures:
         importlib.import_module(pictures).plot(options.plots, results)  # matplotlib takes a second to load
 
 

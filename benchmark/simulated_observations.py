@@ -33,9 +33,9 @@ class SimulatedCamera:
         width, height = size
         f = 0.5 * width
         K = [f, 0.0, width / 2 - 0.5, 0.0, f, height / 2 - 0.5, 0.0, 0.0, 1.0]
-        known = calibration(size, K, self._D, model)
-        self._K, self._fisheye = np.array(known.K), model == "equidistant"
-        self.model, self.sigma = sextant.CameraModel(known), sigma
+        self.calibration = calibration(size, K, self._D, model)
+        self._K, self._fisheye = np.array(self.calibration.K), model == "equidistant"
+        self.model, self.sigma = sextant.CameraModel(self.calibration), sigma
         self.random = np.random.default_rng(seed)
 
     def project(self, points: np.ndarray) -> np.ndarray:
