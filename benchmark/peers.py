@@ -11,9 +11,11 @@ import sys
 from command import run
 from peers.ekf_corridor import corridor_tables
 from peers.marker_peers import marker_tables
+from peers.navigation import navigation_tables
 
 TOPICS = {
     "markers": lambda options: marker_tables(options.quick),
+    "navigation": lambda options: navigation_tables(options.quick),
     "corridor": lambda options: corridor_tables(options.quick),
 }
 

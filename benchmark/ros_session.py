@@ -14,6 +14,9 @@ from xmlrpc.client import ServerProxy
 
 import rosgraph
 
+from sextant.nodes.base.init_node import mend_rospy
+
+mend_rospy()
 END = 20.0  # time for a launch file to end its nodes, seconds
 
 

@@ -69,10 +69,11 @@ def noise_params():
     return params
 
 
-def drive(seed: int) -> Drive:
-    """Draws a trajectory and its odometry."""
+def drive(seed: int, slip_steps: int = 1) -> Drive:
+    """Draws a trajectory and its odometry. :param slip_steps: readings of odometry that a slip lasts"""
     rng, params = np.random.default_rng([seed, 7]), noise_params()
     truth = list(_path())
+    slips = np.zeros((len(truth) + slip_steps, 3))
     odometry = [np.zeros(3)]
     for number, (last, pose) in enumerate(zip(truth, truth[1:])):
         step = relative(last, pose)
@@ -83,8 +84,9 @@ def drive(seed: int) -> Drive:
         if (
             rng.random() < distance / SLIP_DISTANCE and number < (ROOM + CORRIDOR) * RATE
         ):  # none while markers correct the pose
-            measured += rng.standard_normal(3) * (SLIP, 0.0, SLIP_TURN)
-        odometry.append(composed(odometry[-1], measured))
+            slip = rng.standard_normal(3) * (SLIP, 0.0, SLIP_TURN)
+            slips[number : number + slip_steps] += slip / slip_steps
+        odometry.append(composed(odometry[-1], measured + slips[number]))
     return Drive(np.array(truth), np.array(odometry))
 
 

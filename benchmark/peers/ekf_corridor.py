@@ -41,6 +41,7 @@ NOISE += [
     "rotation_from_rotation",
 ]  # of odometry; the EKF gets them as covariances
 RUNS, SPEED, START, AFTER = 6, 2.0, 60.0, 1.0  # SPEED: simulated seconds a second
+SLIP_TIME = 0.5  # seconds; a jump within one reading of odometry would be no motion of wheels
 DISTANCE = 10.0  # metres without markers
 SMALL = 1e-6  # m^2, rad^2: variance of what wheels do not measure
 COLUMNS = ["error after 10 m, m", "before the first marker, m", "1 s after it, m"]
@@ -113,7 +114,7 @@ class CorridorRobot:
     """Publishes the clock, odometry with tf, and markers of a drive."""
 
     def __init__(self, seed: int):
-        self._run: Drive = drive(seed)
+        self._run: Drive = drive(seed, round(SLIP_TIME * RATE))
         self._camera = SimulatedCamera("plumb_bob 0", seed=seed)
         self._map = default_map()
         self._first_marker: Optional[int] = None  # step with the first marker after the corridor

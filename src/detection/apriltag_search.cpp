@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <opencv2/core.hpp>
 #include <stdexcept>
 
 #include "sextant/markers/apriltag_family.hpp"
@@ -16,7 +17,13 @@ constexpr double kMaxTableBytes = 1e9;    // of the table of corrected codes
 constexpr double kBytesPerCode = 3 * 16;  // libapriltag's hash table has three 16-byte slots per code
 
 constexpr double kMinTagModule = 2;  // pixels of the decimated image; smaller modules cannot be read
-constexpr double kLarge = 64;        // pixels; quads with a larger side are searched at half resolution
+#if __has_include(<apriltag/tag36h10.h>)
+constexpr int kMinWidth = 0;
+#else
+// Decimated pixels. libapriltag 0.10 of Debian 11 corrupts memory if there are less than 51200 in all.
+constexpr int kMinWidth = 227;
+#endif
+constexpr double kLarge = 64;  // pixels; quads with a larger side are searched at half resolution
 
 // libapriltag stores every code with up to `corrected` flipped bits.
 void checkTable(const std::string& name, const apriltag_family_t& family, int corrected) {
@@ -29,6 +36,15 @@ void checkTable(const std::string& name, const apriltag_family_t& family, int co
     throw std::invalid_argument("max_hamming " + std::to_string(corrected) + " needs " +
                                 std::to_string(static_cast<int>(codes * kBytesPerCode / 1e6)) + " MB for " +
                                 name + "; set it to " + std::to_string(corrected - 1));
+}
+
+// The image itself if it is large enough, else a copy that its last pixels continue to the right and below.
+cv::Mat atLeast(int width, const cv::Mat& image) {
+  if (image.cols >= width && image.rows >= width) return image;
+  cv::Mat padded;
+  cv::copyMakeBorder(image, padded, 0, std::max(0, width - image.rows), 0, std::max(0, width - image.cols),
+                     cv::BORDER_REPLICATE);
+  return padded;
 }
 
 using Detector = std::unique_ptr<apriltag_detector_t, void (*)(apriltag_detector_t*)>;
@@ -81,7 +97,8 @@ class AprilTagSearch : public MarkerSearch {
     const double min_side = 16 * decimate;  // libapriltag divides by the number of its 4-pixel tiles
     if (image.cols < min_side || image.rows < min_side) return;
     detector.quad_decimate = static_cast<float>(decimate);
-    image_u8_t view{image.cols, image.rows, static_cast<int>(image.step), image.data};
+    const cv::Mat padded = atLeast(static_cast<int>(kMinWidth * decimate), image);
+    image_u8_t view{padded.cols, padded.rows, static_cast<int>(padded.step), padded.data};
     const std::unique_ptr<zarray_t, void (*)(zarray_t*)> tags(apriltag_detector_detect(&detector, &view),
                                                               apriltag_detections_destroy);
     for (int i = 0; i < zarray_size(tags.get()); ++i) {

@@ -17,6 +17,7 @@ extern "C" {  // the headers of libapriltag 0.10 do not declare it
 #endif
 }
 
+#include <algorithm>
 #include <map>
 
 namespace sextant {
@@ -53,7 +54,12 @@ std::vector<std::string> aprilTagFamilies() {
 
 AprilTagFamily makeAprilTagFamily(const std::string& name) {
   const Functions& functions = table().at(name);
-  return {functions.create(), functions.destroy};
+  AprilTagFamily family(functions.create(), functions.destroy);
+#ifndef SEXTANT_TAG36H10
+  family->ncodes =
+      std::min(family->ncodes, 65536u);  // libapriltag 0.10 stores ids in 16 bits: tagCircle49h12
+#endif
+  return family;
 }
 
 }  // namespace sextant

@@ -3,8 +3,8 @@
 #include "sextant/markers/marker_family.hpp"
 
 #include <algorithm>
-#include <cstdlib>
 #include <map>
+#include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
 #include "sextant/markers/apriltag_family.hpp"
@@ -24,15 +24,20 @@ const std::map<std::string, std::string>& sharedPrints() {
 
 bool isAprilTag(const std::string& canonical) { return canonical.rfind("tag", 0) == 0; }
 
+// Not by apriltag_to_image: that of libapriltag 0.10 draws the white ring in the wrong place.
 MarkerImage aprilTagImage(const std::string& family, int id) {
   const AprilTagFamily tags = makeAprilTagFamily(family);
-  image_u8_t* image = apriltag_to_image(tags.get(), id);
   MarkerImage marker;
-  cv::Mat(image->height, image->width, CV_8UC1, image->buf, image->stride).copyTo(marker.modules);
-  std::free(image->buf);  // image_u8_destroy is not exported by Debian's library
-  std::free(image);
   marker.border_begin = (tags->total_width - tags->width_at_border) / 2;
   marker.border_end = marker.border_begin + tags->width_at_border;
+  marker.modules = cv::Mat(tags->total_width, tags->total_width, CV_8UC1, cv::Scalar(0));
+  const int ring = marker.border_begin - (tags->reversed_border ? 0 : 1);
+  const int width = tags->total_width - 2 * ring;
+  cv::rectangle(marker.modules, cv::Rect(ring, ring, width, width), cv::Scalar(255));
+  for (uint32_t bit = 0; bit < tags->nbits; ++bit)
+    if (tags->codes[id] >> (tags->nbits - bit - 1) & 1)
+      marker.modules.at<uchar>(marker.border_begin + static_cast<int>(tags->bit_y[bit]),
+                               marker.border_begin + static_cast<int>(tags->bit_x[bit])) = 255;
   return marker;
 }
 

@@ -3,7 +3,9 @@
 #include "matcher_index.hpp"
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <mutex>
 #include <opencv2/features2d.hpp>
 #include <stdexcept>
@@ -88,7 +90,7 @@ class MatcherIndex : public DescriptorIndex {
         std::fwrite(descriptors_.data, descriptors_.elemSize(), descriptors_.total(), file.get()) !=
             descriptors_.total() ||
         std::fflush(file.get()))
-      throw std::runtime_error(path + ": cannot be written to");
+      throw std::runtime_error(path + ": cannot be written to: " + std::strerror(errno));
   }
 
  private:

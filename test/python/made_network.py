@@ -56,14 +56,14 @@ def projection_network(path, matrix) -> str:
     )
 
 
-def logarithm_network(path) -> str:
-    """Logarithms of the channels' means, which are no numbers of what is darker than `mean`."""
+def root_network(path) -> str:
+    """Roots of the channels' means, which are no numbers of what is darker than `mean`."""
     return written(
         path,
         [
             helper.make_node("GlobalAveragePool", ["image"], ["means"]),
-            helper.make_node("Log", ["means"], ["logs"]),
-            helper.make_node("Flatten", ["logs"], ["vector"]),
+            helper.make_node("Sqrt", ["means"], ["roots"]),
+            helper.make_node("Flatten", ["roots"], ["vector"]),
         ],
         (1, 3, 8, 8),
     )

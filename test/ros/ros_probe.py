@@ -16,6 +16,9 @@ from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import TransformStamped
 from tf2_msgs.msg import TFMessage
 
+from sextant.nodes.base.init_node import mend_rospy
+
+mend_rospy()
 WAIT = 15.0  # s, far beyond what is needed
 
 os.environ["PYTHONUNBUFFERED"] = "1"  # of nodes that a test starts: their output is in their log at once

@@ -102,10 +102,12 @@ class BallFilm:
     def _drawn(self, stills: List[Still]) -> Image.Image:
         """Draws frames side by side."""
         figure = Figure(
-            figsize=(SIDE * len(stills), SIDE * (0.85 + self._height())), dpi=100, layout="constrained"
+            figsize=(SIDE * len(stills), SIDE * (0.85 + self._height())), dpi=100, constrained_layout=True
         )
         canvas = FigureCanvasAgg(figure)
-        axes = figure.subplots(2, len(stills), squeeze=False, height_ratios=[0.85, self._height()])
+        axes = figure.subplots(
+            2, len(stills), squeeze=False, gridspec_kw={"height_ratios": [0.85, self._height()]}
+        )
         for above, below, still in zip(*axes, stills):
             above.set_title(f"{still.stamp:.1f} s: {still.state}")
             self._draw_camera(above, still)

@@ -6,7 +6,7 @@ from typing import Dict, List, Tuple
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.collections import EllipseCollection, LineCollection
+from matplotlib.collections import Collection, EllipseCollection, LineCollection
 from matplotlib.lines import Line2D
 
 from sextant.base.plot_colours import COLOURS
@@ -26,6 +26,8 @@ NORMAL = 0.009  # length of a marker's normal, extents
 MAX_ELLIPSE = 0.03  # semi-axis, extents
 FACTORS = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)  # exaggeration of the ellipses
 PATH_GAP = 1.0  # m between two images, beyond which no path is drawn
+# Name of the argument; the second one until Matplotlib 3.4
+OFFSET_TRANSFORM = "offset_transform" if hasattr(Collection, "set_offset_transform") else "transOffset"
 UPRIGHT = 0.3  # minimum horizontal part of the normal of a marker that is drawn as a line
 
 
@@ -117,7 +119,7 @@ class MapPlan:
             angles,
             units="xy",
             offsets=list(self._at.values()),
-            offset_transform=axes.transData,
+            **{OFFSET_TRANSFORM: axes.transData},
             facecolors=ELLIPSE,
             alpha=0.3,
             zorder=3,

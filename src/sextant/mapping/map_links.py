@@ -103,7 +103,8 @@ class _Network:
     def cut(self, key: Key) -> Cut:
         """Computes the minimum cut between a marker and the anchors."""
         found = maximum_flow(self._capacity, self._node[key], 0)
-        rest = self._capacity - found.flow
+        flow = found.flow if hasattr(found, "flow") else found.residual  # its name until scipy 1.8
+        rest = self._capacity - flow
         rest.eliminate_zeros()
         reached = set(breadth_first_order(rest, self._node[key], return_predecessors=False).tolist())
         markers = frozenset(each for each in self.keys if self._node[each] in reached)

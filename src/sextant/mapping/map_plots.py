@@ -43,7 +43,7 @@ def residual_boxes(quality: MapQuality) -> bytes:
     """
     markers = quality.markers
     rows = [markers[i : i + ROW] for i in range(0, len(markers), ROW)]
-    figure = Figure(figsize=(13, 0.6 + 3.4 * len(rows)), layout="constrained")
+    figure = Figure(figsize=(13, 0.6 + 3.4 * len(rows)), constrained_layout=True)
     FigureCanvasAgg(figure)
     panels = figure.subplots(len(rows), 1, sharey=True, squeeze=False)[:, 0]
     for axes, row in zip(panels, rows):

@@ -26,6 +26,7 @@ MAX_RANGE_BY_WIDTH = 0.5  # metres; pillars farther away are not located by thei
 # box widths to either side of the middle; for that, this strip must have fewer than min_points depths
 INNER = 0.3
 MIN_SIDE = 2.0  # minimum width and height of a box, pixels
+CORNERS = np.array([[0, 1], [2, 1], [0, 3], [2, 3]])  # of a box: indices of x and y
 GATE_SIGMAS, MAX_WIDTH_SIGMAS = 3.0, 5.0  # standard deviations
 TILT_TOLERANCE = 0.1  # radians, error of the camera's assumed tilt
 
@@ -141,7 +142,7 @@ class ObjectLocator:
 
     def _corners(self, box: np.ndarray) -> Optional[np.ndarray]:
         """Rays (4, 3) to the corners of a box; None: too small, or outside the lens model."""
-        rays = self._colour.rays(box[[[0, 1], [2, 1], [0, 3], [2, 3]]] - 0.5)
+        rays = self._colour.rays(box[CORNERS] - 0.5)
         is_good = np.all(box[2:] - box[:2] >= MIN_SIDE) and np.isfinite(rays).all()
         return rays if is_good else None
 

@@ -109,7 +109,10 @@ def geo_position(path: Union[str, Path]) -> Optional[GeoPosition]:
     :raises ValueError: it is not an image, or its coordinates are invalid
     """
     with _opened(path) as image:
-        gps = image.getexif().get_ifd(_GPS)
+        exif = image.getexif()
+        gps = exif.get(_GPS)
+        if not isinstance(gps, dict):  # Pillow 8.1 of Debian 11 has it here, and its get_ifd() fails
+            gps = exif.get_ifd(_GPS)
     if _LATITUDE not in gps or _LONGITUDE not in gps:
         return None
     try:
@@ -129,7 +132,8 @@ def _opened(path: Union[str, Path], content: Optional[BytesIO] = None) -> Image.
         image = Image.open(content or path)
     except UnidentifiedImageError:
         raise ValueError(f"{path}: is not an image") from None
-    except (OSError, SyntaxError, ValueError, Image.DecompressionBombError) as error:
+    # Pillow of Debian 11 raises RuntimeError for a damaged WebP
+    except (OSError, RuntimeError, SyntaxError, ValueError, Image.DecompressionBombError) as error:
         if isinstance(error, OSError) and error.errno is not None:
             raise
         raise ValueError(f"{path}: is not an image: {error}") from None

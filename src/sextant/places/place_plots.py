@@ -26,7 +26,7 @@ def plot_precision_recall(path: Path, curves: Mapping[str, PrecisionRecall]) -> 
     :param curves: by the name in the legend
     :raises OSError: the file cannot be written; an existing one is unchanged
     """
-    figure = Figure(figsize=(6.4, 5.2), layout="constrained")  # not pyplot, which has global state
+    figure = Figure(figsize=(6.4, 5.2), constrained_layout=True)  # not pyplot, which has global state
     axes = figure.subplots()
     for colour, (name, curve) in zip(cycle(COLOURS), curves.items()):
         precision = np.append(curve.precision[:1], curve.precision)
@@ -47,7 +47,7 @@ def plot_reliability(path: Path, probabilities: Sequence[float], correct: Sequen
     :param probabilities: correct: see place_metrics.reliability()
     :raises OSError: the file cannot be written; an existing one is unchanged
     """
-    figure = Figure(figsize=(6.4, 6.8), layout="constrained")
+    figure = Figure(figsize=(6.4, 6.8), constrained_layout=True)
     upper, lower = figure.subplots(2, 1, sharex=True, gridspec_kw={"height_ratios": [4, 1]})
     _draw_reliability(upper, probabilities, correct)
     lower.hist(np.clip(probabilities, 0, 1), EDGES, color=BLUE, alpha=0.7)

@@ -143,7 +143,7 @@ class PlaceRenderer:
             free = [box for box in boxes if not any(_overlap(box, other) for other in taken)]
             if free and each.probability >= MIN_LABELLED:
                 taken.append(free[0])
-                draw.rounded_rectangle(free[0], 3 * unit, PAPER, FAINT)
+                draw.rectangle(free[0], PAPER, FAINT)
                 middle = ((free[0][0] + free[0][2]) / 2, (free[0][1] + free[0][3]) / 2)
                 draw.text(middle, str(each.id), INK, font, anchor="mm")
 

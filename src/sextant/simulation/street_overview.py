@@ -59,6 +59,6 @@ def _roof(aerial: AerialImage, image: np.ndarray, upright: Upright) -> None:
 
 def _crown(aerial: AerialImage, image: np.ndarray, upright: Upright) -> None:
     """Draws the crown of a tree."""
-    centre = aerial.pixels([(upright.left + upright.right) / 2])[0].tolist()
+    centre = tuple(aerial.pixels([(upright.left + upright.right) / 2])[0].tolist())
     radius = np.linalg.norm(upright.right - upright.left) / 2
     cv2.circle(image, centre, round(radius / aerial.resolution), CROWN, -1, cv2.LINE_AA)

@@ -37,7 +37,7 @@ def plot_confusion(path: Path, score: DetectorScore, classes: Sequence[str]) -> 
     names = [*(each.replace("_", " ") for each in classes), "nothing"]
     table = score.table
     fraction = table / np.maximum(1, table.sum(axis=1, keepdims=True))
-    figure = Figure(figsize=(5.6, 4.8), dpi=110, layout="constrained")
+    figure = Figure(figsize=(5.6, 4.8), dpi=110, constrained_layout=True)
     axes = figure.subplots()
     image = axes.imshow(fraction, cmap="Blues", vmin=0.0, vmax=1.0)
     for (row, column), count in np.ndenumerate(table):

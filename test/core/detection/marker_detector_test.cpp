@@ -86,7 +86,9 @@ std::string testName(const testing::TestParamInfo<std::string>& info) { return i
 INSTANTIATE_TEST_SUITE_P(All, EveryFamily, testing::ValuesIn(markerFamilies()), testName);
 
 TEST(MarkerDetector, BothBackendsSeeOnePoseOfOnePrint) {
+  const auto families = markerFamilies();
   for (const std::string suffix : {"16h5", "25h9", "36h10", "36h11"}) {
+    if (std::count(families.begin(), families.end(), "tag" + suffix) == 0) continue;  // libapriltag 0.10
     const Print marker = print("tag" + suffix, 7);
     const auto a = makeMarkerDetector(paramsFor("tag" + suffix))->detect(marker.image);
     const auto b = makeMarkerDetector(paramsFor("DICT_APRILTAG_" + suffix))->detect(marker.image);

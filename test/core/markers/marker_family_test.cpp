@@ -4,11 +4,15 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 namespace sextant {
 namespace {
 
 TEST(MarkerFamily, KnowsWhatBothLibrariesHave) {
-  EXPECT_EQ(markerFamilies().size(), 21u + 9u);
+  const auto names = markerFamilies();
+  const bool has_36h10 = std::count(names.begin(), names.end(), "tag36h10") > 0;  // libapriltag 0.10 lacks it
+  EXPECT_EQ(names.size(), 21u + (has_36h10 ? 9u : 8u));
   EXPECT_EQ(familySize("DICT_4X4_50"), 50);
   EXPECT_EQ(familySize("DICT_ARUCO_ORIGINAL"), 1024);
   EXPECT_EQ(familySize("tag36h11"), 587);

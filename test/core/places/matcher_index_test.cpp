@@ -131,17 +131,19 @@ TEST_P(StoredIndexOf, ReportsAFullDisk) {
 }
 
 TEST_F(StoredIndex, RejectsOtherFiles) {
-  EXPECT_EQ(readingRefused(kBefore.size()), path_ + ": is too short");
-  EXPECT_EQ(readingRefused(kBefore.size() + 9), path_ + ": is too short");
-  EXPECT_EQ(readingRefused(-1), path_ + ": is too short");
+  const std::string reason =
+      hasFaiss() ? ": is too short" : ": the index cannot be read: it is not of this version";
+  EXPECT_EQ(readingRefused(kBefore.size()), path_ + reason);
+  EXPECT_EQ(readingRefused(kBefore.size() + 9), path_ + reason);
+  EXPECT_EQ(readingRefused(-1), path_ + reason);
   EXPECT_EQ(readingRefused(0).find(path_ + ": the index cannot be read: "), 0);
   write(path_, "IB, but no index of bits");
   EXPECT_EQ(readingRefused(0).find(path_ + ": the index cannot be read: "), 0);
   const auto index = indexOf("faiss", imageDescriptors(3, 32, CV_8U));
   EXPECT_EQ(refusal<std::runtime_error>([&] { readDescriptorIndex(folder_ + "/none", 0); }),
             folder_ + "/none: cannot be read");
-  EXPECT_EQ(refusal<std::runtime_error>([&] { index->append(folder_ + "/none/index"); }),
-            folder_ + "/none/index: cannot be written to");
+  const std::string message = refusal<std::runtime_error>([&] { index->append(folder_ + "/none/index"); });
+  EXPECT_EQ(message.find(folder_ + "/none/index: cannot be written to"), 0) << message;
 }
 
 TEST_F(StoredIndex, RejectsADamagedHeaderOfAMatcher) {

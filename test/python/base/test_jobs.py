@@ -15,6 +15,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+from _pytest.monkeypatch import MonkeyPatch  # pytest.MonkeyPatch since 6.2
 
 from sextant.base.jobs import JobError, SchedulerError, package_folder, run_jobs
 
@@ -236,10 +237,11 @@ def test_a_scheduler_that_is_not_there(monkeypatch):
 @pytest.fixture(scope="module")
 def cluster():
     """Of one worker process, which finds the package as a shell's would."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.syspath_prepend(package_folder())
-        with local_cluster(1) as cluster:
-            yield cluster
+    patch = MonkeyPatch()
+    patch.syspath_prepend(package_folder())
+    with local_cluster(1) as cluster:
+        yield cluster
+    patch.undo()
 
 
 def local_cluster(workers):

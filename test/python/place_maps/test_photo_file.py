@@ -30,6 +30,9 @@ def written(path, gps=None, orientation=None, size=(64, 48)):
 
 def gps(latitude, latitude_ref, longitude, longitude_ref, **more):
     direction = {17: more["direction"]} if "direction" in more else {}
+    latitude, longitude = (
+        tuple(map(float, angle)) for angle in (latitude, longitude)
+    )  # as Pillow 8.1 wants it
     return {1: latitude_ref, 2: latitude, 3: longitude_ref, 4: longitude, **direction}
 
 
@@ -108,6 +111,7 @@ def test_a_damaged_exif_is_reported(tmp_path):
     exif = Image.Exif()
     exif[ORIENTATION], exif[0x010F] = 6, "maker"
     words_for_a_width = exif.tobytes().replace(b"\x01\x0f\x00\x02", b"\x01\x00\x00\x02")
+    words_for_a_width = words_for_a_width.replace(b"\x0f\x01\x02\x00", b"\x00\x01\x02\x00")  # little-endian
     Image.new("L", (8, 6)).save(tmp_path / "a.jpg", exif=words_for_a_width)
     with pytest.raises(ValueError, match="a.jpg: the image is damaged"):
         read_grey(tmp_path / "a.jpg")
@@ -183,7 +187,7 @@ def test_black_is_black_and_white_is_white(tmp_path, name, image, more):
 def test_of_a_moving_image_the_first_is_read(tmp_path, name):
     frames = [Image.new("L", (8, 8), grey).convert("RGB") for grey in (200, 50)]
     frames[0].save(tmp_path / name, save_all=True, append_images=frames[1:], lossless=True)
-    assert abs(int(read_grey(tmp_path / name)[0, 0]) - 200) < 3
+    assert abs(int(read_grey(tmp_path / name)[0, 0]) - 200) < 5
 
 
 @pytest.mark.parametrize("dtype, white", [(np.float32, 1.0), (np.int32, -1), (np.int32, 1 << 20)])

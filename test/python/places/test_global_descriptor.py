@@ -12,7 +12,7 @@ import cv2
 import numpy as np
 import onnx
 import pytest
-from made_network import CELLS, logarithm_network, pooling_network, projection_network, written
+from made_network import CELLS, root_network, pooling_network, projection_network, written
 from onnx import TensorProto, helper
 
 from sextant.places.global_descriptor import GlobalDescriptor, GlobalDescriptorParams
@@ -74,7 +74,7 @@ class TestEveryBackend:
         assert all(np.array_equal(vector, vectors[0]) for vector in vectors)
 
     def test_a_network_that_makes_no_number_is_refused(self, tmp_path, backend):
-        model = logarithm_network(tmp_path / "net.onnx")
+        model = root_network(tmp_path / "net.onnx")
         with pytest.raises(ValueError, match="net.onnx: its output is not finite"):
             GlobalDescriptor(GlobalDescriptorParams(model, backend, mean=(1.0, 1.0, 1.0))).describe(noise())
 
@@ -185,7 +185,9 @@ def torn(path):
 
 def weights_elsewhere(path):
     projection_network(path, np.ones((400, 3), np.float32))
-    onnx.save(onnx.load(str(path)), str(path), save_as_external_data=True, location="weights")
+    model = onnx.load(str(path))
+    onnx.external_data_helper.convert_model_to_external_data(model, location="weights")
+    onnx.save(model, str(path))
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ from dataclasses import replace
 import cv2
 import numpy as np
 import pytest
-from made_network import logarithm_network, pooling_network
+from made_network import root_network, pooling_network
 from made_photos import index_of, picture, shifted, written_photos
 
 from sextant.places.global_descriptor import GlobalDescriptorParams
@@ -56,7 +56,7 @@ def recall(recognizer, sigma):
 @pytest.mark.slow
 def test_places_are_recognized_out_of_focus(recognizer_of):
     votes, fused, more = (recall(recognizer_of[weight], 25) for weight in (0, 1, 2))
-    assert votes < 0.6 and fused > 0.7 and more > 0.9
+    assert votes < 0.7 and fused > 0.7 and more > 0.9
 
 
 def test_places_in_focus_stay_recognized(recognizer_of):
@@ -117,13 +117,13 @@ def test_an_image_of_nothing_is_unusable_for_a_network_too(place_map, index, ima
 
 @pytest.mark.slow
 def test_an_image_that_the_network_makes_no_number_of_leaves_no_trace(place_map):
-    model = logarithm_network(place_map.folder / "log.onnx")
+    model = root_network(place_map.folder / "root.onnx")
     shown = GlobalDescriptorParams(model, mean=(0.25, 0.25, 0.25))
     index = index_of(place_map, IndexParams(global_descriptor=shown))
     robot, other = (PlaceLocalizer(place_map, index) for _ in range(2))
     for each in (robot, other):
         each.localize(blurred(3, 1))
-    with pytest.raises(ValueError, match="log.onnx: its output is not finite"):
+    with pytest.raises(ValueError, match="root.onnx: its output is not finite"):
         robot.localize(picture(3) // 5)
     assert robot.localize(blurred(4, 1)).hypotheses == other.localize(blurred(4, 1)).hypotheses
 

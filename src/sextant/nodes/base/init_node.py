@@ -25,10 +25,15 @@ def init_node(name: str) -> None:
     signal.set_wakeup_fd(wakeup)
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: None)  # Python writes its number to the pipe
-    if not hasattr(threading.Thread, "isAlive"):  # called by rospy of Debian 11; Python 3.9 has it no more
-        threading.Thread.isAlive = threading.Thread.is_alive
+    mend_rospy()
     rospy.init_node(name, disable_signals=True)
     atexit.register(_finish, thread, wakeup)
+
+
+def mend_rospy() -> None:
+    """Adds the method of threads that rospy of Debian 11 calls at its shutdown and Python 3.9 lacks."""
+    if not hasattr(threading.Thread, "isAlive"):
+        threading.Thread.isAlive = threading.Thread.is_alive
 
 
 def _shut_down_on_signal(signals: int) -> None:

@@ -34,7 +34,10 @@ class ImageWindow:
         """Processes events of the window for this time; returns False when the window was closed."""
         cv2.waitKey(max(1, round(1000 * seconds)))
         try:
-            return cv2.getWindowProperty(self._title, cv2.WND_PROP_VISIBLE) >= 1
+            visible = cv2.getWindowProperty(self._title, cv2.WND_PROP_VISIBLE)
+            if visible < 0:  # OpenCV 4.5 with GTK does not have this property, but another of open windows
+                visible = cv2.getWindowProperty(self._title, cv2.WND_PROP_AUTOSIZE) + 1
+            return visible >= 1
         except cv2.error:  # OpenCV with Qt, after the last window
             return False
 
