@@ -12,7 +12,7 @@ import cv2
 import numpy as np
 import onnx
 import pytest
-from made_network import CELLS, root_network, pooling_network, projection_network, written
+from made_network import CELLS, pooling_network, projection_network, root_network, written
 from onnx import TensorProto, helper
 
 from sextant.places.global_descriptor import GlobalDescriptor, GlobalDescriptorParams
