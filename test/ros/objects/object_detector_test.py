@@ -22,6 +22,11 @@ from sextant.simulation.ball_simulation import BallSimulation, BallSimulationPar
 from sextant.simulation.ball_world import BallWorld
 from sextant.training.average_precision import overlaps
 
+try:
+    from vision_msgs.msg import Detection2DArray, VisionInfo
+except ImportError:
+    Detection2DArray = None
+
 STATUS = "object_detector: objects"
 STAMP = stamps()
 NAMES = ["cup", "fork"]
@@ -110,6 +115,22 @@ class ObjectDetectorTest(unittest.TestCase):
         self.assertIsNotNone(self.objects.at(published[-1]))
         found = [each.header.stamp for each in self.objects.all() if each.header.stamp in published]
         self.assertEqual(found, sorted(found))
+
+    @unittest.skipIf(Detection2DArray is None, "vision_msgs is not installed")
+    def test_vision_msgs_have_the_same(self):
+        received = Recorder("objects/detections", Detection2DArray)
+        self.assertTrue(received.connected())
+        stamp = self.camera.publish(self.camera.take().colour)
+        message, same = self.objects.at(stamp), received.at(stamp)
+        info = rospy.wait_for_message("objects/detections_info", VisionInfo, 15.0)
+        names = rospy.get_param(info.database_location)
+        self.assertEqual(len(same.detections), len(message.objects))
+        for box, detection in zip(message.objects, same.detections):
+            (result,), size = detection.results, (detection.bbox.size_x, detection.bbox.size_y)
+            self.assertEqual((names[result.id], result.score), (box.class_name, box.score))
+            self.assertEqual(size, (box.right - box.left, box.bottom - box.top))
+            self.assertEqual(detection.bbox.center.x, (box.left + box.right) / 2)
+        received.close()
 
     def test_boxes_are_drawn_for_who_looks(self):
         pictures = Recorder("objects/image", Image)

@@ -19,6 +19,7 @@ from sextant.nodes.images.latest_image import LatestImage
 from sextant.nodes.objects.object_detector_node_params import ObjectDetectorParams
 from sextant.nodes.objects.object_detector_report import ObjectDetectorReport
 from sextant.nodes.objects.object_messages import objects_message
+from sextant.nodes.objects.vision_publisher import VisionPublisher
 from sextant.objects.detection_image import detection_image
 from sextant.objects.detections import Detector
 
@@ -32,6 +33,7 @@ class ObjectDetectorNode:
         self._updater.setHardwareID("none")
         self._updater.add("objects", self._report.fill_diagnostics)
         self._objects = rospy.Publisher("objects", Objects, queue_size=10)
+        self._detections = VisionPublisher("objects/detections", detector.classes)
         self._drawn_images = ImagePublisher("objects/image")
         rospy.loginfo("detects %s", ", ".join(detector.classes))
 
@@ -41,7 +43,7 @@ class ObjectDetectorNode:
 
     def _has_subscribers(self) -> bool:
         self._report.has_subscribers = any(
-            each.get_num_connections() for each in (self._objects, self._drawn_images)
+            each.get_num_connections() for each in (self._objects, self._detections, self._drawn_images)
         )
         return self._report.has_subscribers
 
@@ -55,6 +57,7 @@ class ObjectDetectorNode:
         self._report.processed(len(found.scores), self._detector.seconds)
         size = image.shape[1], image.shape[0]
         self._objects.publish(objects_message(found, self._detector.classes, size, message.header))
+        self._detections.publish(found, message.header)
         if self._drawn_images.get_num_connections():
             drawn = detection_image(image, found, self._detector.classes)
             self._drawn_images.publish(drawn, message.header)
