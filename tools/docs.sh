@@ -17,7 +17,7 @@ cd "$root"
 cp -r README.md CONTRIBUTING.md CHANGELOG.rst LICENSE config doc "$pages"
 
 log "C++ reference"
-doxygen <(cat tools/Doxyfile; echo "OUTPUT_DIRECTORY = $html"; echo "HTML_OUTPUT = cpp")
+{ cat tools/Doxyfile; echo "OUTPUT_DIRECTORY = $html"; echo "HTML_OUTPUT = cpp"; } | doxygen -
 
 log "pages and Python reference"
 SPHINX_APIDOC_OPTIONS=members,show-inheritance python3 -m sphinx.ext.apidoc -q -f -M --implicit-namespaces -o "$pages/doc/api" src/sextant

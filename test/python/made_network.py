@@ -4,6 +4,7 @@
 
 from typing import Sequence
 
+import numpy as np
 import onnx
 from onnx import TensorProto, helper, numpy_helper
 
@@ -62,8 +63,9 @@ def root_network(path) -> str:
         path,
         [
             helper.make_node("GlobalAveragePool", ["image"], ["means"]),
-            helper.make_node("Sqrt", ["means"], ["roots"]),
+            helper.make_node("Pow", ["means", "half"], ["roots"]),
             helper.make_node("Flatten", ["roots"], ["vector"]),
         ],
         (1, 3, 8, 8),
+        weights=[("half", np.array(0.5, np.float32))],
     )

@@ -53,8 +53,8 @@ def _roof(aerial: AerialImage, image: np.ndarray, upright: Upright) -> None:
     back = DEPTH * np.array([-along[1], along[0]]) / np.linalg.norm(along)
     left, right = upright.left, upright.right
     cv2.fillPoly(image, [aerial.pixels([left, right, right + back, left + back])], ROOF, cv2.LINE_AA)
-    ridge = aerial.pixels([left + back / 2, right + back / 2]).tolist()
-    cv2.line(image, ridge[0], ridge[1], RIDGE, 3, cv2.LINE_AA)
+    ridge = map(tuple, aerial.pixels([left + back / 2, right + back / 2]).tolist())
+    cv2.line(image, *ridge, RIDGE, 3, cv2.LINE_AA)
 
 
 def _crown(aerial: AerialImage, image: np.ndarray, upright: Upright) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import rospy
 import rostest
-from made_network import logarithm_network
+from made_network import root_network
 from made_photos import picture, shifted, written_photos
 from ros_probe import Diagnostics, Recorder, stamps, until
 from sensor_msgs.msg import Image
@@ -30,7 +30,7 @@ class PlaceLocalizerNetworkTest(unittest.TestCase):
         given = {
             "map_file": self.folder / "park.txt",
             "mode": "single",
-            "network": logarithm_network(self.folder / "net.onnx"),
+            "network": root_network(self.folder / "net.onnx"),
             "network_mean": "[0.25, 0.25, 0.25]",
         }
         log = open(self.folder / "log", "w")  # noqa: SIM115

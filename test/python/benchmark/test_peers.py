@@ -1,0 +1,64 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Other packages that Sextant works with, really run: what is not installed is skipped."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import rospkg
+
+PEERS = Path(__file__).resolve().parents[3] / "benchmark" / "peers.py"
+INSTALLED = set(rospkg.RosPack().list())
+
+
+def needs(*packages):
+    missing = ", ".join(sorted(set(packages) - INSTALLED))
+    return [pytest.mark.slow, pytest.mark.skipif(bool(missing), reason=f"rospack does not find {missing}")]
+
+
+def rows_of(topic):
+    """Rows of a quick run by name."""
+    command = [sys.executable, str(PEERS), "--quick", "--only", topic, "--json", "-"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stderr
+    (table,) = json.loads(done.stdout)["topics"][topic]
+    return {row["name"]: row for row in table["rows"]}
+
+
+@pytest.fixture(scope="module")
+def markers():
+    return rows_of("markers")
+
+
+@pytest.mark.parametrize(
+    "name, centimetres",
+    [
+        # Metres off if the marker frame of the package, or the format of its map, were converted wrongly
+        pytest.param("apriltag_ros, one bundle", 10.0, marks=needs("apriltag_ros")),
+        pytest.param("apriltag_ros and marker_locator", 10.0, marks=needs("apriltag_ros")),
+        pytest.param("aruco_ros, mean of all markers", 10.0, marks=needs("aruco_ros")),
+        pytest.param("aruco_ros and marker_locator", 10.0, marks=needs("aruco_ros")),
+        pytest.param("fiducials", 50.0, marks=needs("aruco_detect", "fiducial_slam")),
+        pytest.param("fiducials and marker_locator", 50.0, marks=needs("aruco_detect", "fiducial_slam")),
+    ],
+)
+def test_other_detectors_locate_the_robot_in_a_converted_map(markers, name, centimetres):
+    row, family = markers[name], "DICT_4X4_50" if name.startswith("fiducials") else "tag36h11"
+    ours = markers[f"Sextant, {family}"]
+    assert row["poses, %"]["value"] > 0.9 * ours["poses, %"]["value"]
+    assert ours["error, cm: mean"]["value"] < row["error, cm: mean"]["value"] < centimetres
+
+
+@pytest.mark.parametrize("topic", [pytest.param("corridor", marks=needs("robot_localization"))])
+def test_the_filters_are_right_again_after_the_corridor(topic):
+    for row in rows_of(topic).values():
+        assert row["1 s after it, m"]["value"] < 0.1
+
+
+@pytest.mark.parametrize("topic", [pytest.param("navigation", marks=needs("move_base", "map_server"))])
+def test_move_base_reaches_its_goals(topic):
+    for row in rows_of(topic).values():
+        assert row["reached within 10 cm"]["value"] == row["goals"]["value"]
