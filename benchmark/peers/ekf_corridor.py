@@ -150,12 +150,13 @@ class CorridorRobot:
 
     def _publish_odometry(self, step: int, stamp: rospy.Time) -> None:
         pose, last = self._run.odometry[step], self._run.odometry[max(0, step - 1)]
-        x, y, turn = relative(last, pose)
+        step_made = relative(last, pose)
+        x, y, turn = step_made
         message = Odometry(header=Header(stamp=stamp, frame_id="odom"), child_frame_id=BASE)
         T_odom_base = sextant.pose_from_xyz_rpy([*pose[:2], 0.0], [0.0, 0.0, pose[2]])
         message.pose.pose = pose_to_message(T_odom_base)
         message.twist.twist = Twist(Vector3(x * RATE, y * RATE, 0.0), Vector3(0.0, 0.0, turn * RATE))
-        message.twist.covariance = _twist_covariance(np.hypot(x, y), abs(turn))
+        message.twist.covariance = _twist_covariance(step_made)
         self._odometry.publish(message)
         self._tf.sendTransform(pose_to_transform(T_odom_base, message.header, BASE))
 
@@ -166,7 +167,10 @@ class CorridorRobot:
         if visible and self._first_marker is None and step / RATE >= ROOM + CORRIDOR:
             self._first_marker = step
         header, camera = Header(stamp=stamp, frame_id=CAMERA), self._camera
-        markers = [_marker(each, camera) for each in camera.view(T_map_base, visible).detections]
+        markers = [
+            _marker(each, camera, self._map.markers[0].size)
+            for each in camera.view(T_map_base, visible).detections
+        ]
         info = calibration_to_message(camera.calibration, header)
         self._markers.publish(MarkerArray(header, info, False, [each for each in markers if each]))
 
@@ -196,19 +200,15 @@ def _stamp(step: int) -> int:
     return 100_000_000_000 + round(1e9 * step / RATE)
 
 
-def _twist_covariance(distance: float, turn: float) -> List[float]:
-    """Variances of the velocities, from the noise that odometry has."""
-    noise = noise_params()
-    along = noise.translation_from_translation**2 * distance + noise.translation_from_rotation**2 * turn
-    across = noise.lateral_from_translation**2 * distance
-    about = noise.rotation_from_translation**2 * distance + noise.rotation_from_rotation**2 * turn
+def _twist_covariance(step: np.ndarray) -> List[float]:
+    """Covariance of the velocities, from the noise of a step (3,) of odometry."""
+    along, across, about = np.diag(sextant.odometry_step_noise(step, noise_params()))
     variances = np.array([along, across, 0.0, 0.0, 0.0, about]) * RATE**2 + SMALL
     return list(np.ravel(np.diag(variances)))
 
 
-def _marker(detection, camera: SimulatedCamera) -> Optional[Marker]:
+def _marker(detection, camera: SimulatedCamera, size: float) -> Optional[Marker]:
     """As marker_detector publishes it; None: no pose."""
-    size = default_map().markers[0].size
     poses = sextant.solve_marker_pose(camera.model, detection.corners, size)
     if poses is None:
         return None

@@ -238,10 +238,12 @@ def test_a_scheduler_that_is_not_there(monkeypatch):
 def cluster():
     """Of one worker process, which finds the package as a shell's would."""
     patch = MonkeyPatch()
-    patch.syspath_prepend(package_folder())
-    with local_cluster(1) as cluster:
-        yield cluster
-    patch.undo()
+    try:
+        patch.syspath_prepend(package_folder())
+        with local_cluster(1) as cluster:
+            yield cluster
+    finally:
+        patch.undo()
 
 
 def local_cluster(workers):
