@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Node teleop: drives the robot by the keyboard or a joystick, for instance to record a drive."""
 
+import threading
 import time
 from dataclasses import dataclass
 
@@ -13,6 +14,8 @@ from sextant.nodes.base.exits import fatal
 from sextant.nodes.base.init_node import init_node
 from sextant.nodes.base.params import read_params
 from sextant.nodes.driving.teleop_controls import Command, Joystick, Keyboard
+
+SEND_TIME = 0.1  # seconds that the final command has to leave the node
 
 
 @dataclass(frozen=True)
@@ -36,6 +39,8 @@ class Teleop:
         self._controls = Joystick(params.joystick) if params.joystick else Keyboard()
         self._publisher = rospy.Publisher("cmd_vel", Twist, queue_size=1)
         self._stopped = True
+        self._lock, self._end = threading.Lock(), threading.Event()  # no command after the final stop
+        rospy.on_shutdown(self._stop)  # before rospy closes the topic
         rospy.loginfo(self._controls.help)
 
     def run(self) -> None:
@@ -44,12 +49,22 @@ class Teleop:
         :raises OSError: the joystick was unplugged
         """
         try:
-            while not rospy.is_shutdown():
-                self._publish(self._controls.read(time.monotonic()))
-                rospy.rostime.wallsleep(1.0 / self._params.rate)
+            while not self._end.wait(1.0 / self._params.rate):
+                command = self._controls.read(time.monotonic())
+                with self._lock:
+                    if not self._end.is_set():
+                        self._publish(command)
         finally:
-            self._publish(Command())
+            self._stop()
             self._controls.close()
+
+    def _stop(self) -> None:
+        with self._lock:
+            if self._end.is_set():
+                return
+            self._end.set()
+            self._publish(Command())
+        time.sleep(SEND_TIME)
 
     def _publish(self, command: Command) -> None:
         is_stop = command == Command()
