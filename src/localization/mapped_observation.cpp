@@ -19,13 +19,13 @@ MarkerObservation mappedObservation(const MarkerView& view, const Detection& det
           marker.covariance};
 }
 
-void addStarts(const MarkerView& view, const MappedMarker& marker, const PlanarPoses& poses,
-               size_t observation, std::vector<PoseStart>& starts) {
+void addInitialPoses(const MarkerView& view, const MappedMarker& marker, const PlanarPoses& poses,
+                     size_t observation, std::vector<InitialPose>& initial_poses) {
   const auto base_pose = [&](const MarkerPose& solution) {
     return marker.T_map_marker * solution.T_camera_marker.inverse() * view.T_base_camera.inverse();
   };
-  starts.push_back({base_pose(poses.best), observation});
-  if (poses.alternative) starts.push_back({base_pose(*poses.alternative), observation});
+  initial_poses.push_back({base_pose(poses.best), observation});
+  if (poses.alternative) initial_poses.push_back({base_pose(*poses.alternative), observation});
 }
 
 }  // namespace sextant

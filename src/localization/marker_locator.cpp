@@ -54,11 +54,11 @@ std::vector<MappedDetection> trustedMarkers(std::vector<MappedDetection> markers
   return markers;
 }
 
-std::vector<PoseStart> startsFrom(const std::vector<MappedDetection>& markers) {
-  std::vector<PoseStart> starts;
+std::vector<InitialPose> initialPosesOf(const std::vector<MappedDetection>& markers) {
+  std::vector<InitialPose> initial_poses;
   for (size_t i = 0; i < markers.size(); ++i)
-    addStarts(*markers[i].view, *markers[i].mapped, markers[i].poses, i, starts);
-  return starts;
+    addInitialPoses(*markers[i].view, *markers[i].mapped, markers[i].poses, i, initial_poses);
+  return initial_poses;
 }
 
 Matrix6d constantCovariance(const std::vector<double>& numbers) {
@@ -137,10 +137,10 @@ LocatorResult joint(const std::vector<MappedDetection>& markers, const LocatorPa
   const auto floor = floorPrior(params);
   if (!determinePose(trusted, floor)) return noPose("fewer than three corners of the markers are in sight");
   const auto hypotheses =
-      poseHypotheses(observations, startsFrom(trusted), {params.robust_width, params.gate, floor}, prior);
+      poseHypotheses(observations, initialPosesOf(trusted), {params.robust_width, params.gate, floor}, prior);
   if (hypotheses.empty())
     return noPose(
-        "no pose explains a marker within the gate: do map, marker size, mount, calibration and corner_sigma "
+        "no pose fits any marker: do map, marker size, mount, calibration and corner_sigma "
         "fit?");
   const PosePosterior posterior = posePosterior(observations, hypotheses, {params.min_probability, floor});
   if (posterior.probability < params.min_probability && params.ambiguous_pose == "skip")

@@ -10,7 +10,7 @@
 namespace sextant {
 namespace {
 
-constexpr size_t kMaxRefined = 6;  // number of starts that are minimized: those with the lowest robust cost
+constexpr size_t kMaxRefined = 6;  // number of initial poses that are refined, those of the lowest cost
 constexpr int kGateRounds = 4;     // maximum number of minimizations until the set of markers is stable
 // Cost of an outlier. Larger than the default gate, so that two consistent markers win against a single one,
 // whose large covariance raises its evidence.
@@ -41,16 +41,17 @@ double robustCost(const std::vector<MarkerObservation>& observations, const Pose
   return cost;
 }
 
-// The starts with the lowest robust cost.
-std::vector<PoseStart> bestStarts(const std::vector<MarkerObservation>& observations,
-                                  const std::vector<PoseStart>& starts, const HypothesesParams& params) {
+// The initial poses with the lowest robust cost.
+std::vector<InitialPose> bestInitialPoses(const std::vector<MarkerObservation>& observations,
+                                          const std::vector<InitialPose>& initial_poses,
+                                          const HypothesesParams& params) {
   std::vector<std::pair<double, size_t>> scored;
-  for (size_t i = 0; i < starts.size(); ++i)
-    scored.emplace_back(robustCost(observations, starts[i].T_map_base, params), i);
+  for (size_t i = 0; i < initial_poses.size(); ++i)
+    scored.emplace_back(robustCost(observations, initial_poses[i].T_map_base, params), i);
   std::sort(scored.begin(), scored.end());
   if (scored.size() > kMaxRefined) scored.resize(kMaxRefined);
-  std::vector<PoseStart> best;
-  for (const auto& entry : scored) best.push_back(starts[entry.second]);
+  std::vector<InitialPose> best;
+  for (const auto& entry : scored) best.push_back(initial_poses[entry.second]);
   return best;
 }
 
@@ -96,7 +97,7 @@ std::optional<PoseHypothesis> minimizeWithinGate(const std::vector<MarkerObserva
 
 // Minimizes robustly with all markers, then with those within the gate.
 std::optional<PoseHypothesis> fromAllMarkers(const std::vector<MarkerObservation>& observations,
-                                             const PoseStart& start, const HypothesesParams& params) {
+                                             const InitialPose& start, const HypothesesParams& params) {
   const auto fit = minimizeReprojection(observations, start.T_map_base, {params.robust_width, params.floor});
   if (!fit) return std::nullopt;
   return minimizeWithinGate(observations, fit->T_map_base,
@@ -129,7 +130,7 @@ std::optional<size_t> mostConsistentUnused(const std::vector<MarkerObservation>&
 // Starts with one marker and adds consistent ones: if markers contradict each other, a minimization with all
 // of them ends between two poses.
 std::optional<PoseHypothesis> fromOneMarker(const std::vector<MarkerObservation>& observations,
-                                            const PoseStart& start, const HypothesesParams& params) {
+                                            const InitialPose& start, const HypothesesParams& params) {
   Pose pose = start.T_map_base;
   for (std::vector<size_t> used{start.observation};;) {
     const auto fit = minimizeReprojection(selected(observations, used), pose, {kNotRobust, params.floor});
@@ -186,18 +187,18 @@ void computeWeights(std::vector<PoseHypothesis>& hypotheses, const std::optional
 }  // namespace
 
 std::vector<PoseHypothesis> poseHypotheses(const std::vector<MarkerObservation>& observations,
-                                           const std::vector<PoseStart>& starts,
+                                           const std::vector<InitialPose>& initial_poses,
                                            const HypothesesParams& params,
                                            const std::optional<PosePrior>& prior) {
   std::vector<PoseHypothesis> hypotheses;
-  for (const PoseStart& start : bestStarts(observations, starts, params)) {
+  for (const InitialPose& start : bestInitialPoses(observations, initial_poses, params)) {
     const auto from_all = fromAllMarkers(observations, start, params);
     if (from_all) addIfNew(*from_all, hypotheses);
     if (from_all && from_all->used.size() == observations.size()) continue;
     if (const auto from_one = fromOneMarker(observations, start, params)) addIfNew(*from_one, hypotheses);
   }
   // A marker that contradicts all others may be the right one.
-  for (const PoseStart& start : starts) {
+  for (const InitialPose& start : initial_poses) {
     if (isExplained(start.observation, hypotheses)) continue;
     if (const auto alone = minimizeWithinGate(observations, start.T_map_base, {start.observation}, params))
       addIfNew(*alone, hypotheses);

@@ -17,7 +17,7 @@ constexpr double kLostDeviation = 1.0;  // metres; maximum standard deviation of
 struct InSight {
   std::vector<MarkerKey> keys;
   std::vector<MarkerObservation> observations;
-  std::vector<PoseStart> starts;
+  std::vector<InitialPose> initial_poses;
 };
 
 void addObservation(const MarkerView& view, const Detection& detection, const MappedMarker& marker,
@@ -25,7 +25,7 @@ void addObservation(const MarkerView& view, const Detection& detection, const Ma
   const auto poses = solveMarkerPose(view.camera, detection.corners, marker.size);
   if (!poses) return;
   instant.keys.push_back(marker.key);
-  addStarts(view, marker, *poses, instant.observations.size(), instant.starts);
+  addInitialPoses(view, marker, *poses, instant.observations.size(), instant.initial_poses);
   instant.observations.push_back(mappedObservation(view, detection, marker, corner_sigma));
 }
 
@@ -94,7 +94,7 @@ InstantHypotheses locateInstant(const RecordedInstant& instant, const MarkerMap&
                                 const PathParams& params, const std::optional<PosePrior>& prior,
                                 const std::set<MarkerKey>& without) {
   const InSight markers = seen(instant, map, params.corner_sigma, without);
-  return probable(poseHypotheses(markers.observations, markers.starts, params.hypotheses, prior));
+  return probable(poseHypotheses(markers.observations, markers.initial_poses, params.hypotheses, prior));
 }
 
 std::vector<MarkerKey> markersInSight(const RecordedInstant& instant, const MarkerMap& map,

@@ -28,7 +28,7 @@ Matrix6d covariance(const YAML::Node& node) {
   const YAML::Node full = node["covariance"];
   if (full) {
     if (node["sigma_position"] || node["sigma_rotation"])
-      throw YamlError(full.Mark(), "give either covariance or sigma_position and sigma_rotation");
+      throw YamlError(full.Mark(), "covariance cannot be combined with sigma_position or sigma_rotation");
     return Eigen::Map<const Matrix6d>(numbers(full, 36).data());
   }
   if (const YAML::Node sigma = node["sigma_position"])
@@ -83,7 +83,7 @@ MarkerMap parseYamlMap(const std::string& text, const std::string& path) {
 
 std::string formatYamlMap(const MarkerMap& map) {
   std::string text =
-      "# Poses are T_map_marker: metres; roll, pitch, yaw in radians.\nframe: " + quotedText(map.frame()) +
+      "# position in metres, rpy = roll, pitch, yaw in radians: of a marker in the map, of a frame in its parent.\nframe: " + quotedText(map.frame()) +
       "\nmarkers:" + (map.markers().empty() ? " []\n" : "\n");
   for (const auto& entry : map.markers()) text += formatMarker(entry.second);
   if (!map.frames().empty()) text += "frames:\n";

@@ -21,10 +21,10 @@ bool isRepeated(const MarkerView& view, const MarkerKey& key);
 MarkerObservation mappedObservation(const MarkerView& view, const Detection& detection,
                                     const MappedMarker& marker, double corner_sigma);
 
-/// Appends to `starts` the base pose from each planar solution of a marker's pose.
+/// Appends to `initial_poses` the base pose from each planar solution of a marker's pose.
 /// @param poses solutions of T_camera_marker
-/// @param observation index of the marker's observation, see PoseStart
-void addStarts(const MarkerView& view, const MappedMarker& marker, const PlanarPoses& poses,
-               size_t observation, std::vector<PoseStart>& starts);
+/// @param observation index of the marker's observation, see InitialPose
+void addInitialPoses(const MarkerView& view, const MappedMarker& marker, const PlanarPoses& poses,
+                     size_t observation, std::vector<InitialPose>& initial_poses);
 
 }  // namespace sextant

@@ -16,8 +16,8 @@ struct PosePrior {
   Matrix6d covariance;  ///< position, rotation in the map's axes
 };
 
-/// Start of a minimization: the base pose computed from one of the observations.
-struct PoseStart {
+/// Initial value of a minimization: the base pose computed from one of the observations.
+struct InitialPose {
   Pose T_map_base;     ///< pose of the base in the map
   size_t observation;  ///< index of the observation
 };
@@ -45,7 +45,7 @@ struct HypothesesParams {
 /// times the density of the prior. Empty if no minimum explains any marker.
 /// @param prior only weights the hypotheses, does not change their poses
 std::vector<PoseHypothesis> poseHypotheses(const std::vector<MarkerObservation>& observations,
-                                           const std::vector<PoseStart>& starts,
+                                           const std::vector<InitialPose>& initial_poses,
                                            const HypothesesParams& params,
                                            const std::optional<PosePrior>& prior);
 

@@ -18,21 +18,21 @@ def _families() -> Sequence[str]:
 
 @dataclass(frozen=True)
 class BagParams:
-    """What to read from a bag. An image topic is named with or without its `/compressed`.
+    """What to read from a bag. Image topics may be given with or without `/compressed`.
 
-    Cameras: the topics in `images` and `markers`, if any. Else all recorded markers (sextant/MarkerArray).
-    Else one image topic per camera_info: raw before rectified, grey before colour, uncompressed before
-    compressed; depth images are not used.
+    The topics in `images` and `markers` are read. If both are empty: all topics of sextant/MarkerArray. If
+    there are none: one image topic for each camera_info, where raw is preferred to rectified, grey to colour,
+    uncompressed to compressed. Depth images are never used.
     """
 
     images: Sequence[str] = ()  # topics of sensor_msgs/Image or CompressedImage
     markers: Sequence[str] = ()  # topics of sextant/MarkerArray
     families: Sequence[str] = field(default_factory=_families)  # marker families to detect in images
-    # calibration file by topic, replaces its camera_info; recorded corners are not changed
-    calibrations: Mapping[str, str] = field(default_factory=dict)  # files by topic, instead of camera_info
+    # calibration file for a topic, used instead of its camera_info; it does not change recorded corners
+    calibrations: Mapping[str, str] = field(default_factory=dict)
     rectified: Sequence[str] = ()  # topics of rectified images; image_rect* always are
     camera_is_base: bool = False  # the only camera is the base; tf and odometry are not used
-    base_frame: str = "base_link"  # or the frame of a camera that is the base
+    base_frame: str = "base_link"  # frame of the robot; can also be the frame of a camera
     odometry: str = ""  # topic of nav_msgs/Odometry; empty: the only one, if any; "none": not read
     mounts: Mapping[str, np.ndarray] = field(
         default_factory=dict
@@ -46,15 +46,15 @@ class BagParams:
         for name in ("images", "markers", "families", "rectified"):
             _check_names(name, getattr(self, name))
         if not self.families:
-            raise ValueError("families is empty, name at least one")
+            raise ValueError("families is empty: give at least one")
         for family in self.families:
-            sextant.canonical_family(family)
+            sextant.canonical_family(family)  # raises ValueError for an unknown family
         if not isinstance(self.every, int) or self.every < 1:
             raise ValueError(f"every is {self.every}, allowed is a whole number from 1 on")
         if not 0.0 <= self.start < self.end:
             raise ValueError(f"start is {self.start} and end {self.end}, allowed is 0 <= start < end")
         if not self.base_frame:
-            raise ValueError("base_frame is empty, name the robot's frame, or the camera's")
+            raise ValueError("base_frame is empty: give the frame of the robot or of the camera")
         for frame, mount in self.mounts.items():
             _check_pose(f"mounts[{frame}]", np.asarray(mount, dtype=float))
 
@@ -64,7 +64,7 @@ def _check_names(name: str, values: Sequence[str]) -> None:
         raise ValueError(f"{name} is {values!r}, allowed is a list of names")
     repeated = sorted({value for value in values if list(values).count(value) > 1})
     if repeated:
-        raise ValueError(f"{name} names {', '.join(repeated)} more than once")
+        raise ValueError(f"{name} contains {', '.join(repeated)} more than once")
 
 
 def _check_pose(name: str, T: np.ndarray) -> None:
@@ -76,4 +76,4 @@ def _check_pose(name: str, T: np.ndarray) -> None:
         and np.allclose(T[3], [0.0, 0.0, 0.0, 1.0])
     )
     if not rigid:
-        raise ValueError(f"{name} is no pose: a rigid 4x4 matrix of metres")
+        raise ValueError(f"{name} is not a pose: allowed is a rigid 4x4 transform, translation in metres")

@@ -22,8 +22,9 @@ from sextant.evaluation.trajectory import seconds_text
 
 FIRST_ROW = 2  # of the data, below the headings
 FIRST_AXIS = 4  # column of x in a sheet of raw poses
-TEXT, DECIMAL, POWER, INTEGER = "General", "0.00000", "0.00E+00", "0"
-UNDEFINED, UNKNOWN = "undefined", "unknown"  # deviation of one pose; axis without a true value
+TEXT, DECIMAL, SCIENTIFIC, INTEGER = "General", "0.00000", "0.00E+00", "0"  # number formats of cells
+UNDEFINED = "undefined"  # for instance the standard deviation of a single pose
+UNKNOWN = "unknown"  # the axis has no true value
 
 FONT = "Calibri"
 HEADING = dict(
@@ -32,16 +33,19 @@ HEADING = dict(
     alignment=Alignment(horizontal="center", vertical="center", wrap_text=True),
 )
 LEFT, RIGHT = Alignment(horizontal="left", indent=1), Alignment(horizontal="right")
-RULE = Border(top=Side(style="thin", color="808080"))
+TOP_LINE = Border(top=Side(style="thin", color="808080"))
 
 SUMMARY_NOTES = (
     "All values but truth and published are formulas over the raw poses: delete the row of an outlier there,"
     " and they are updated. std is divided by N - 1, RMSE by N; bias = mean - truth.",
     "published: root of the mean published variance. It is close to std if the covariances are consistent.",
-    "roll, pitch, yaw: about the fixed axes of the reference, R = Rz(yaw) Ry(pitch) Rx(roll). Angles are"
-    " unwrapped by whole turns; the headings of such columns note it.",
+    "roll, pitch, yaw: about the fixed axes of the reference, R = Rz(yaw) Ry(pitch) Rx(roll). Whole"
+    " turns are added to angles that cross +-pi; the heading of such a column ends in 'unwrapped'.",
 )
-COVARIANCE_NOTES = ("About the mean, divided by N - 1. The unit is the row's times the column's.",)
+COVARIANCE_NOTES = (
+    "Covariances of the poses about their mean, divided by N - 1."
+    " The unit is that of the row times that of the column.",
+)
 BAGS_NOTES = ("stale: left out, stamped before the bag began. invalid: left out, NaN or not a rotation.",)
 
 
@@ -62,8 +66,8 @@ def write_workbook(
     """Writes summary, covariances, bags and raw poses of every distance atomically.
 
     :param path: must end in .xlsx
-    :param series: of by_distance()
-    :param statistics: of each series, in the same order
+    :param series: the result of by_distance()
+    :param statistics: those of each series, in the same order
     :raises OSError: the file cannot be written
     :raises ValueError: another ending, no series, statistics of other series, or a duplicate distance
     """
@@ -79,8 +83,8 @@ def write_workbook(
     _write_summary(book.create_sheet("summary"), statistics)
     _write_covariances(book.create_sheet("covariance"), statistics)
     _write_bags(book.create_sheet("bags"), series, statistics)
-    for each, of in zip(series, statistics):
-        _write_poses(book.create_sheet(of.label), each, of)
+    for one_series, its_statistics in zip(series, statistics):
+        _write_poses(book.create_sheet(its_statistics.label), one_series, its_statistics)
     with atomic_file(path, "wb") as file:
         book.save(file)
 
@@ -88,20 +92,20 @@ def write_workbook(
 def _write_summary(sheet: Worksheet, statistics: Sequence[SeriesStatistics]) -> None:
     columns = [_distance_column(statistics), _Column("axis", 8), _Column("unit", 7), _Column("N", 8, INTEGER)]
     columns += [_Column(name, 13, DECIMAL) for name in ("truth", "mean", "std", "bias", "RMSE", "published")]
-    _start(sheet, columns, "C2")
+    _set_up_sheet(sheet, columns, "C2")
     row = FIRST_ROW
     for each in statistics:
         for axis in range(6):
             values = [each.distance, AXES[axis], UNITS[axis], *_summary(each, axis, row)]
-            _write_row(sheet, row, values, columns, rule=axis == 0)
+            _write_row(sheet, row, values, columns, line_above=axis == 0)
             row += 1
     sheet.auto_filter.ref = f"A1:{get_column_letter(len(columns))}{row - 1}"
     _write_notes(sheet, SUMMARY_NOTES, row + 1, len(columns))
 
 
-def _summary(of: SeriesStatistics, axis: int, row: int) -> List[object]:
-    truth, published = _number(of.truth[axis], UNKNOWN), _number(of.published[axis], "none")
-    raw = _raw_cells(of, axis)
+def _summary(statistics: SeriesStatistics, axis: int, row: int) -> List[object]:
+    truth, published = _number(statistics.truth[axis], UNKNOWN), _number(statistics.published[axis], "none")
+    raw = _raw_cells(statistics, axis)
     if raw is None:
         return [0, truth, *[UNDEFINED] * 4, published]
     return [
@@ -110,7 +114,7 @@ def _summary(of: SeriesStatistics, axis: int, row: int) -> List[object]:
         _Formula(f'=IF(D{row}>0,AVERAGE({raw}),"{UNDEFINED}")'),
         _Formula(f'=IF(D{row}>1,STDEV({raw}),"{UNDEFINED}")'),
         _Formula(f'=IF(AND(D{row}>0,ISNUMBER(E{row})),F{row}-E{row},"{UNKNOWN}")'),
-        # mean square error = variance divided by N + squared bias
+        # mean square error = VARP (the variance with divisor N) + bias^2
         _Formula(f'=IF(ISNUMBER(H{row}),SQRT(VARP({raw})+H{row}^2),"{UNKNOWN}")'),
         published,
     ]
@@ -122,30 +126,30 @@ def _distance_column(statistics: Sequence[SeriesStatistics]) -> _Column:
     return _Column("distance", 12, f'General" {unit}"')
 
 
-def _raw_cells(of: SeriesStatistics, axis: int) -> Optional[str]:
+def _raw_cells(statistics: SeriesStatistics, axis: int) -> Optional[str]:
     """Returns the cells of an axis in the sheet of a distance, None without poses."""
     column = get_column_letter(FIRST_AXIS + axis)
-    last = FIRST_ROW + of.count - 1
-    return f"'{of.label}'!${column}${FIRST_ROW}:${column}${last}" if of.count else None
+    last = FIRST_ROW + statistics.count - 1
+    return f"'{statistics.label}'!${column}${FIRST_ROW}:${column}${last}" if statistics.count else None
 
 
 def _write_covariances(sheet: Worksheet, statistics: Sequence[SeriesStatistics]) -> None:
     names = [f"{axis}, {unit}" for axis, unit in zip(AXES, UNITS)]
     columns = [_distance_column(statistics), _Column("axis", 13)]
-    columns += [_Column(name, 13, POWER) for name in names]
-    _start(sheet, columns, "C2")
+    columns += [_Column(name, 13, SCIENTIFIC) for name in names]
+    _set_up_sheet(sheet, columns, "C2")
     row = FIRST_ROW
     for each in statistics:
         for i, name in enumerate(names):
             values = [each.distance, name, *[_covariance(each, i, j) for j in range(6)]]
-            _write_row(sheet, row, values, columns, rule=i == 0)
+            _write_row(sheet, row, values, columns, line_above=i == 0)
             row += 1
     _write_notes(sheet, COVARIANCE_NOTES, row + 1, len(columns))
 
 
-def _covariance(of: SeriesStatistics, i: int, j: int) -> str:
+def _covariance(statistics: SeriesStatistics, i: int, j: int) -> str:
     """Returns the formula of a covariance. COVAR divides by N; all spreadsheet programs have it."""
-    first, second = _raw_cells(of, i), _raw_cells(of, j)
+    first, second = _raw_cells(statistics, i), _raw_cells(statistics, j)
     count = f"COUNT({first})"
     formula = f'=IF({count}>1,COVAR({first},{second})*{count}/({count}-1),"{UNDEFINED}")'
     return _Formula(formula) if first else UNDEFINED
@@ -156,38 +160,46 @@ def _write_bags(
 ) -> None:
     columns = [_distance_column(statistics), _Column("bag", 60)]
     columns += [_Column(name, 12, INTEGER) for name in ("poses", "stale", "invalid")]
-    _start(sheet, columns, "A2")
+    _set_up_sheet(sheet, columns, "A2")
     counts = [(each.distance, count) for each in series for count in each.counts]
     for row, (distance, count) in enumerate(counts, FIRST_ROW):
         _write_row(sheet, row, [distance, count.bag, count.poses, count.stale, count.invalid], columns)
     _write_notes(sheet, BAGS_NOTES, FIRST_ROW + len(counts) + 1, len(columns))
 
 
-def _write_poses(sheet: Worksheet, series: PoseSeries, of: SeriesStatistics) -> None:
-    columns = _pose_columns(series, of)
-    _start(sheet, columns, "D2", landscape=True)
-    sigmas = published_sigmas(series)[:, : len(columns) - FIRST_AXIS - 5]
-    begins = {bag: int(series.stamps[series.bags == bag].min()) for bag in set(series.bags)}
-    rows = zip(series.stamps.tolist(), series.bags, of.poses, sigmas)
+def _write_poses(sheet: Worksheet, series: PoseSeries, statistics: SeriesStatistics) -> None:
+    columns = _pose_columns(series, statistics)
+    _set_up_sheet(sheet, columns, "D2", landscape=True)
+    sigmas = published_sigmas(series)[
+        :, : len(columns) - (FIRST_AXIS + 5)
+    ]  # as many as there are columns after those of x to yaw
+    first_stamps = {bag: int(series.stamps[series.bags == bag].min()) for bag in set(series.bags)}
+    rows = zip(series.stamps.tolist(), series.bags, statistics.poses, sigmas)
     for row, (stamp, bag, pose, sigma) in enumerate(rows, FIRST_ROW):
         numbers = [_number(value, "") for value in (*pose, *sigma)]
-        _write_row(sheet, row, [(stamp - begins[bag]) * 1e-9, seconds_text(stamp), bag, *numbers], columns)
-    if of.count == 0:
-        _write_notes(sheet, ("No pose from here.",), FIRST_ROW, len(columns))
+        _write_row(
+            sheet, row, [(stamp - first_stamps[bag]) * 1e-9, seconds_text(stamp), bag, *numbers], columns
+        )
+    if statistics.count == 0:
+        _write_notes(sheet, ("No poses at this distance.",), FIRST_ROW, len(columns))
 
 
-def _pose_columns(series: PoseSeries, of: SeriesStatistics) -> List[_Column]:
-    moved = (of.poses != series.poses).any(axis=0)
-    remarks = [", unwrapped" if each else "" for each in moved]
-    columns = [_Column("time in the bag, s", 12, DECIMAL), _Column("stamp, s", 22), _Column("bag", 24)]
+def _pose_columns(series: PoseSeries, statistics: SeriesStatistics) -> List[_Column]:
+    unwrapped = (statistics.poses != series.poses).any(axis=0)
+    remarks = [", unwrapped" if each else "" for each in unwrapped]
+    columns = [
+        _Column("time since the first pose, s", 12, DECIMAL),
+        _Column("stamp, s", 22),
+        _Column("bag", 24),
+    ]
     columns += [_Column(f"{a}, {u}{remark}", 13, DECIMAL) for a, u, remark in zip(AXES, UNITS, remarks)]
     if np.isfinite(series.covariances).any():
         columns += [_Column(f"sigma {a}, {u}", 11, DECIMAL) for a, u in zip(AXES, UNITS)]
     return columns
 
 
-def _start(sheet: Worksheet, columns: Sequence[_Column], frozen: str, landscape: bool = False) -> None:
-    """Writes frozen headings, and sets up pages of the full width of the sheet."""
+def _set_up_sheet(sheet: Worksheet, columns: Sequence[_Column], frozen: str, landscape: bool = False) -> None:
+    """Writes headings that stay visible while scrolling; a printed page is as wide as all columns."""
     for number, column in enumerate(columns, 1):
         cell = sheet.cell(1, number, column.heading)
         for name, style in HEADING.items():
@@ -206,7 +218,7 @@ def _start(sheet: Worksheet, columns: Sequence[_Column], frozen: str, landscape:
 
 
 def _write_row(
-    sheet: Worksheet, row: int, values: Sequence[object], columns: Sequence[_Column], rule: bool = False
+    sheet: Worksheet, row: int, values: Sequence[object], columns: Sequence[_Column], line_above: bool = False
 ) -> None:
     for number, (value, column) in enumerate(zip(values, columns), 1):
         if isinstance(value, str) and not isinstance(value, _Formula):
@@ -216,8 +228,8 @@ def _write_row(
         if isinstance(value, str):
             cell.data_type = "f" if isinstance(value, _Formula) else "s"
         cell.alignment = RIGHT if column.format != TEXT else LEFT
-        if rule:
-            cell.border = RULE
+        if line_above:
+            cell.border = TOP_LINE
 
 
 def _write_notes(sheet: Worksheet, notes: Sequence[str], first: int, width: int) -> None:

@@ -88,7 +88,7 @@ def _contradicting(quality: MapQuality) -> Iterator[Finding]:
             pair,
             "contradicted",
             f"{names(quality, pair)} cannot both be where the map has them "
-            f"({count(images, 'image')} with both contradict it)",
+            f"({count_text(images, 'image')} with both contradict it)",
             "check which of them was moved or has a second print, and correct its entry",
         )
 
@@ -111,7 +111,7 @@ def _conflicting(quality: MapQuality) -> Iterator[Finding]:
         if each.key not in paired:
             at = ", ".join(f"{value:.2f}" for value in each.position)
             away = np.linalg.norm(each.position - each.place)
-            shown = f"{count(each.images, 'image')} with {names(quality, each.witnesses)}"
+            shown = f"{count_text(each.images, 'image')} with {names(quality, each.witnesses)}"
             yield Finding(
                 (each.key,),
                 "seen elsewhere",
@@ -149,14 +149,16 @@ def _weak(quality: MapQuality) -> Iterator[Finding]:
         else:
             fact = f"{who} by no image, only by {'odometry' if quality.odometry else 'the floor'}"
             advice = f"drive so that images show {'them' if several else 'it'} together with other markers"
-        yield Finding(tuple(sorted(cut.markers)), f"weak link: {count(cut.images, 'image')}", fact, advice)
+        yield Finding(
+            tuple(sorted(cut.markers)), f"weak link: {count_text(cut.images, 'image')}", fact, advice
+        )
 
 
 def _cut_images(quality: MapQuality, cut: Cut) -> str:
     """Describes the images of a cut, e.g. 3 images of 7 with 12."""
     here, there = (names(quality, {pair[side] for pair in cut.links}) for side in (0, 1))
     shown = f"with {there}" if len(cut.markers) == 1 else f"of {there} with {here}"
-    return f"{count(cut.images, 'image')} {shown}{' and by odometry' if quality.odometry else ''}"
+    return f"{count_text(cut.images, 'image')} {shown}{' and by odometry' if quality.odometry else ''}"
 
 
 def _past_both_sides(quality: MapQuality, cut: Cut) -> str:
@@ -169,7 +171,7 @@ def _unconnected(quality: MapQuality) -> Iterator[Finding]:
         several = len(group.keys) > 1
         who = f"{names(quality, group.keys)} {'are' if several else 'is'} not in the map"
         why = (
-            f"only {count(group.images, 'image')} with markers of the map, and none could be used"
+            f"only {count_text(group.images, 'image')} with markers of the map, and none could be used"
             if group.images
             else "never seen together with its markers"
         )
@@ -189,9 +191,9 @@ def _misfits(quality: MapQuality) -> Iterator[Finding]:
 
 def _share_left_out(marker) -> str:
     if not marker.used_rms.size:
-        return f"none of its {count(marker.observations, 'observation')} could be used"
+        return f"none of its {count_text(marker.observations, 'observation')} could be used"
     compared = marker.used_rms.size + marker.left_out_rms.size
-    return f"{marker.left_out_rms.size} of its {count(compared, 'observation')} were left out"
+    return f"{marker.left_out_rms.size} of its {count_text(compared, 'observation')} were left out"
 
 
 def _uncertain(quality: MapQuality) -> Iterator[Finding]:
@@ -240,7 +242,7 @@ def names(quality: MapQuality, keys: Collection[Key]) -> str:
     return " and ".join(filter(None, [", ".join(listed[:-1]), listed[-1]]))
 
 
-def count(number: int, noun: str) -> str:
+def count_text(number: int, noun: str) -> str:
     """Formats a count, e.g. 1 image, 2 images."""
     return f"{number} {_plural(noun, number)}"
 

@@ -11,18 +11,18 @@ import numpy as np
 from jinja2 import Environment, StrictUndefined
 
 from sextant.base.atomic_file import atomic_file
-from sextant.mapping.map_findings import count, list_findings, verdict
+from sextant.mapping.map_findings import count_text, list_findings, verdict
 from sextant.mapping.map_links import Key
 from sextant.mapping.map_plots import plan_view, residual_boxes
 from sextant.mapping.map_quality import MapQuality, MarkerQuality
 from sextant.mapping.map_report_template import TEMPLATE
 
 MAX_LINKS = 30  # rows of the table of links; if there are more, the weakest are shown
-# Factor on the known markers' standard deviations from which on the report has a note.
+# The report has a note if the known markers scatter by this many times their standard deviations or more.
 NOTABLE_SCALE = 1.5
 HEADS = (
     "marker",
-    "to note",
+    "remarks",
     "observations",
     "used",
     "left out",
@@ -31,7 +31,7 @@ HEADS = (
     "position, mm",
     "rotation, deg",
     "seen with",
-    "images linking to the frame",  # a minimum cut, see the note in the template
+    "images linking to the frame",  # without these images, nothing connects it to the map frame
 )
 
 
@@ -79,7 +79,7 @@ def _content(result, quality: MapQuality, origin: MapOrigin) -> Dict[str, object
         "findings": list_findings(quality),
         "plan": base64.b64encode(plan_view(result, quality)).decode(),
         "markers": _marker_table(quality),
-        "wrong": _wrong_table(quality),
+        "wrong": _wrong_entries_table(quality),
         "links": _link_table(quality),
         "links_note": _links_note(quality),
         "residuals": base64.b64encode(residual_boxes(quality)).decode(),
@@ -90,23 +90,23 @@ def _content(result, quality: MapQuality, origin: MapOrigin) -> Dict[str, object
 
 
 def _marker_table(quality: MapQuality) -> _Table:
-    words: Dict[Key, List[str]] = {}
+    remarks: Dict[Key, List[str]] = {}
     for finding in list_findings(quality):
         for key in finding.keys:
-            words.setdefault(key, []).append(finding.word)
+            remarks.setdefault(key, []).append(finding.word)
     mapped = [marker.key for marker in quality.markers]
-    rows = [_marker_row(quality, marker, words.get(marker.key, [])) for marker in quality.markers]
-    for key in sorted(set(words) - set(mapped)):
-        cells = (quality.name(key), "; ".join(["not in the map", *words[key]]), *[""] * (len(HEADS) - 2))
+    rows = [_marker_row(quality, marker, remarks.get(marker.key, [])) for marker in quality.markers]
+    for key in sorted(set(remarks) - set(mapped)):
+        cells = (quality.name(key), "; ".join(["not in the map", *remarks[key]]), *[""] * (len(HEADS) - 2))
         rows.append(_Row(cells, highlighted=True))
     return _Table(HEADS, rows, text_columns=(0, 1))
 
 
-def _marker_row(quality: MapQuality, marker: MarkerQuality, words: Sequence[str]) -> _Row:
-    role = "defines the frame" if marker.is_anchor else "known before" if marker.known else ""
+def _marker_row(quality: MapQuality, marker: MarkerQuality, remarks: Sequence[str]) -> _Row:
+    role = "defines the frame" if marker.is_anchor else "in the given map" if marker.known else ""
     cells = (
         quality.name(marker.key),
-        "; ".join(filter(None, [*words, role])),
+        "; ".join(filter(None, [*remarks, role])),
         str(marker.observations),
         str(marker.used_rms.size),
         str(marker.left_out_rms.size),
@@ -114,17 +114,18 @@ def _marker_row(quality: MapQuality, marker: MarkerQuality, words: Sequence[str]
         _number(marker.worst, 2),
         _number(1000 * marker.position_sigma, 1),
         _number(np.degrees(marker.rotation_sigma), 2),
-        count(len(marker.neighbours), "other"),
+        count_text(len(marker.neighbours), "other"),
         "" if marker.images is None else str(marker.images),
     )
-    return _Row(cells, highlighted=bool(words))
+    return _Row(cells, highlighted=bool(remarks))
 
 
 def _number(value: float, digits: int) -> str:
     return "" if np.isnan(value) else f"{value:.{digits}f}"
 
 
-def _wrong_table(quality: MapQuality) -> _Table:
+def _wrong_entries_table(quality: MapQuality) -> _Table:
+    """Markers of the given map that are not at their given poses."""
     swapped = {a: b for pair in quality.swapped for a, b in (pair, pair[::-1])}
     rows = [
         _Row(
@@ -139,7 +140,7 @@ def _wrong_table(quality: MapQuality) -> _Table:
         for each in quality.wrong
     ]
     return _Table(
-        ("marker", "x, cm", "y, cm", "z, cm", "total, cm", "rotation, deg", "to note"), rows, (0, 6)
+        ("marker", "x, cm", "y, cm", "z, cm", "total, cm", "rotation, deg", "remarks"), rows, (0, 6)
     )
 
 
@@ -154,13 +155,14 @@ def _link_table(quality: MapQuality) -> _Table:
         )
         for pair, images in order[:MAX_LINKS]
     ]
-    return _Table(("markers", "images with both", "to note"), rows, (0, 2))
+    return _Table(("markers", "images with both", "remarks"), rows, (0, 2))
 
 
 def _links_note(quality: MapQuality) -> str:
     shown = f"; the {MAX_LINKS} weakest are shown" if len(quality.links) > MAX_LINKS else ""
     weak = " Some markers are connected to the rest only by a weak link." if quality.weak else ""
-    return f"Pairs of markers that were seen in one used image: {len(quality.links)}{shown}.{weak}"
+    pairs = f"Pairs of markers that were seen together in at least one used image: {len(quality.links)}"
+    return f"{pairs}{shown}.{weak}"
 
 
 def _camera_table(result, origin: MapOrigin) -> _Table:
@@ -178,7 +180,7 @@ def _noise_notes(result) -> List[str]:
     ]
     scales = (("positions", result.known_position_scale), ("rotations", result.known_rotation_scale))
     notes += [
-        f"The {what} of the known markers scatter {scale:.1f} times their standard deviations; "
+        f"The {what} of the markers of the given map scatter {scale:.1f} times their standard deviations; "
         "their weights were reduced accordingly."
         for what, scale in scales
         if scale >= NOTABLE_SCALE

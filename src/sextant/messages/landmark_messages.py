@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Conversions of the messages of landmark SLAM, as src/ros/landmarks/landmark_conversions.cpp."""
+"""Converts the messages of landmark SLAM in the same way as src/ros/landmarks/landmark_conversions.cpp."""
 
 import math
 from typing import Any, List
@@ -70,14 +70,14 @@ def _marker_observation(
         sextant.canonical_family(marker.family), marker.id, T_base_camera, T_camera_marker,
         covariance, probability, params,
     )  # fmt: skip
-    width = 2 if seen.observation.heading is None else 3
-    _check_covariance(seen.observation.covariance[:width, :width])
+    dimensions = 2 if seen.observation.heading is None else 3
+    _check_covariance(seen.observation.covariance[:dimensions, :dimensions])
     return seen
 
 
 def _alternative_probability(marker: Any, corner_sigma: float) -> float:
     """Probability that the alternative pose of a marker is the true one."""
-    if marker.alternative_reprojection_error < 0.0:
+    if marker.alternative_reprojection_error < 0.0:  # there is none
         return 0.0
     sigmas = [sigma if sigma > 0.0 else corner_sigma for sigma in marker.corner_sigmas]
     errors = marker.reprojection_error, marker.alternative_reprojection_error
@@ -85,34 +85,34 @@ def _alternative_probability(marker: Any, corner_sigma: float) -> float:
     return sextant.alternative_pose_probability(*errors, sigma)
 
 
-def _observation(message: Any, T_base_frame: np.ndarray) -> "sextant.LabelledObservation":
-    """:param T_base_frame: (3,) x, y, heading"""
+def _observation(message: Any, frame_pose: np.ndarray) -> "sextant.LabelledObservation":
+    """:param frame_pose: (3,) x, y, heading of the message's frame in the robot frame"""
     if not message.class_name:
         raise DamagedMessage("an observation has no class_name")
     label = sextant.LandmarkLabel(message.class_name, message.id if message.id >= 0 else None)
     try:
-        return sextant.LabelledObservation(label, _moved(message, *T_base_frame))
+        return sextant.LabelledObservation(label, _in_robot_frame(message, *frame_pose))
     except ValueError as error:
         name = message.class_name + (f" {message.id}" if message.id >= 0 else "")
         raise DamagedMessage(f"the observation of '{name}': {error}") from None
 
 
-def _moved(message: Any, x: float, y: float, yaw: float) -> "sextant.Observation2D":
+def _in_robot_frame(message: Any, x: float, y: float, yaw: float) -> "sextant.Observation2D":
     heading = None if math.isnan(message.heading) else message.heading
     if not all(map(math.isfinite, (message.x, message.y, heading or 0.0))):
         raise ValueError("a number is not finite")
-    width = 2 if heading is None else 3
-    covariance = np.reshape(message.covariance, (3, 3))[:width, :width]
+    dimensions = 2 if heading is None else 3
+    covariance = np.reshape(message.covariance, (3, 3))[:dimensions, :dimensions]
     _check_covariance(covariance)
     c, s = math.cos(yaw), math.sin(yaw)
     position = [x + (c * message.x - s * message.y), y + (s * message.x + c * message.y)]
-    turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])[:width, :width]
+    turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])[:dimensions, :dimensions]
     turned = _product(_product(turn, covariance), turn.T)
     return sextant.Observation2D(position, turned, None if heading is None else _wrapped(heading + yaw))
 
 
 def _product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Product of two matrices without BLAS, which rounds differently from the core on some machines."""
+    """Product of two matrices. Without BLAS: on some machines it rounds differently from the C++ library."""
     return (a[:, :, None] * b[None]).sum(axis=1)
 
 
@@ -126,7 +126,7 @@ def _check_covariance(covariance: np.ndarray) -> None:
     """:raises ValueError: it is not positive definite"""
     difference = np.linalg.norm(covariance - covariance.T)
     try:
-        if difference <= 1e-6 * np.linalg.norm(covariance):  # NaN is not
+        if difference <= 1e-6 * np.linalg.norm(covariance):  # false if it contains NaN
             np.linalg.cholesky(covariance)
             return
     except np.linalg.LinAlgError:

@@ -10,7 +10,7 @@ from typing import List, NamedTuple, Sequence, Tuple
 import cv2
 import numpy as np
 
-from sextant.simulation.street_surface import SNOW, grain, noise, repeating_noise
+from sextant.simulation.street_surface import SNOW, repeating_noise, rough_noise, smooth_noise
 
 ORIGIN, EXTENT = np.array([-25.0, -25.0]), (170.0, 120.0)  # of the layout, metres
 LAYOUT_TEXELS = 20.0  # per metre
@@ -95,8 +95,10 @@ def _bare(rng: np.random.Generator, middle: np.ndarray) -> Tuple[np.ndarray, np.
     line = np.full((rows, columns), 255, np.uint8)
     cv2.polylines(line, [_texels(middle)], True, 0)
     distance = cv2.distanceTransform(line, cv2.DIST_L2, 5) / LAYOUT_TEXELS
-    worn = 7 * noise(rng, rows, columns, 3 * LAYOUT_TEXELS) + 6 * noise(rng, rows, columns, LAYOUT_TEXELS / 2)
-    worn += 5 * noise(rng, rows, columns, LAYOUT_TEXELS / 8)
+    worn = 7 * smooth_noise(rng, rows, columns, 3 * LAYOUT_TEXELS) + 6 * smooth_noise(
+        rng, rows, columns, LAYOUT_TEXELS / 2
+    )
+    worn += 5 * smooth_noise(rng, rows, columns, LAYOUT_TEXELS / 8)
     road = 105 + worn
     _repairs(rng, road, middle)
     road[np.abs(distance - 0.9 * ROAD) < 0.05] = 190  # road marking
@@ -137,13 +139,15 @@ def _covered(rng: np.random.Generator, season: str, tone: np.ndarray, distance: 
     rows, columns = tone.shape
     if season == "summer":
         return np.zeros(tone.shape, np.float32)
-    drift = noise(rng, rows, columns, LAYOUT_TEXELS) + 0.7 * noise(rng, rows, columns, 4 * LAYOUT_TEXELS)
+    drift = smooth_noise(rng, rows, columns, LAYOUT_TEXELS) + 0.7 * smooth_noise(
+        rng, rows, columns, 4 * LAYOUT_TEXELS
+    )
     if season == "autumn":
         return np.clip(0.35 + 0.3 * drift + 0.3 * (distance > KERB), 0, 1)
-    drift += 0.7 * noise(rng, rows, columns, LAYOUT_TEXELS / 5)
+    drift += 0.7 * smooth_noise(rng, rows, columns, LAYOUT_TEXELS / 5)
     ruts = np.exp(-(((distance - 0.8) / 0.2) ** 2))  # of cars
     snow = np.clip(1.4 - 1.1 * ruts - 0.5 * (distance < ROAD) + 0.3 * drift, 0, 1)
-    drifts = SNOW - 14 + 4 * drift + 5 * noise(rng, rows, columns, LAYOUT_TEXELS / 10)
+    drifts = SNOW - 14 + 4 * drift + 5 * smooth_noise(rng, rows, columns, LAYOUT_TEXELS / 10)
     tone += snow * (drifts - tone)
     return snow
 
@@ -151,11 +155,11 @@ def _covered(rng: np.random.Generator, season: str, tone: np.ndarray, distance: 
 def _grain(rng: np.random.Generator, look_rng: np.random.Generator, season: str) -> np.ndarray:
     """Repeating grain of stone, grass and cover, uint8 (GRAIN_SIDE, GRAIN_SIDE, 3)."""
     side = GRAIN_SIDE
-    stones = grain(rng, side, side)
+    stones = rough_noise(rng, side, side)
     chips = np.maximum(np.abs(repeating_noise(rng, side, 0.3)) - 1.6, 0)  # light chips in the tar
     stone = 15 * stones + 38 * chips
-    blades = 24 * grain(rng, side, side) + 9 * repeating_noise(rng, side, 0.2)
-    snow = 6 * grain(look_rng, side, side)
+    blades = 24 * rough_noise(rng, side, side) + 9 * repeating_noise(rng, side, 0.2)
+    snow = 6 * rough_noise(look_rng, side, side)
     covering = _leaves(look_rng, side) + 0.5 * stone if season == "autumn" else snow
     return cv2.merge([_bytes(MIDDLE + each) for each in (stone, blades, covering)])
 

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Textures of trees and bushes of a simulated street, with leaves by season.
 
-The branches depend on the seed only; `look` is the random seed of the leaves.
+The branches depend on the seed only; `look` is a second random seed, of the leaves.
 """
 
 from typing import List, NamedTuple, Sequence, Tuple
@@ -10,18 +10,18 @@ from typing import List, NamedTuple, Sequence, Tuple
 import cv2
 import numpy as np
 
-from sextant.simulation.street_surface import SNOW, TEXELS, Texture, grain, noise
+from sextant.simulation.street_surface import SNOW, TEXELS, Texture, rough_noise, smooth_noise
 
 LEAVES = {"summer": (1.0, 84.0), "autumn": (0.1, 140.0), "winter": (0.0, 0.0)}  # density, brightness
 LEAF = 0.05  # size of a leaf, metres
 MARGIN = 0.35  # space for leaves around the twigs, metres
-THIN = 2.0  # decrease of the leaf density towards the edge of a crown
+EDGE_THINNING = 2.0  # how strongly the leaves thin out towards the edge of a crown; 0: not at all
 
 Point = Tuple[float, float]
 
 
 class _Branch(NamedTuple):
-    """A branch; points in metres to the right of and above the foot of the tree."""
+    """A branch. Points are (x, y) in metres from the foot of the tree: x to the right, y up."""
 
     begin: Point
     end: Point
@@ -34,14 +34,14 @@ def tree(seed: int, season: str, look: int) -> Texture:
     rng, look_rng = np.random.default_rng(seed), np.random.default_rng([seed, look])
     branches = _branches(rng, rng.uniform(3.5, 7))
     ends = np.array([branch.end for branch in branches])
-    half, height = np.abs(ends[:, 0]).max() + MARGIN, ends[:, 1].max() + MARGIN
-    wood = np.zeros((int(height * TEXELS), int(2 * half * TEXELS)), np.uint8)
+    half_width, height = np.abs(ends[:, 0]).max() + MARGIN, ends[:, 1].max() + MARGIN
+    wood = np.zeros((int(height * TEXELS), int(2 * half_width * TEXELS)), np.uint8)
     crown = np.zeros_like(wood)
-    for branch, bunch in zip(branches, _bunches(rng, len(branches))):
-        begin, end = (_texel((x + half, height - y)) for x, y in (branch.begin, branch.end))
+    for branch, leaf_radius in zip(branches, _leaf_radii(rng, len(branches))):
+        begin, end = (_texel((x + half_width, height - y)) for x, y in (branch.begin, branch.end))
         cv2.line(wood, begin, end, 255, max(1, int(branch.thickness * TEXELS)))
         if branch.is_twig:
-            cv2.circle(crown, end, bunch, 255, -1)
+            cv2.circle(crown, end, leaf_radius, 255, -1)
     return _grown(rng, look_rng, season, wood, crown)
 
 
@@ -54,10 +54,10 @@ def bush(seed: int, season: str, look: int) -> Texture:
     feet = rng.uniform(MARGIN, width - MARGIN, int(25 * width))
     x = np.clip(feet + rng.normal(0, 0.2, len(feet)), MARGIN, width - MARGIN)
     y = rng.uniform(MARGIN, 0.7 * height, len(feet))
-    for foot, *end, bunch in zip(feet, x, y, _bunches(rng, len(feet))):
+    for foot, *end, leaf_radius in zip(feet, x, y, _leaf_radii(rng, len(feet))):
         line = _texel((foot, height)), _texel(end)
         cv2.line(wood, *line, 255, 2)
-        cv2.circle(crown, line[1], bunch, 255, -1)
+        cv2.circle(crown, line[1], leaf_radius, 255, -1)
         cv2.line(crown, *line, 255, int(MARGIN * TEXELS))
     return _grown(rng, look_rng, season, wood, crown)
 
@@ -67,20 +67,25 @@ def _grown(
 ) -> Texture:
     """Texture of a plant: adds leaves or snow to the branches.
 
-    :param wood: crown: masks of the branches and of the foliage, uint8 (rows, columns)
+    :param wood: mask of the branches, uint8 (rows, columns)
+    :param crown: mask of the area that can have leaves, likewise
     """
     rows, columns = wood.shape
-    grey = rng.uniform(40, 90) + 10 * grain(rng, rows, columns)
-    density, tone = LEAVES[season]
+    grey = rng.uniform(40, 90) + 10 * rough_noise(rng, rows, columns)
+    density, brightness = LEAVES[season]
     mask = wood.copy()
     if density:
-        hang = 0.7 * noise(look_rng, rows, columns, LEAF * TEXELS)
-        hang += 0.5 * noise(look_rng, rows, columns, 5 * LEAF * TEXELS) + 0.4 * grain(look_rng, rows, columns)
-        thin = 1 - cv2.blur(crown, (int(MARGIN * TEXELS), int(MARGIN * TEXELS))) / np.float32(255)
-        leaves = (hang > THIN * thin - density) & (crown > 0)
-        depth = 15 * noise(look_rng, rows, columns, 6 * LEAF * TEXELS)  # leaves shade each other
-        texture = 28 * noise(look_rng, rows, columns, LEAF * TEXELS) + 14 * grain(look_rng, rows, columns)
-        grey[leaves] = (tone + depth + texture)[leaves]
+        leafiness = 0.7 * smooth_noise(look_rng, rows, columns, LEAF * TEXELS)
+        leafiness += 0.5 * smooth_noise(look_rng, rows, columns, 5 * LEAF * TEXELS) + 0.4 * rough_noise(
+            look_rng, rows, columns
+        )
+        edge = 1 - cv2.blur(crown, (int(MARGIN * TEXELS), int(MARGIN * TEXELS))) / np.float32(255)
+        leaves = (leafiness > EDGE_THINNING * edge - density) & (crown > 0)
+        shade = 15 * smooth_noise(look_rng, rows, columns, 6 * LEAF * TEXELS)  # leaves shade each other
+        texture = 28 * smooth_noise(look_rng, rows, columns, LEAF * TEXELS) + 14 * rough_noise(
+            look_rng, rows, columns
+        )
+        grey[leaves] = (brightness + shade + texture)[leaves]
         mask[leaves] = 255
     if season == "winter":
         grey[cv2.subtract(mask, np.roll(mask, 3, axis=0)) > 0] = SNOW  # on top of every branch
@@ -88,20 +93,21 @@ def _grown(
 
 
 def _branches(rng: np.random.Generator, height: float) -> List[_Branch]:
-    """Trunk and branches of a tree; height: about that of the tree, metres."""
+    """Trunk and branches of a tree that is about `height` metres high."""
     branches = []
     growing = [((0.0, 0.0), 0.0, 0.28 * height, rng.uniform(0.15, 0.35), 6)]
     while growing:
-        begin, angle, length, thickness, order = growing.pop()
+        begin, angle, length, thickness, levels_left = growing.pop()
         end = (begin[0] + length * np.sin(angle), max(begin[1] + length * np.cos(angle), MARGIN))
-        branches.append(_Branch(begin, end, thickness, order <= 2))
-        for _ in range(int(rng.integers(2, 4)) if order else 0):
+        branches.append(_Branch(begin, end, thickness, levels_left <= 2))
+        for _ in range(int(rng.integers(2, 4)) if levels_left else 0):
             next_angle = angle + rng.normal(0, 0.5)
-            growing.append((end, next_angle, length * rng.uniform(0.6, 0.8), 0.6 * thickness, order - 1))
+            next_length = length * rng.uniform(0.6, 0.8)
+            growing.append((end, next_angle, next_length, 0.6 * thickness, levels_left - 1))
     return branches
 
 
-def _bunches(rng: np.random.Generator, count: int) -> List[int]:
+def _leaf_radii(rng: np.random.Generator, count: int) -> List[int]:
     """Radii of the foliage around the ends of twigs, texels."""
     return (rng.uniform(0.4, 0.9, count) * MARGIN * TEXELS).astype(int).tolist()
 

@@ -8,7 +8,7 @@ A cylindrical panorama at infinity; rows are linear in the tangent of the elevat
 import cv2
 import numpy as np
 
-from sextant.simulation.street_surface import grain, repeating_noise
+from sextant.simulation.street_surface import repeating_noise, rough_noise
 
 SIDE = 8192  # texels in 360 degrees
 TOP = 0.6  # tangent of the elevation at the upper edge
@@ -32,7 +32,7 @@ def panorama(seed: int, season: str, look: int) -> np.ndarray:
     hills = 0.035 + 0.012 * _ridge(rng, 1.8)
     sky[elevation < hills] = 178.0
     tone, deviation = TREES[season]
-    crowns = tone + deviation * np.hstack([grain(rng, rows, SIDE // 4) for _ in range(4)])
+    crowns = tone + deviation * np.hstack([rough_noise(rng, rows, SIDE // 4) for _ in range(4)])
     trees = elevation < 0.02 + 0.007 * _ridge(rng, 0.9)
     if season == "winter":  # the sky is visible between bare branches
         trees &= crowns < tone + deviation

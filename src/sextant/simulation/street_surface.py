@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Surfaces of a simulated street: the texture of an upright object, and the noise and grain of all surfaces.
+"""Surfaces of a simulated street: the texture of an upright object, and the noise of all surfaces.
 
 Brightness is 0 to 255 in diffuse light.
 """
@@ -14,7 +14,7 @@ from scipy import fft
 
 TEXELS = 96  # per metre
 SNOW = 225.0  # brightness of snow
-TILE = 2048  # side of the grain texture from which all surfaces are cut, texels
+TILE = 2048  # side of the texture of rough noise from which all surfaces are cut, texels
 
 
 class Texture(NamedTuple):
@@ -26,8 +26,8 @@ class Texture(NamedTuple):
     height: float  # metres
 
 
-def noise(rng: np.random.Generator, rows: int, columns: int, grain: float) -> np.ndarray:
-    """Smooth noise of standard deviation 1, float32 (rows, columns); grain: its size in pixels."""
+def smooth_noise(rng: np.random.Generator, rows: int, columns: int, grain: float) -> np.ndarray:
+    """Smooth noise of standard deviation 1, float32 (rows, columns), with spots of `grain` pixels."""
     shape = (int(rows / grain) + 4, int(columns / grain) + 4)
     return cv2.resize(
         rng.normal(size=shape).astype(np.float32), (columns, rows), interpolation=cv2.INTER_CUBIC
@@ -52,8 +52,8 @@ def _tile() -> np.ndarray:
     return repeating_noise(np.random.default_rng(1), TILE, 0.7)
 
 
-def grain(rng: np.random.Generator, rows: int, columns: int) -> np.ndarray:
-    """Noise of standard deviation 1, float32 (rows, columns), at most TILE: a part of the common grain."""
+def rough_noise(rng: np.random.Generator, rows: int, columns: int) -> np.ndarray:
+    """Noise of all scales, standard deviation 1, float32 (rows, columns), at most TILE: part of a texture."""
     y, x = rng.integers(TILE - rows + 1), rng.integers(TILE - columns + 1)
     flip = slice(None, None, int(rng.choice([-1, 1])))
     return _tile()[y : y + rows, x : x + columns][flip, ::-1]

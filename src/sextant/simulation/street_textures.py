@@ -10,7 +10,7 @@ from typing import Tuple
 import cv2
 import numpy as np
 
-from sextant.simulation.street_surface import SNOW, TEXELS, Texture, grain, noise
+from sextant.simulation.street_surface import SNOW, TEXELS, Texture, rough_noise, smooth_noise
 
 
 def facade(seed: int, width: float, height: float, look: int, season: str) -> Texture:
@@ -19,7 +19,7 @@ def facade(seed: int, width: float, height: float, look: int, season: str) -> Te
     rows, columns = int(height * TEXELS), int(width * TEXELS)
     base = rng.uniform(60, 190)
     grey = np.full((rows, columns), base, np.float32)
-    grey += 8 * noise(rng, rows, columns, TEXELS) + 5 * noise(rng, rows, columns, 0.2 * TEXELS)
+    grey += 8 * smooth_noise(rng, rows, columns, TEXELS) + 5 * smooth_noise(rng, rows, columns, 0.2 * TEXELS)
     surface = (_bricks, _panels, _plaster)[rng.integers(3)]
     surface(rng, grey)
     _plinth(rng, grey)
@@ -40,7 +40,7 @@ def car(seed: int) -> Texture:
     width, height = 4.2, 1.5
     rows, columns = int(height * TEXELS), int(width * TEXELS)
     grey = np.full((rows, columns), rng.uniform(20, 230), np.float32)
-    grey += np.linspace(18, -18, rows, dtype=np.float32)[:, None] + 2.5 * grain(rng, rows, columns)
+    grey += np.linspace(18, -18, rows, dtype=np.float32)[:, None] + 2.5 * rough_noise(rng, rows, columns)
     mask = np.zeros((rows, columns), np.uint8)
     size = np.array([columns, rows])
     body = np.array([[0, 0.5], [0.13, 0.45], [0.88, 0.45], [0.99, 0.52], [1, 0.84], [0, 0.84]])
@@ -70,20 +70,22 @@ def _bricks(rng: np.random.Generator, grey: np.ndarray) -> None:
     tones = rng.normal(0, 14, (row.max() + 1, column.max() + 1)).astype(np.float32)
     joint = float(rng.choice([-30, 28]))
     joints = (np.diff(row, prepend=-1) != 0)[:, None] | (np.diff(column, axis=1, prepend=-1) != 0)
-    grey += np.where(joints, joint, tones[row[:, None], column]) + 12 * grain(rng, *grey.shape)
+    grey += np.where(joints, joint, tones[row[:, None], column]) + 12 * rough_noise(rng, *grey.shape)
 
 
 def _panels(rng: np.random.Generator, grey: np.ndarray) -> None:
     """Boards with wood grain."""
     rows, columns = grey.shape
-    grey += 7 * cv2.resize(grain(rng, rows // 16, columns), (columns, rows)) + 9 * grain(rng, rows, columns)
+    grey += 7 * cv2.resize(rough_noise(rng, rows // 16, columns), (columns, rows)) + 9 * rough_noise(
+        rng, rows, columns
+    )
     for x in range(0, columns, int(rng.uniform(0.12, 0.5) * TEXELS)):
         grey[:, x : x + 2] -= 40
         grey[:, x + 2 :] += rng.normal(0, 4)
 
 
 def _plaster(rng: np.random.Generator, grey: np.ndarray) -> None:
-    grey += 15 * grain(rng, *grey.shape)
+    grey += 15 * rough_noise(rng, *grey.shape)
     for _ in range(int(rng.integers(3, 12))):  # cracks and stains that run down
         x, y = rng.uniform(0, grey.shape[1]), rng.uniform(0, grey.shape[0])
         path = (x, y) + np.cumsum(rng.normal((0, 7), (4, 4), (int(rng.integers(5, 25)), 2)), axis=0)
@@ -94,7 +96,7 @@ def _plinth(rng: np.random.Generator, grey: np.ndarray) -> None:
     """Stones at the foot of the wall."""
     top = grey.shape[0] - int(rng.uniform(0.2, 0.6) * TEXELS)
     stones = grey[top:]
-    stones[:] = rng.uniform(60, 150) + 16 * grain(rng, *stones.shape)
+    stones[:] = rng.uniform(60, 150) + 16 * rough_noise(rng, *stones.shape)
     for x in range(0, stones.shape[1], int(0.45 * TEXELS)):
         at = x + int(rng.uniform(0, 0.2) * TEXELS)
         stones[:, at : at + 2] -= 35
@@ -108,7 +110,7 @@ def _roof(rng: np.random.Generator, grey: np.ndarray) -> int:
     tile_rows, tile_columns = int(0.3 * TEXELS), int(0.22 * TEXELS)
     y, x = np.arange(rows)[:, None], np.arange(columns)[None]
     tones = rng.normal(rng.uniform(50, 120), 14, (rows // tile_rows + 1, columns // tile_columns + 1))
-    roof = tones[y // tile_rows, x // tile_columns] + 9 * grain(rng, rows, columns)
+    roof = tones[y // tile_rows, x // tile_columns] + 9 * rough_noise(rng, rows, columns)
     roof += 14 * np.sin(2 * np.pi * x / tile_columns) - 40 * (y % tile_rows < 3)
     grey[:rows] = roof
     grey[rows : rows + gutter] = rng.uniform(40, 200)
@@ -119,9 +121,9 @@ def _roof(rng: np.random.Generator, grey: np.ndarray) -> int:
 def _snow(rng: np.random.Generator, roof: np.ndarray) -> None:
     """Snow on a roof, where it has not slid off."""
     rows, columns = roof.shape
-    slid = noise(rng, rows, columns, 2 * TEXELS) + 0.4 * noise(rng, rows, columns, 0.1 * TEXELS)
+    slid = smooth_noise(rng, rows, columns, 2 * TEXELS) + 0.4 * smooth_noise(rng, rows, columns, 0.1 * TEXELS)
     lying = np.clip(1.8 + 1.5 * slid - 0.5 * np.linspace(0, 1, rows)[:, None], 0, 1)
-    roof += lying * (SNOW + 4 * grain(rng, rows, columns) - roof)
+    roof += lying * (SNOW + 4 * rough_noise(rng, rows, columns) - roof)
 
 
 def _windows(
@@ -150,7 +152,7 @@ def _window(
     dark = look_rng.uniform(20, 110)
     glass = grey[top:bottom, left:right]
     glass[:] = np.linspace(dark + look_rng.uniform(0, 50), dark, len(glass))[:, None]
-    glass += look_rng.uniform(3, 14) * noise(look_rng, *glass.shape, 0.15 * TEXELS)  # reflections
+    glass += look_rng.uniform(3, 14) * smooth_noise(look_rng, *glass.shape, 0.15 * TEXELS)  # reflections
     if look_rng.random() < 0.4:  # a blind
         blind = glass[: int(len(glass) * look_rng.uniform(0.2, 0.8))]
         blind[:] = look_rng.uniform(100, 220)
@@ -183,7 +185,7 @@ def _door(rng: np.random.Generator, grey: np.ndarray) -> None:
     corners = [tuple(map(int, corner)) for corner in inner]
     cv2.rectangle(grey, *corners, float(rng.uniform(20, 230)), int(0.06 * TEXELS))
     door = grey[int(top) :, int(left) : int(left + width)]
-    door += 4 * grain(rng, *door.shape)
+    door += 4 * rough_noise(rng, *door.shape)
 
 
 def _sign(rng: np.random.Generator, grey: np.ndarray) -> None:
@@ -204,6 +206,6 @@ def _poster(rng: np.random.Generator, look_rng: np.random.Generator, grey: np.nd
     left, top = int(rng.uniform(0.1, 0.8) * columns), max(0, int(rows - 2.0 * TEXELS))
     if rng.random() > 0.5:
         return
-    poster = look_rng.uniform(30, 220) + 40 * noise(look_rng, TEXELS, int(0.7 * TEXELS), 0.15 * TEXELS)
+    poster = look_rng.uniform(30, 220) + 40 * smooth_noise(look_rng, TEXELS, int(0.7 * TEXELS), 0.15 * TEXELS)
     part = grey[top : top + TEXELS, left : left + poster.shape[1]]
     part[:] = poster[: part.shape[0], : part.shape[1]]

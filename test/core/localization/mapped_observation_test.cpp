@@ -32,11 +32,11 @@ TEST(MappedObservation, AStartIsTheBasesPose) {
   const MarkerView view =
       look(map, CameraModel(testCalibrations()[0], CameraModel::Image::raw), kTruth, 0, 1);
   const auto poses = solveMarkerPose(view.camera, view.detections[3].corners, 0.3);
-  std::vector<PoseStart> starts;
-  addStarts(view, *map.find({kFamily, 3}), *poses, 7, starts);
-  ASSERT_EQ(starts.size(), poses->alternative ? 2u : 1u);
-  EXPECT_LT(poseError(kTruth, starts[0].T_map_base).norm(), 1e-6);
-  for (const PoseStart& start : starts) EXPECT_EQ(start.observation, 7u);
+  std::vector<InitialPose> initial_poses;
+  addInitialPoses(view, *map.find({kFamily, 3}), *poses, 7, initial_poses);
+  ASSERT_EQ(initial_poses.size(), poses->alternative ? 2u : 1u);
+  EXPECT_LT(poseError(kTruth, initial_poses[0].T_map_base).norm(), 1e-6);
+  for (const InitialPose& start : initial_poses) EXPECT_EQ(start.observation, 7u);
 }
 
 TEST(MappedObservation, AMarkerIsRepeatedByItsFamilyAndId) {

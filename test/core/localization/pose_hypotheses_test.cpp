@@ -15,8 +15,8 @@ namespace {
 
 const Pose kForwardMount = forwardMount(1.0);
 
-std::vector<PoseStart> starts(const std::vector<MarkerObservation>& observations) {
-  std::vector<PoseStart> all;
+std::vector<InitialPose> initialPoses(const std::vector<MarkerObservation>& observations) {
+  std::vector<InitialPose> all;
   for (size_t i = 0; i < observations.size(); ++i) {
     const MarkerObservation& observation = observations[i];
     const auto poses = solveMarkerPose(*observation.camera, observation.corners, observation.size);
@@ -33,7 +33,7 @@ class PoseHypotheses : public testing::Test {
  protected:
   std::vector<PoseHypothesis> find(const std::vector<MarkerObservation>& observations,
                                    const std::optional<PosePrior>& prior = std::nullopt) {
-    return poseHypotheses(observations, starts(observations), {}, prior);
+    return poseHypotheses(observations, initialPoses(observations), {}, prior);
   }
 
   CameraModel camera_{testCalibrations()[0], CameraModel::Image::raw};

@@ -52,7 +52,7 @@ Consistency simulate(const std::vector<Pose>& markers, double farthest, int fram
           truth * poseFromXyzRpy({0, 0, floor->height_sigma * noise(random)},
                                  {floor->tilt_sigma * noise(random), floor->tilt_sigma * noise(random), 0});
     const auto observations = seenFrom(truth, camera, kMount, markers, 0.2, 0.3, random);
-    std::vector<PoseStart> starts;
+    std::vector<InitialPose> initial_poses;
     for (size_t i = 0; i < observations.size(); ++i) {
       const MarkerObservation& observation = observations[i];
       const auto poses = solveMarkerPose(camera, observation.corners, 0.2);
@@ -60,12 +60,12 @@ Consistency simulate(const std::vector<Pose>& markers, double farthest, int fram
       const auto base = [&](const MarkerPose& pose) {
         return observation.T_map_marker * pose.T_camera_marker.inverse() * observation.T_camera_base;
       };
-      starts.push_back({base(poses->best), i});
-      if (poses->alternative) starts.push_back({base(*poses->alternative), i});
+      initial_poses.push_back({base(poses->best), i});
+      if (poses->alternative) initial_poses.push_back({base(*poses->alternative), i});
     }
     HypothesesParams params;
     params.floor = floor;
-    const auto hypotheses = poseHypotheses(observations, starts, params, std::nullopt);
+    const auto hypotheses = poseHypotheses(observations, initial_poses, params, std::nullopt);
     if (hypotheses.empty()) continue;
     const PosteriorParams decision{0.999999, floor};
     const auto posterior = posePosterior(observations, hypotheses, decision);
@@ -144,11 +144,11 @@ TEST(PosePosterior, TheRegionOfAnUndecidedPoseHoldsAtLeast92Percent) {
   const CameraModel camera(testCalibrations()[0], CameraModel::Image::raw);
   std::mt19937 random(8);
   std::vector<MarkerObservation> observations;
-  std::vector<PoseStart> starts;
+  std::vector<InitialPose> initial_poses;
   const Pose offsets[] = {Pose::Identity(), poseFromXyzRpy({2, 0, 0}, {0, 0, 0}),
                           poseFromXyzRpy({0, 2, 0}, {0, 0, 0}), poseFromXyzRpy({0, 0, 2}, {0, 0, 0})};
   for (const Pose& T_map_base : offsets) {
-    starts.push_back({T_map_base, observations.size()});
+    initial_poses.push_back({T_map_base, observations.size()});
     for (const MarkerObservation& observation :
          seenFrom(T_map_base, camera, kMount,
                   {T_map_base * markerOnWall({2, 0.4, 1}, 0.3), T_map_base * markerOnWall({2.5, -0.6, 1.2}),
@@ -156,7 +156,7 @@ TEST(PosePosterior, TheRegionOfAnUndecidedPoseHoldsAtLeast92Percent) {
                   0.2, 0.1, random))
       observations.push_back(observation);
   }
-  auto hypotheses = poseHypotheses(observations, starts, {}, std::nullopt);
+  auto hypotheses = poseHypotheses(observations, initial_poses, {}, std::nullopt);
   ASSERT_EQ(hypotheses.size(), 4u);
   for (size_t i = 0; i < 4; ++i) hypotheses[i].weight = i == 0 ? 0.85 : 0.05;
   const auto posterior = posePosterior(observations, hypotheses, {});

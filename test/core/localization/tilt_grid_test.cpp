@@ -21,11 +21,12 @@ struct SeenWall {
     std::mt19937 random(3);
     const Pose mount = forwardMount(1.0);
     observations = seenFrom(T_map_base, camera, mount, markers, 0.2, 0, random);
-    std::vector<PoseStart> starts = {{T_map_base, 0}};
+    std::vector<InitialPose> initial_poses = {{T_map_base, 0}};
     const auto poses = solveMarkerPose(camera, observations[0].corners, 0.2);
     if (poses && poses->alternative)
-      starts.push_back({markers[0] * poses->alternative->T_camera_marker.inverse() * mount.inverse(), 0});
-    minima = poseHypotheses(observations, starts, {}, std::nullopt);
+      initial_poses.push_back(
+          {markers[0] * poses->alternative->T_camera_marker.inverse() * mount.inverse(), 0});
+    minima = poseHypotheses(observations, initial_poses, {}, std::nullopt);
   }
   TiltGrid grid() const { return tiltGrid(observations, minima, std::nullopt); }
 

@@ -83,7 +83,7 @@ TEST(YamlMarkerMap, ACovarianceIsGivenInOneWay) {
   };
   EXPECT_EQ(read(""), "accepted");
   EXPECT_EQ(read("sigma_position: 1, "),
-            "map:3: give either covariance or sigma_position and sigma_rotation");
+            "map:3: covariance cannot be combined with sigma_position or sigma_rotation");
 }
 
 }  // namespace

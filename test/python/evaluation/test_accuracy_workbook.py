@@ -69,7 +69,7 @@ def test_raw_poses(book):
     series = recorded()[0]
     sheet = book["0.757 m"]
     headings = [cell.value for cell in sheet[1]]
-    assert headings[:6] == ["time in the bag, s", "stamp, s", "bag", "x, m", "y, m", "z, m"]
+    assert headings[:6] == ["time since the first pose, s", "stamp, s", "bag", "x, m", "y, m", "z, m"]
     assert headings[6:9] == ["roll, rad, unwrapped", "pitch, rad", "yaw, rad"]
     assert headings[9:] == [f"sigma {axis}, {unit}" for axis, unit in zip(AXES, 3 * ["m"] + 3 * ["rad"])]
     table = rows(sheet)
