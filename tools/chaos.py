@@ -1,0 +1,306 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Random faults in random order on all systems at once, between good input. Called by soak.sh.
+
+After each fault all systems must answer good input again: within a second, or within RESTART seconds if nodes
+or roscore were restarted. Fails when one does not, when a node ends unkilled, or when memory grows.
+"""
+
+import os
+import re
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from collections import Counter, defaultdict
+from contextlib import ExitStack, contextmanager, suppress
+from pathlib import Path
+
+import numpy as np
+import rospy
+import tf2_ros
+from chaos_input import Landmarks, Markers, ObjectInput, Places
+from made_photos import written_photos
+from random_messages import changed
+from rosgraph_msgs.msg import Clock
+from soak import free_port, report, sample
+
+from sextant.nodes.base.init_node import mend_rospy
+
+RATE = 10.0  # of good input, Hz
+ANSWER, RESTART = 1.0, 20.0  # s until good input is answered: after a fault; after a restart
+FAULT = (0.1, 2.0)  # duration of a fault, s
+REST = (0.2, 1.0)  # s of good input between faults
+MAX_FAULTS = 3  # at the same time
+SAMPLES = 10.0  # s between two samples of memory
+PHOTOS = 6
+JUMPS = (-1000.0, -10.0, -0.5, 0.5, 10.0, 1000.0)  # of the clock, s
+MARKER_MAP = Path(__file__).parents[1] / "test" / "ros" / "two_markers.txt"
+START = 60.0  # s until all nodes have started
+MANAGER, LOADERS = "sextant_manager", ("marker_detector", "marker_locator")
+DEATH = re.compile(r"\[([^\]]+)-\d+\] process has died \[pid \d+, exit code (-?\d+)")
+
+
+class Robot:
+    """Publishes the clock, and good or changed input of all systems, in a thread of its own."""
+
+    def __init__(self, rng):
+        self.systems = [Markers(), Landmarks(), Places(PHOTOS), ObjectInput()]
+        self.faulty = set()  # topics whose messages are changed
+        self.offset = 0.0  # of the clock, s
+        self._rng, self._clock = rng, rospy.Publisher("/clock", Clock, queue_size=1)
+        self._end = threading.Event()
+        self._threads = [threading.Thread(target=self._tick), threading.Thread(target=self._feed)]
+        for thread in self._threads:
+            thread.start()
+
+    def now(self):
+        return time.time() + self.offset
+
+    def close(self):
+        self._end.set()
+        for thread in self._threads:
+            thread.join()
+
+    def _tick(self):
+        while not self._end.wait(0.01):
+            self._clock.publish(Clock(rospy.Time.from_sec(self.now())))
+
+    def _feed(self):
+        while not self._end.wait(1.0 / RATE):
+            stamp = rospy.Time.from_sec(self.now())
+            for system in self.systems:
+                for topic, message in system.messages(stamp):
+                    is_faulty = topic in self.faulty
+                    system.publish(topic, changed(message, self._rng) if is_faulty else message)
+
+
+class Machine:
+    """roscore and the nodes of chaos.launch, and what can happen to them."""
+
+    def __init__(self, folder, log):
+        self.port, self._log = free_port(), log
+        self.uri = f"http://localhost:{self.port}"
+        os.environ["ROS_MASTER_URI"] = self.uri
+        self.killed = []  # names of nodes
+        self._start_core()
+        arguments = [f"places:={folder}/park.txt", f"marker_map:={MARKER_MAP}"]
+        launch = Path(__file__).with_name("chaos.launch")
+        self.launch = subprocess.Popen(
+            ["roslaunch", "--wait", str(launch), *arguments], stdout=log, stderr=subprocess.STDOUT
+        )
+
+    def _start_core(self):
+        self._core = subprocess.Popen(
+            ["rosmaster", "--core", "-p", str(self.port)], stdout=self._log, stderr=subprocess.STDOUT
+        )
+
+    def restart_core(self):
+        self._core.kill()
+        self._core.wait()
+        self._start_core()
+
+    def pids(self):
+        """{node: process} of the launched nodes."""
+        found = {}
+        for path in Path("/proc").glob("[0-9]*/cmdline"):
+            try:
+                words = path.read_bytes().decode(errors="replace").split("\0")
+                parent = int(Path(path.parent, "stat").read_text().rpartition(")")[2].split()[1])
+            except OSError:
+                continue
+            name = next((word[8:] for word in words if word.startswith("__name:=")), None)
+            if name and parent == self.launch.pid:
+                found[name] = int(path.parent.name)
+        return found
+
+    def kill(self, rng):
+        """Kills one node; returns its name."""
+        pids = self.pids()
+        name = sorted(pids)[int(rng.integers(len(pids)))]
+        os.kill(pids[name], signal.SIGKILL)
+        self.killed.append(name)
+        return name
+
+    def close(self):
+        self.launch.send_signal(signal.SIGINT)
+        self.launch.wait(60)
+        self._core.kill()
+        self._core.wait()
+
+
+@contextmanager
+def stalled_viewer(topics):
+    """A remote machine whose link is down: it has subscribed to everything and takes nothing."""
+    viewers = [
+        subprocess.Popen(["rostopic", "echo", "--noarr", each], stdout=subprocess.DEVNULL) for each in topics
+    ]
+    time.sleep(1.5)
+    for each in viewers:
+        each.send_signal(signal.SIGSTOP)
+    try:
+        yield
+    finally:
+        for each in viewers:
+            each.kill()
+            each.wait()
+
+
+def answered(systems, since, limit):
+    """{system: seconds} until good input of a stamp or later was answered; None: it was not."""
+    begin, found = time.monotonic(), {}
+    while time.monotonic() - begin < limit and len(found) < len(systems):
+        for system in systems:
+            if system not in found and system.answers_since(since):
+                found[system] = time.monotonic() - begin
+        time.sleep(0.02)
+    return {system: found.get(system) for system in systems}
+
+
+class Chaos:
+    """Makes faults, and keeps what followed."""
+
+    def __init__(self, robot, machine, rng):
+        self._robot, self._machine, self._rng = robot, machine, rng
+        self._end = ExitStack()  # of the faults of now
+        self.times = defaultdict(list)  # {fault: seconds until all systems answered; inf: not all did}
+        self.failures = []
+
+    def run_once(self):
+        """One to MAX_FAULTS faults at once, then good input, which must be answered."""
+        kinds = (
+            self._damage,
+            self._damage,
+            self._damage,
+            self._jump,
+            self._kill,
+            self._restart_core,
+            self._stall,
+        )
+        number = int(self._rng.integers(1, MAX_FAULTS + 1))
+        with self._end:
+            faults = [kinds[int(i)]() for i in self._rng.choice(len(kinds), number, replace=False)]
+            time.sleep(self._rng.uniform(*FAULT))
+        is_restart = any(each.startswith(("killed", "roscore")) for each in faults)
+        self._check(faults, RESTART if is_restart else ANSWER)
+        time.sleep(self._rng.uniform(*REST))
+
+    def _check(self, faults, limit):
+        since = rospy.Time.from_sec(self._robot.now())
+        found = answered(self._robot.systems, since, limit)
+        silent = [system.name for system, seconds in found.items() if seconds is None]
+        for fault in faults:
+            self.times[fault].append(np.inf if silent else max(found.values()))
+        if silent:
+            self.failures.append(f"{', '.join(faults)}: no answer of {', '.join(silent)} within {limit:g} s")
+            print(self.failures[-1], flush=True)
+            answered(self._robot.systems, since, RESTART)  # the next fault finds a working system
+
+    def _damage(self):
+        system = self._robot.systems[int(self._rng.integers(len(self._robot.systems)))]
+        topic = list(system.topics)[int(self._rng.integers(len(system.topics)))]
+        self._robot.faulty.add(topic)
+        self._end.callback(self._robot.faulty.discard, topic)
+        return f"damaged {topic}"
+
+    def _jump(self):
+        jump = JUMPS[int(self._rng.integers(len(JUMPS)))]
+        self._robot.offset += jump
+        return f"clock jump of {jump:g} s"
+
+    def _kill(self):
+        return f"killed {self._machine.kill(self._rng)}"
+
+    def _restart_core(self):
+        self._machine.restart_core()
+        return "roscore restarted"
+
+    def _stall(self):
+        self._end.enter_context(stalled_viewer([system.answer[0] for system in self._robot.systems]))
+        return "link down"
+
+
+def unexpected_deaths(log, killed):
+    """Lines of roslaunch about nodes that were not killed. Loaders of nodelets end with a killed manager."""
+    expected = Counter(killed)
+    for loader in LOADERS:
+        expected[loader] += expected[MANAGER]
+    lines = []
+    for line in log.splitlines():
+        death = DEATH.search(line)
+        if death:
+            expected[death[1]] -= 1
+            if expected[death[1]] < 0:
+                lines.append(line)
+    return lines
+
+
+class Memory(threading.Thread):
+    """Samples all nodes: rows of soak.COLUMNS."""
+
+    def __init__(self, machine):
+        super().__init__(daemon=True)
+        self.rows, self._machine, self._begin = [], machine, time.monotonic()
+
+    def run(self):
+        while True:
+            seconds = time.monotonic() - self._begin
+            for name, pid in self._machine.pids().items():
+                with suppress(OSError, KeyError):  # it was killed
+                    self.rows.append([seconds, name, *sample(pid)])
+            time.sleep(SAMPLES)
+
+
+def print_times(times):
+    """Prints how long the systems took to answer after each fault."""
+    heads = ("number", "median, s", "worst", "no answer")
+    print(f"{'fault (others may be at the same time)':42}" + "".join(f" {head:>10}" for head in heads))
+    for fault, seconds in sorted(times.items()):
+        good = [each for each in seconds if np.isfinite(each)]
+        median, worst = (np.median(good), max(good)) if good else (np.nan, np.nan)
+        print(f"{fault:42} {len(seconds):10d} {median:10.2f} {worst:10.2f} {len(seconds) - len(good):10d}")
+
+
+def main():
+    minutes, seed, log_path = float(sys.argv[1]), int(sys.argv[2]), Path(sys.argv[3])
+    rng = np.random.default_rng(seed)
+    with tempfile.TemporaryDirectory() as folder, open(log_path, "w+", errors="replace") as log:
+        written_photos(Path(folder), PHOTOS)
+        machine = Machine(folder, log)
+        try:
+            chaos, memory = run(machine, 60 * minutes, rng)
+        finally:
+            machine.close()
+        log.seek(0)
+        deaths = unexpected_deaths(log.read(), machine.killed)
+    print_times(chaos.times)
+    print("\n".join(deaths) or f"no node ended besides the {len(machine.killed)} that were killed")
+    is_flat = report(memory.rows)
+    sys.exit(0 if is_flat and not deaths and not chaos.failures else 1)
+
+
+def run(machine, seconds, rng):
+    """(Chaos, Memory) after so many seconds of faults."""
+    mend_rospy()
+    rospy.init_node("chaos", disable_signals=True)
+    robot = Robot(rng)
+    mounts = tf2_ros.StaticTransformBroadcaster()
+    mounts.sendTransform([each for system in robot.systems for each in system.static_transforms()])
+    try:
+        started = answered(robot.systems, rospy.Time.from_sec(robot.now()), START)
+        if None in started.values():
+            sys.exit(f"chaos: not all systems have started: { {s.name: t for s, t in started.items()} }")
+        chaos, memory = Chaos(robot, machine, rng), Memory(machine)
+        memory.start()
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            chaos.run_once()
+        return chaos, memory
+    finally:
+        robot.close()
+
+
+if __name__ == "__main__":
+    main()
