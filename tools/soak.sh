@@ -16,7 +16,7 @@ continue_as_owner "$@"
 build_package
 
 if [[ ${1:-} == --chaos ]]; then
-  export PYTHONPATH=$root/test/ros:$root/test/python:$PYTHONPATH
-  exec python3 "$root/tools/chaos.py" "${2:-60}" "${3:-1}" "$build/chaos.log"
+  export PYTHONPATH=$root/tools:$root/test/ros:$root/test/python:$PYTHONPATH
+  exec python3 "$root/tools/chaos/chaos.py" "${2:-60}" "${3:-1}" "$build/chaos.log"
 fi
 python3 "$root/tools/soak.py" "${1:-60}" "${2:-$build/soak.csv}"
