@@ -43,7 +43,7 @@ MARKER_MAP = Path(__file__).parents[2] / "test" / "ros" / "two_markers.txt"
 START = 60.0  # s until all nodes have started
 MANAGER, LOADERS = "sextant_manager", ("marker_detector", "marker_locator")
 ANONYMOUS = re.compile(r"(_[^_]+){3}$")  # what roslaunch appends to the name of a registration_keeper
-DEATH = re.compile(r"\[(?:[^\]]+/)?([^\]/]+)-\d+\] process has died \[pid \d+, exit code (-?\d+)")
+DEATH = re.compile(r"\[(?:[^\][]+/)?([^\][/]+)-\d+\] process has died \[pid \d+, exit code (-?\d+)")
 
 
 class Robot:

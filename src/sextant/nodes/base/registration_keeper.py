@@ -158,12 +158,13 @@ class RegistrationKeeper:
             rospy.rostime.wallsleep(PERIOD)
 
     def _look(self) -> None:
+        process = self._master.getPid()
         found = read_registrations(self._master, self._known)
+        parameters = self._master.getParam("/")
         if self._known is not None and self._name not in found.node_names():
-            self._restore()
-            found = read_registrations(self._master, None)
-        self._known = found
-        self._parameters = self._master.getParam("/")
+            self._restore()  # what the master then knows is read at the next look
+        elif self._master.getPid() == process:  # else the answers are those of two masters
+            self._known, self._parameters = found, parameters
 
     def _restore(self) -> None:
         parameters = missing_parameters(self._parameters, self._master.getParam("/"))

@@ -1,0 +1,61 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+import rosgraph
+import rospy
+
+from sextant.nodes.base.registration_keeper import RegistrationKeeper
+
+PARAMETERS = {"robot": {"name": "a"}}
+
+
+class Master:
+    """A master with a node and the keeper; after `replace_after` calls another one, which knows nothing."""
+
+    def __init__(self):
+        self.calls, self.replace_after = 0, 10**6
+
+    def _is_new(self):
+        self.calls += 1
+        return self.calls > self.replace_after
+
+    def getPid(self):  # noqa: N802
+        return 2 if self._is_new() else 1
+
+    def getSystemState(self):  # noqa: N802
+        nodes = ["/node", rospy.get_name()]
+        return [[], [], []] if self._is_new() else [[["/topic", nodes]], [], [["/node/service", ["/node"]]]]
+
+    def lookupNode(self, name):  # noqa: N802
+        return self._uri(name)
+
+    def lookupService(self, name):  # noqa: N802
+        return self._uri(name)
+
+    def _uri(self, name):
+        if self._is_new():
+            raise rosgraph.MasterException(f"unknown {name}")
+        return "http://localhost:1" + name
+
+    def getTopicTypes(self):  # noqa: N802
+        return [] if self._is_new() else [["/topic", "std_msgs/String"]]
+
+    def getParam(self, _name):  # noqa: N802
+        return {} if self._is_new() else PARAMETERS
+
+
+def test_a_master_that_is_replaced_while_it_is_asked_makes_nothing_forgotten():
+    keeper = RegistrationKeeper()
+    keeper._master = master = Master()
+    keeper._look()
+    known, calls = keeper._known, master.calls
+    assert known.nodes.keys() == {"/node", rospy.get_name()} and keeper._parameters == PARAMETERS
+    restored = []
+    keeper._restore = lambda: restored.append(True)
+    for after in range(2, calls):  # beginning with the state of the system, and before the last check
+        master.calls, master.replace_after = 0, after
+        keeper._look()
+        assert (keeper._known, keeper._parameters) == (known, PARAMETERS)
+    assert restored == []
+    master.calls, master.replace_after = 0, 1
+    keeper._look()
+    assert restored == [True] and keeper._known == known
