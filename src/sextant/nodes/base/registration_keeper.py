@@ -3,12 +3,13 @@
 """Node registration_keeper: after a restart of roscore, registers all running nodes and restores parameters.
 
 A node of ROS 1 registers its topics and services once. After a restart the new master knows none of them:
-existing connections continue, but no new node finds the old ones. This node remembers what the master knew,
-and registers it again by the master's API (http://wiki.ros.org/ROS/Master_API), for the nodes that still run.
+existing connections continue, but no new node finds the old ones. This node remembers which nodes and
+services the master knew, asks those that still run for their topics (http://wiki.ros.org/ROS/Slave_API), and
+registers all of them again (http://wiki.ros.org/ROS/Master_API).
 """
 
 from concurrent.futures import ThreadPoolExecutor
-from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Set, Tuple
+from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Tuple
 from xmlrpc.client import Fault, ServerProxy, Transport
 
 import rosgraph
@@ -21,26 +22,23 @@ TIMEOUT = 2.0  # seconds until a node counts as dead
 OWN_PARAMETERS = {"run_id", "rosversion", "rosdistro", "roslaunch"}  # of each master itself
 ERRORS = (OSError, Fault, rosgraph.MasterException)  # OSError: also of a socket and of xmlrpc
 
-Topics = Dict[str, List[str]]  # names of the nodes by topic or service
+Providers = Dict[str, List[str]]  # names of nodes by service
+Pairs = List[Tuple[str, str]]  # topics and their types
 
 
 class Registrations(NamedTuple):
-    """What a master knows."""
+    """What a master knows, besides the topics: the nodes themselves know these."""
 
-    publishers: Topics  # by topic
-    subscribers: Topics  # by topic
-    services: Topics  # providers by service
-    types: Dict[str, str]  # of topics
-    nodes: Dict[str, str]  # XML-RPC URI by name
+    services: Providers
     service_uris: Dict[str, str]  # by service
-
-    def node_names(self) -> Set[str]:
-        """All nodes with a registration."""
-        return _names(self.publishers, self.subscribers, self.services)
+    nodes: Dict[str, str]  # XML-RPC URI by name
 
 
-def _names(*topics: Topics) -> Set[str]:
-    return {node for each in topics for nodes in each.values() for node in nodes}
+class NodeTopics(NamedTuple):
+    """The topics of a node, by its own answer."""
+
+    published: Pairs
+    subscribed: Pairs
 
 
 def read_registrations(master: rosgraph.Master, known: Optional[Registrations]) -> Registrations:
@@ -49,16 +47,18 @@ def read_registrations(master: rosgraph.Master, known: Optional[Registrations]) 
     :param known: the last answer; URIs of services are asked for again when that of their node is another
     :raises OSError, Fault, MasterException: the master does not answer
     """
-    publishers, subscribers, services = (dict(each) for each in master.getSystemState())
-    nodes = _uris(_names(publishers, subscribers, services), {}, master.lookupNode)
+    state = [dict(each) for each in master.getSystemState()]  # publishers, subscribers, services
+    nodes = _uris(
+        {node for each in state for names in each.values() for node in names}, {}, master.lookupNode
+    )
+    services = state[2]
     same: Dict[str, str] = {}
     if known is not None:  # a node that was started again has the old name, but another URI
         kept = {node for node, uri in nodes.items() if known.nodes.get(node) == uri}
         same = {
             name: uri for name, uri in known.service_uris.items() if kept.issuperset(known.services[name])
         }
-    service_uris = _uris(services, same, master.lookupService)
-    return Registrations(publishers, subscribers, services, dict(master.getTopicTypes()), nodes, service_uris)
+    return Registrations(services, _uris(services, same, master.lookupService), nodes)
 
 
 def _uris(names: Iterable[str], known: Dict[str, str], look_up: Callable[[str], str]) -> Dict[str, str]:
@@ -80,43 +80,43 @@ class _TimedTransport(Transport):
         return connection
 
 
-def _is_running(node: Tuple[str, str]) -> bool:
-    """Whether a process answers at the node's URI, with this name."""
+def _topics(node: Tuple[str, str]) -> Optional[NodeTopics]:
+    """Asks the process at the node's URI; None if it does not answer."""
     name, uri = node
+    api = ServerProxy(uri, transport=_TimedTransport())
     try:
-        _, _, bus = ServerProxy(uri, transport=_TimedTransport()).getSubscriptions(name)
-        return isinstance(bus, list)
-    except (OSError, Fault, ValueError):
-        return False
+        answers = [api.getPublications(name)[2], api.getSubscriptions(name)[2]]
+        return NodeTopics(*answers) if all(isinstance(each, list) for each in answers) else None
+    except (OSError, Fault, ValueError, LookupError):
+        return None
 
 
-def running(nodes: Dict[str, str]) -> Set[str]:
-    """The names of those nodes that answer."""
+def running(nodes: Dict[str, str]) -> Dict[str, NodeTopics]:
+    """The topics of those nodes that answer, by the name of the node."""
     with ThreadPoolExecutor(max_workers=16) as pool:
-        answers = pool.map(_is_running, nodes.items())
-        return {name for name, answer in zip(nodes, answers) if answer}
+        answers = zip(nodes, pool.map(_topics, nodes.items()))
+        return {name: topics for name, topics in answers if topics is not None}
 
 
-def restore_registrations(uri: str, lost: Registrations, alive: Set[str]) -> int:
+def restore_registrations(uri: str, lost: Registrations, alive: Dict[str, NodeTopics]) -> int:
     """Registers again what the nodes that run had registered; returns the number of registrations.
 
     Publishers come first: then no subscriber is notified of a part of them, and no connection is closed.
     """
     master, count = ServerProxy(uri, transport=_TimedTransport()), 0
-
-    def owned(topics: Topics) -> Iterable[Tuple[str, str]]:
-        return ((topic, node) for topic, nodes in topics.items() for node in nodes if node in alive)
-
-    for topic, node in owned(lost.publishers):
-        master.registerPublisher(node, topic, lost.types.get(topic, "*"), lost.nodes[node])
-        count += 1
-    for topic, node in owned(lost.subscribers):
-        master.registerSubscriber(node, topic, lost.types.get(topic, "*"), lost.nodes[node])
-        count += 1
-    for service, node in owned(lost.services):
-        if service in lost.service_uris:
-            master.registerService(node, service, lost.service_uris[service], lost.nodes[node])
+    for node, topics in alive.items():
+        for topic, kind in topics.published:
+            master.registerPublisher(node, topic, kind, lost.nodes[node])
             count += 1
+    for node, topics in alive.items():
+        for topic, kind in topics.subscribed:
+            master.registerSubscriber(node, topic, kind, lost.nodes[node])
+            count += 1
+    for service, providers in lost.services.items():
+        for node in alive.keys() & set(providers):
+            if service in lost.service_uris:
+                master.registerService(node, service, lost.service_uris[service], lost.nodes[node])
+                count += 1
     return count
 
 
@@ -161,7 +161,7 @@ class RegistrationKeeper:
         process = self._master.getPid()
         found = read_registrations(self._master, self._known)
         parameters = self._master.getParam("/")
-        if self._known is not None and self._name not in found.node_names():
+        if self._known is not None and self._name not in found.nodes:
             self._restore()  # what the master then knows is read at the next look
         elif self._master.getPid() == process:  # else the answers are those of two masters
             self._known, self._parameters = found, parameters
@@ -172,15 +172,16 @@ class RegistrationKeeper:
             self._master.setParam(name, value)
         alive = running(self._known.nodes)
         # This node comes last: as long as it is missing, everything is tried again.
-        uri, own = rosgraph.get_master_uri(), {self._name}
-        count = sum(restore_registrations(uri, self._known, each) for each in (alive - own, alive & own))
+        own = {self._name: alive.pop(self._name)} if self._name in alive else {}
+        uri = rosgraph.get_master_uri()
+        count = sum(restore_registrations(uri, self._known, each) for each in (alive, own))
         rospy.logwarn(
             "roscore was restarted: registered %d topics and services of %d nodes again and restored "
             "%d parameters; nodes that did not answer: %s",
             count,
-            len(alive),
+            len(alive) + len(own),
             len(parameters),
-            ", ".join(sorted(set(self._known.nodes) - alive)) or "none",
+            ", ".join(sorted(self._known.nodes.keys() - alive.keys() - own.keys())) or "none",
         )
 
 
