@@ -97,21 +97,24 @@ def verdict(rows, name):
     return (*memory, max(row[2] for row in of_node), *threads, cores)
 
 
-def report(rows, judge_threads=True):
-    """Prints the table; whether memory (and threads, if they are judged) stayed what they were."""
+def report(rows, growth=GROWTH, judge_threads=True):
+    """Prints the table; whether memory (and threads, if they are judged) stayed what they were.
+
+    :param growth: MB that a node may grow by
+    """
     print(f"{'node':28} {'MB at 1 min':>12} {'at the end':>12} {'most':>8} {'threads':>12} {'cores':>6}")
     flat = True
     for name in sorted({row[1] for row in rows}):
         begin, end, most, first, last, cores = verdict(rows, name)
         judged = name != RECORDER
-        bad = judged and (end - begin > GROWTH or (judge_threads and last > first))
+        bad = judged and (end - begin > growth or (judge_threads and last > first))
         flat = flat and not bad
         remark = "" if judged else "  records the drive: ignored"
         print(
             f"{name:28} {begin:12.1f} {end:12.1f} {most:8.1f} {first:5d} -> {last:3d} {cores:6.2f}"
             + ("  GROWS" if bad else remark)
         )
-    print("flat" if flat else f"NOT FLAT: more than {GROWTH:.0f} MB, or more threads than at the beginning")
+    print("flat" if flat else f"NOT FLAT: more than {growth:.0f} MB, or more threads than at the beginning")
     return flat
 
 

@@ -3,7 +3,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 #
 # Installs missing packages, builds Sextant and runs it for a long time, on a separate master. Fails when the memory of a
-# node grows by more than 5 MB after the first minute, or when its threads become more.
+# node grows by more than 5 MB after the first minute (40 MB with --chaos), or when its threads become more.
 #
 #   tools/soak.sh [MINUTES [FILE.csv]]      the demo; 60 minutes into build/soak.csv, by default
 #   tools/soak.sh --chaos [MINUTES [SEED]]  all systems, with random faults: damaged messages, clock jumps, killed nodes,
