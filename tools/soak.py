@@ -114,14 +114,20 @@ def report(rows, growth=GROWTH, judge_threads=True):
             f"{name:28} {begin:12.1f} {end:12.1f} {most:8.1f} {first:5d} -> {last:3d} {cores:6.2f}"
             + ("  GROWS" if bad else remark)
         )
-    print("flat" if flat else f"NOT FLAT: more than {growth:.0f} MB, or more threads than at the beginning")
+    threads = ", or more threads than at the beginning" if judge_threads else ""
+    print("flat" if flat else f"NOT FLAT: more than {growth:.0f} MB{threads}")
     return flat
 
 
-def main():
-    minutes, path = float(sys.argv[1]), sys.argv[2]
-    if 60 * minutes < WARM_UP + 2 * PERIOD:
+def minutes_of(text):
+    """A duration that is long enough, minutes; otherwise the program ends."""
+    if 60 * float(text) < WARM_UP + 2 * PERIOD:
         sys.exit("soak: at least 2 minutes, the first of which is ignored")
+    return float(text)
+
+
+def main():
+    minutes, path = minutes_of(sys.argv[1]), sys.argv[2]
     port = free_port()
     os.environ["ROS_MASTER_URI"] = f"http://localhost:{port}"
     arguments = ["headless:=true", "frames:=0", "speed:=1.0", "plot:=none"]

@@ -2,12 +2,13 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
 #
-# Installs missing packages, builds Sextant and runs it for a long time, on a separate master. Fails when the memory of a
-# node grows by more than 5 MB after the first minute (40 MB with --chaos), or when its threads become more.
+# Installs missing packages, builds Sextant and runs it for a long time, on a separate master.
 #
-#   tools/soak.sh [MINUTES [FILE.csv]]      the demo; 60 minutes into build/soak.csv, by default
+#   tools/soak.sh [MINUTES [FILE.csv]]      the demo; 60 minutes into build/soak.csv, by default. Fails when the memory of a
+#                                           node grows by more than 5 MB after the first minute, or its threads become more
 #   tools/soak.sh --chaos [MINUTES [SEED]]  all systems, with random faults: damaged messages, clock jumps, killed nodes,
-#                                           restarts of roscore, a remote machine whose link is down
+#                                           restarts of roscore, a remote machine whose link is down. Fails when good input
+#                                           is not answered after a fault, a node ends, or its memory grows by more than 40 MB
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
 

@@ -59,6 +59,8 @@ ParamList LandmarkSlamNodeParams::fields() {
        "frame of the robot whose pose is published; empty: the `child_frame_id` of odometry"},
       {"tf_output", &tf_output, oneOf({"none", "map_to_odom", "map_to_base"}), "",
        "[transform to publish](frames.md#tf_output)"},
+      {"initialpose", &initialpose, oneOf({"never", "relocalized"}), "",
+       "publish the first pose, and the first one after the robot was lost, on `initialpose`"},
       {"transform_timeout", &transform_timeout, Range::closed(0, 10), "s",
        "maximum time to wait for a missing transform"},
   };

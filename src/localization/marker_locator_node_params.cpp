@@ -21,6 +21,11 @@ ParamList MarkerLocatorNodeParams::fields() {
       throw std::invalid_argument(
           "tf_output map_to_odom and use_odometry need a base_frame and a different odom_frame");
   };
+  const auto require_use_of_odometry = [this](const Param& param) {
+    oneOf({"never", "relocalized"}).check(param);
+    if (initialpose != "never" && !needsOdometry())
+      throw std::invalid_argument("initialpose " + initialpose + " needs use_odometry: true");
+  };
   const ParamList own = {
       {"use_odometry", &use_odometry, Allowed(), "",
        "use odometry to resolve ambiguous poses and reject outliers; always on with `map_to_odom`"},
@@ -35,6 +40,9 @@ ParamList MarkerLocatorNodeParams::fields() {
        "[marker map](marker_map.md) file; empty: wait for `marker_map/entries`"},
       {"tf_output", &tf_output, oneOf({"none", "map_to_odom", "map_to_base"}), "",
        "[transform to publish](frames.md#tf_output)"},
+      {"initialpose", &initialpose, Allowed("never, relocalized", require_use_of_odometry), "",
+       "publish `initialpose` when localization starts, and when the markers show that odometry was wrong or "
+       "the robot was carried; needs `use_odometry`"},
       {"base_frame", &base_frame, Allowed("not empty with a `tf_output`", require_base), "",
        "frame whose pose is published; empty: the camera's optical frame"},
       {"odom_frame", &odom_frame, Allowed("not `base_frame`", require_odometry), "",

@@ -88,7 +88,7 @@ OdometryCorrection::Verdict OdometryCorrection::update(const Pose& T_odom_base, 
   rejected_.reset();
   rejections_ = 0;
   if (!state_) {
-    state_ = measured;
+    start(measured);
     return Verdict::accepted;
   }
   const PosePrior prior = predictFrom(*state_, T_odom_base);
@@ -109,8 +109,13 @@ OdometryCorrection::Verdict OdometryCorrection::reject(const State& measured) {
   rejected_ = measured;
   if (rejections_ < params_.max_rejections) return Verdict::rejected;
   reset();
-  state_ = measured;
+  start(measured);
   return Verdict::recovered;
+}
+
+void OdometryCorrection::start(const State& measured) {
+  state_ = measured;
+  ++starts_;
 }
 
 std::optional<Pose> OdometryCorrection::transform() const {

@@ -97,8 +97,9 @@ std::optional<PoseHypothesis> minimizeWithinGate(const std::vector<MarkerObserva
 
 // Minimizes robustly with all markers, then with those within the gate.
 std::optional<PoseHypothesis> fromAllMarkers(const std::vector<MarkerObservation>& observations,
-                                             const InitialPose& start, const HypothesesParams& params) {
-  const auto fit = minimizeReprojection(observations, start.T_map_base, {params.robust_width, params.floor});
+                                             const InitialPose& initial, const HypothesesParams& params) {
+  const auto fit =
+      minimizeReprojection(observations, initial.T_map_base, {params.robust_width, params.floor});
   if (!fit) return std::nullopt;
   return minimizeWithinGate(observations, fit->T_map_base,
                             withinGate(observations, fit->T_map_base, params.gate), params);
@@ -130,9 +131,9 @@ std::optional<size_t> mostConsistentUnused(const std::vector<MarkerObservation>&
 // Starts with one marker and adds consistent ones: if markers contradict each other, a minimization with all
 // of them ends between two poses.
 std::optional<PoseHypothesis> fromOneMarker(const std::vector<MarkerObservation>& observations,
-                                            const InitialPose& start, const HypothesesParams& params) {
-  Pose pose = start.T_map_base;
-  for (std::vector<size_t> used{start.observation};;) {
+                                            const InitialPose& initial, const HypothesesParams& params) {
+  Pose pose = initial.T_map_base;
+  for (std::vector<size_t> used{initial.observation};;) {
     const auto fit = minimizeReprojection(selected(observations, used), pose, {kNotRobust, params.floor});
     if (!fit) return std::nullopt;
     const auto next = mostConsistentUnused(observations, *fit, used, params.gate);
@@ -191,16 +192,17 @@ std::vector<PoseHypothesis> poseHypotheses(const std::vector<MarkerObservation>&
                                            const HypothesesParams& params,
                                            const std::optional<PosePrior>& prior) {
   std::vector<PoseHypothesis> hypotheses;
-  for (const InitialPose& start : bestInitialPoses(observations, initial_poses, params)) {
-    const auto from_all = fromAllMarkers(observations, start, params);
+  for (const InitialPose& initial : bestInitialPoses(observations, initial_poses, params)) {
+    const auto from_all = fromAllMarkers(observations, initial, params);
     if (from_all) addIfNew(*from_all, hypotheses);
     if (from_all && from_all->used.size() == observations.size()) continue;
-    if (const auto from_one = fromOneMarker(observations, start, params)) addIfNew(*from_one, hypotheses);
+    if (const auto from_one = fromOneMarker(observations, initial, params)) addIfNew(*from_one, hypotheses);
   }
   // A marker that contradicts all others may be the right one.
-  for (const InitialPose& start : initial_poses) {
-    if (isExplained(start.observation, hypotheses)) continue;
-    if (const auto alone = minimizeWithinGate(observations, start.T_map_base, {start.observation}, params))
+  for (const InitialPose& initial : initial_poses) {
+    if (isExplained(initial.observation, hypotheses)) continue;
+    if (const auto alone =
+            minimizeWithinGate(observations, initial.T_map_base, {initial.observation}, params))
       addIfNew(*alone, hypotheses);
   }
   computeWeights(hypotheses, prior);

@@ -83,8 +83,10 @@ MarkerMap parseYamlMap(const std::string& text, const std::string& path) {
 
 std::string formatYamlMap(const MarkerMap& map) {
   std::string text =
-      "# position in metres, rpy = roll, pitch, yaw in radians: of a marker in the map, of a frame in its parent.\nframe: " + quotedText(map.frame()) +
-      "\nmarkers:" + (map.markers().empty() ? " []\n" : "\n");
+      "# position in metres; rpy: roll, pitch, yaw in radians. Markers: in the map. Frames: in their "
+      "parent.\n"
+      "frame: " +
+      quotedText(map.frame()) + "\nmarkers:" + (map.markers().empty() ? " []\n" : "\n");
   for (const auto& entry : map.markers()) text += formatMarker(entry.second);
   if (!map.frames().empty()) text += "frames:\n";
   for (const MappedFrame& frame : map.frames())

@@ -61,6 +61,8 @@ class LandmarkSlamNodelet : public nodelet::Nodelet {
     ros::NodeHandle& node = getNodeHandle();
     filtered_pub_ = node.advertise<nav_msgs::Odometry>("odometry/filtered", 10);
     pose_pub_ = node.advertise<geometry_msgs::PoseWithCovarianceStamped>("pose", 10);
+    if (params_.initialpose != "never")
+      initialpose_pub_ = node.advertise<geometry_msgs::PoseWithCovarianceStamped>("initialpose", 1);
     visualization_pub_ = node.advertise<visualization_msgs::MarkerArray>("landmark_map", 1, true);
     entries_pub_ = node.advertise<LandmarkMapEntries>("landmark_map/entries", 1, true);
     diagnostics_ = std::make_unique<diagnostic_updater::Updater>(node, getPrivateNodeHandle(), getName());
@@ -102,6 +104,8 @@ class LandmarkSlamNodelet : public nodelet::Nodelet {
   }
 
   void onInitialPose(const geometry_msgs::PoseWithCovarianceStampedConstPtr& msg) {
+    if (initialpose_ && msg->header.stamp == initialpose_->header.stamp && msg->pose == initialpose_->pose)
+      return;  // its own
     try {
       const std::string& frame = msg->header.frame_id;
       if (frame != session_->frame())
@@ -232,16 +236,21 @@ class LandmarkSlamNodelet : public nodelet::Nodelet {
 
   void publishPose() {
     const auto now = this->now();
+    if (!now) is_initialpose_due_ = true;
     if (!now) return;
-    auto msg = boost::make_shared<geometry_msgs::PoseWithCovarianceStamped>();
+    const auto msg = boost::make_shared<geometry_msgs::PoseWithCovarianceStamped>();
     msg->header.stamp = odometry_->header.stamp;
     msg->header.frame_id = session_->frame();
     msg->pose = toPoseWithCovarianceMsg(now->T_map_base, now->covariance);
     pose_pub_.publish(msg);
+    if (!is_initialpose_due_ || initialpose_pub_.getNumSubscribers() < 2) return;  // one of them is this node
+    initialpose_pub_.publish(initialpose_ = msg);
+    is_initialpose_due_ = false;
   }
 
   void publishOdometry() {
     const auto now = this->now();
+    if (!now) is_initialpose_due_ = true;
     if (!now) return;
     auto msg = boost::make_shared<nav_msgs::Odometry>(*odometry_);
     msg->header.frame_id = session_->frame();
@@ -281,9 +290,11 @@ class LandmarkSlamNodelet : public nodelet::Nodelet {
 
   LandmarkSlamNodeParams params_;
   std::unique_ptr<LandmarkSession> session_;
-  nav_msgs::OdometryConstPtr odometry_;  // newest
-  MarkerMapEntriesConstPtr markers_;     // marker map in use
-  ros::Time map_stamp_;                  // of the newest observations
+  nav_msgs::OdometryConstPtr odometry_;                           // newest
+  MarkerMapEntriesConstPtr markers_;                              // marker map in use
+  geometry_msgs::PoseWithCovarianceStampedConstPtr initialpose_;  // the last that was published
+  bool is_initialpose_due_ = true;  // no pose was published there since the start, or since it was lost
+  ros::Time map_stamp_;             // of the newest observations
   LandmarkVisualization visualization_;
   RateLimit visualization_rate_;
   std::unique_ptr<TroubleLog> trouble_;
@@ -295,7 +306,7 @@ class LandmarkSlamNodelet : public nodelet::Nodelet {
   std::unique_ptr<MapTransform> transform_;
   std::unique_ptr<diagnostic_updater::Updater> diagnostics_;
   ros::WallTimer start_timer_, diagnostics_timer_, retry_timer_;
-  ros::Publisher filtered_pub_, pose_pub_, visualization_pub_, entries_pub_;
+  ros::Publisher filtered_pub_, pose_pub_, initialpose_pub_, visualization_pub_, entries_pub_;
   ros::Subscriber odom_sub_, landmarks_sub_, pose_sub_, map_sub_;
   std::vector<ros::Subscriber> marker_subs_;
   std::vector<ros::ServiceServer> services_;

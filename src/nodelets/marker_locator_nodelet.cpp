@@ -77,6 +77,8 @@ class MarkerLocatorNodelet : public nodelet::Nodelet {
     ros::NodeHandle& node = getNodeHandle();
     transform_ = std::make_unique<MapTransform>(tf_);
     pose_pub_ = node.advertise<geometry_msgs::PoseWithCovarianceStamped>("pose", 1);
+    if (params_.initialpose != "never")
+      initialpose_pub_ = node.advertise<geometry_msgs::PoseWithCovarianceStamped>("initialpose", 1);
     visualization_pub_ = node.advertise<visualization_msgs::MarkerArray>("visualization", 1);
     diagnostics_ = std::make_unique<diagnostic_updater::Updater>(node, getPrivateNodeHandle(), getName());
     diagnostics_->setHardwareID("none");
@@ -249,6 +251,11 @@ class MarkerLocatorNodelet : public nodelet::Nodelet {
     msg->header.frame_id = map_->frame();
     msg->pose = toPoseWithCovarianceMsg(located.T_map_base, located.covariance);
     pose_pub_.publish(msg);
+    const int starts = localization_->correction().starts();
+    if (starts != published_starts_ && initialpose_pub_.getNumSubscribers() > 0) {
+      initialpose_pub_.publish(msg);
+      published_starts_ = starts;
+    }
     report_->published(instant.stamp, ros::Time::now());
     if (params_.tf_output == "map_to_base") send(instant.stamp, located.T_map_base);
     const auto T_map_odom = localization_->correction().transform();
@@ -292,7 +299,8 @@ class MarkerLocatorNodelet : public nodelet::Nodelet {
   std::unique_ptr<diagnostic_updater::Updater> diagnostics_;
   std::unique_ptr<ReconfigureServer<MarkerLocatorConfig>> reconfigure_;
   ros::WallTimer start_timer_, diagnostics_timer_, retry_timer_, transform_timer_;
-  ros::Publisher pose_pub_, visualization_pub_;
+  int published_starts_ = 0;  // of the odometry filter, whose pose was published on initialpose
+  ros::Publisher pose_pub_, initialpose_pub_, visualization_pub_;
   ros::Subscriber map_sub_;
   std::vector<ros::Subscriber> marker_subs_;
 };

@@ -27,7 +27,7 @@ from made_photos import written_photos
 from random_messages import changed
 from ros_probe import until
 from rosgraph_msgs.msg import Clock
-from soak import free_port, report, sample
+from soak import WARM_UP, free_port, minutes_of, report, sample
 
 from sextant.nodes.base.init_node import mend_rospy
 
@@ -43,8 +43,14 @@ JUMPS = (-1000.0, -10.0, -0.5, 0.5, 10.0, 1000.0)  # of the clock, s
 MARKER_MAP = Path(__file__).parents[2] / "test" / "ros" / "two_markers.txt"
 START = 60.0  # s until all nodes have started
 MANAGER, LOADERS = "sextant_manager", ("marker_detector", "marker_locator")
+STILL_LOADED = (
+    255  # exit code of a nodelet's loader while the manager still has the nodelet of the killed loader
+)
+RETRIES = 3  # of a loader, until the manager notices that it was killed
 ANONYMOUS = re.compile(r"(_[^_]+){3}$")  # what roslaunch appends to the name of a registration_keeper
-DEATH = re.compile(r"\[(?:[^\][]+/)?([^\][/]+)-\d+\] process has died \[pid \d+, exit code (-?\d+)")
+END = re.compile(
+    r"\[(?:[^\][]+/)?([^\][/]+)-\d+\] process has (?:finished cleanly|died \[pid \d+, exit code (-?\d+))"
+)
 
 
 class Robot:
@@ -56,7 +62,7 @@ class Robot:
         self.offset = 0.0  # of the clock, s
         self._rng, self._clock = rng, rospy.Publisher("/clock", Clock, queue_size=1)
         self._end = threading.Event()
-        self._threads = [threading.Thread(target=self._tick), threading.Thread(target=self._feed)]
+        self._threads = [threading.Thread(target=each, daemon=True) for each in (self._tick, self._feed)]
         for thread in self._threads:
             thread.start()
 
@@ -131,10 +137,12 @@ class Machine:
         return name
 
     def close(self):
-        self.launch.send_signal(signal.SIGINT)
-        self.launch.wait(60)
-        self._core.kill()
-        self._core.wait()
+        try:
+            self.launch.send_signal(signal.SIGINT)
+            self.launch.wait(60)
+        finally:
+            self._core.kill()
+            self._core.wait()
 
 
 @contextmanager
@@ -176,15 +184,8 @@ class Chaos:
 
     def run_once(self):
         """One to MAX_FAULTS faults at once, then good input, which must be answered."""
-        kinds = (
-            self._damage,
-            self._damage,
-            self._damage,
-            self._jump,
-            self._kill,
-            self._restart_core,
-            self._stall,
-        )
+        others = (self._jump, self._kill, self._restart_core, self._stall)
+        kinds = 3 * (self._damage,) + others
         number = int(self._rng.integers(1, MAX_FAULTS + 1))
         with self._end:
             faults = [kinds[int(i)]() for i in self._rng.choice(len(kinds), number, replace=False)]
@@ -228,35 +229,46 @@ class Chaos:
         return "link down"
 
 
-def unexpected_deaths(log, killed):
-    """Lines of roslaunch about nodes that were not killed. Loaders of nodelets end with a killed manager."""
-    expected = Counter(killed)
-    for loader in LOADERS:
-        expected[loader] += expected[MANAGER]
-    lines = []
+def unexpected_ends(log, killed):
+    """Lines of roslaunch about nodes that ended, but were not killed. Loaders end with the manager, too."""
+    expected, lines = Counter((name, -signal.SIGKILL) for name in killed), []
+    for name in LOADERS:
+        expected[name, 0] = expected[MANAGER, -signal.SIGKILL]
+        expected[name, STILL_LOADED] = RETRIES * (expected[name, -signal.SIGKILL] + expected[name, 0])
     for line in log.splitlines():
-        death = DEATH.search(line)
-        if death:
-            expected[death[1]] -= 1
-            if expected[death[1]] < 0:
-                lines.append(line)
+        end = END.search(line)
+        if end is None:
+            continue
+        key = end[1], int(end[2] or 0)
+        expected[key] -= 1
+        if expected[key] < 0:
+            lines.append(line)
     return lines
 
 
 class Memory(threading.Thread):
-    """Samples all nodes: rows of soak.COLUMNS."""
+    """Samples all nodes."""
 
     def __init__(self, machine):
         super().__init__(daemon=True)
-        self.rows, self._machine, self._begin = [], machine, time.monotonic()
+        self._rows = defaultdict(list)  # of soak.COLUMNS, by name and process
+        self._machine, self._begin = machine, time.monotonic()
 
     def run(self):
         while True:
             seconds = time.monotonic() - self._begin
             for name, pid in self._machine.pids().items():
                 with suppress(OSError, KeyError):  # it was killed
-                    self.rows.append([seconds, ANONYMOUS.sub("", name), *sample(pid)])
+                    name = ANONYMOUS.sub("", name)
+                    self._rows[name, pid].append([seconds, name, *sample(pid)])
             time.sleep(SAMPLES)
+
+    def rows(self):
+        """The rows of that process of each node that ran longest."""
+        longest = {}
+        for (name, _), rows in sorted(self._rows.items(), key=lambda each: len(each[1])):
+            longest[name] = rows
+        return [row for rows in longest.values() for row in rows if rows[-1][0] >= WARM_UP]
 
 
 def print_times(times):
@@ -270,35 +282,35 @@ def print_times(times):
 
 
 def main():
-    minutes, seed, log_path = float(sys.argv[1]), int(sys.argv[2]), Path(sys.argv[3])
-    rng = np.random.default_rng(seed)
+    minutes, seed, log_path = minutes_of(sys.argv[1]), int(sys.argv[2]), Path(sys.argv[3])
     with tempfile.TemporaryDirectory() as folder, open(log_path, "w+", errors="replace") as log:
         written_photos(Path(folder), PHOTOS)
         machine = Machine(folder, log)
         try:
-            chaos, memory = run(machine, 60 * minutes, rng)
+            chaos, memory = run(machine, 60 * minutes, seed)
         finally:
             machine.close()
         log.seek(0)
-        deaths = unexpected_deaths(log.read(), machine.killed)
+        ends = unexpected_ends(log.read(), machine.killed)
     print_times(chaos.times)
-    print("\n".join(deaths) or f"no node ended besides the {len(machine.killed)} that were killed")
-    is_flat = report(memory.rows, GROWTH, judge_threads=False)  # rospy has some for each connection
-    sys.exit(0 if is_flat and not deaths and not chaos.failures else 1)
+    print("\n".join(ends) or f"no node ended besides the {len(machine.killed)} that were killed")
+    is_flat = report(memory.rows(), GROWTH, judge_threads=False)  # rospy has some for each connection
+    print(f"the log of the nodes is {log_path}")
+    sys.exit(0 if is_flat and not ends and not chaos.failures else 1)
 
 
-def run(machine, seconds, rng):
+def run(machine, seconds, seed):
     """(Chaos, Memory) after so many seconds of faults."""
     mend_rospy()
     rospy.init_node("chaos", disable_signals=True)
-    robot = Robot(rng)
-    mounts = tf2_ros.StaticTransformBroadcaster()
-    mounts.sendTransform([each for system in robot.systems for each in system.static_transforms()])
+    robot = Robot(np.random.default_rng([seed, 0]))
     try:
+        mounts = tf2_ros.StaticTransformBroadcaster()
+        mounts.sendTransform([each for system in robot.systems for each in system.static_transforms()])
         started = answered(robot.systems, rospy.Time.from_sec(robot.now()), START)
         if None in started.values():
             sys.exit(f"chaos: not all systems have started: { {s.name: t for s, t in started.items()} }")
-        chaos, memory = Chaos(robot, machine, rng), Memory(machine)
+        chaos, memory = Chaos(robot, machine, np.random.default_rng([seed, 1])), Memory(machine)
         memory.start()
         end = time.monotonic() + seconds
         while time.monotonic() < end:

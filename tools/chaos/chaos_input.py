@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Good input of each system for a robot that stands still, and recorders of the answers."""
 
+import itertools
 import math
 
 import numpy as np
@@ -17,6 +18,8 @@ from std_msgs.msg import Header
 
 from sextant.msg import LandmarkObservation, LandmarkObservations
 from sextant.msg import Places as PlacesMessage
+from sextant.nodes.images.image_message import image_to_message
+from sextant.nodes.simulation.ball_messages import depth_to_message
 from sextant.nodes.simulation.simulator_messages import calibration_to_message
 from sextant.simulation.ball_ground import Pillar
 from sextant.simulation.ball_simulation import BallSimulation, BallSimulationParams
@@ -89,9 +92,12 @@ class Markers(System):
 
 
 class Landmarks(System):
-    """Odometry and observations of pillars: the filtered odometry."""
+    """Odometry and observations of pillars: a pose, which is published when observations were used.
 
-    name, answer = "landmarks", ("landmarks/odometry/filtered", Odometry)
+    Wrong odometry moves the robot in its map: any finite pose is right.
+    """
+
+    name, answer = "landmarks", ("landmarks/pose", PoseWithCovarianceStamped)
     topics = {"landmarks/odom": Odometry, "landmarks/landmarks": LandmarkObservations}
 
     def messages(self, stamp):
@@ -106,6 +112,9 @@ class Landmarks(System):
         ]
         return [("landmarks/odom", odometry), ("landmarks/landmarks", seen)]
 
+    def is_right(self, message):
+        return np.isfinite(matrix(message.pose.pose)).all()
+
 
 class Places(System):
     """Images of known places: a list of places."""
@@ -116,11 +125,15 @@ class Places(System):
     def __init__(self, count):
         super().__init__()
         self._images = [shifted(picture(number), 6, 2) for number in range(count)]
-        self._next = 0
+        self._numbers = itertools.cycle(range(count))
+        self._shown = {}  # number of the photo by stamp
 
     def messages(self, stamp):
-        self._next = (self._next + 1) % len(self._images)
-        return [("places/camera/image_raw", image_msg(self._images[self._next], stamp))]
+        number = self._shown[stamp] = next(self._numbers)
+        return [("places/camera/image_raw", image_msg(self._images[number], stamp))]
+
+    def is_right(self, message):
+        return message.probabilities[0] > 0 and message.poses[0] == self._shown.get(message.header.stamp)
 
 
 class ObjectInput(System):
@@ -149,8 +162,8 @@ class ObjectInput(System):
             ("objects/odom", odometry),
             ("objects/camera_info", calibration_to_message(self._camera.colour, colour)),
             ("objects/depth/camera_info", calibration_to_message(self._camera.depth, depth)),
-            ("objects/depth/image", _image(self._images.depth.astype(np.float32), "32FC1", depth)),
-            ("objects/image", _image(self._images.colour, "rgb8", colour)),
+            ("objects/depth/image", depth_to_message(self._images.depth, "32FC1", depth)),
+            ("objects/image", image_to_message(self._images.colour, colour)),
         ]
 
     def is_right(self, message):
@@ -161,7 +174,3 @@ class ObjectInput(System):
         return [
             transform(T, "base_link", f"{name}_optical_frame", rospy.Time()) for name, T in mounts.items()
         ]
-
-
-def _image(pixels, encoding, header):
-    return Image(header, *pixels.shape[:2], encoding, 0, pixels.strides[0], pixels.tobytes())

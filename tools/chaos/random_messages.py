@@ -26,7 +26,7 @@ def changed(message: Any, rng: np.random.Generator) -> Any:
 
 
 def _leaves(message: Any) -> Iterator[Tuple[Any, str, str]]:
-    """(message, field, type) of all fields that are no messages; also of arrays of messages."""
+    """(message, field, type) of all fields that are not messages, also those of messages in arrays."""
     for name, kind in zip(message.__slots__, message._slot_types):  # noqa: SLF001
         value = getattr(message, name)
         if isinstance(value, genpy.Message):

@@ -26,6 +26,7 @@ struct LandmarkSlamNodeParams {
   std::string odom_frame;
   std::string base_frame;
   std::string tf_output = "none";
+  std::string initialpose = "never";
   double transform_timeout = 0.1;
 
   ParamList fields();                       ///< names, ranges, units and descriptions

@@ -19,6 +19,7 @@ struct MarkerLocatorNodeParams {
   std::string base_frame = "base_link";
   std::string odom_frame = "odom";
   std::string tf_output = "none";
+  std::string initialpose = "never";
   bool use_odometry = false;
   double tf_rate = 20.0;
   double camera_window = 0.01;

@@ -52,6 +52,10 @@ class OdometryCorrection {
   /// T_map_odom; nothing before the first pose.
   std::optional<Pose> transform() const;
 
+  /// Number of times that the filter has started: from its first pose, from the first one after reset(), and
+  /// after odometry was wrong.
+  int starts() const { return starts_; }
+
   void reset();  ///< forgets all poses
 
  private:
@@ -62,11 +66,13 @@ class OdometryCorrection {
   PosePrior predictFrom(const State& state, const Pose& T_odom_base) const;
   bool isOutsideGate(const PosePrior& predicted, const Pose& T_map_base, const Matrix6d& covariance) const;
   Verdict reject(const State& measured);
+  void start(const State& measured);
 
   OdometryParams params_;
   std::optional<State> state_;
   std::optional<State> rejected_;  // the last rejected pose
   int rejections_ = 0;             // number of consecutive rejected poses, consistent with each other
+  int starts_ = 0;
 };
 
 }  // namespace sextant

@@ -170,9 +170,8 @@ def _write_bags(
 def _write_poses(sheet: Worksheet, series: PoseSeries, statistics: SeriesStatistics) -> None:
     columns = _pose_columns(series, statistics)
     _set_up_sheet(sheet, columns, "D2", landscape=True)
-    sigmas = published_sigmas(series)[
-        :, : len(columns) - (FIRST_AXIS + 5)
-    ]  # as many as there are columns after those of x to yaw
+    sigma_count = len(columns) - (FIRST_AXIS + 5)  # columns after that of yaw: 6 or none
+    sigmas = published_sigmas(series)[:, :sigma_count]
     first_stamps = {bag: int(series.stamps[series.bags == bag].min()) for bag in set(series.bags)}
     rows = zip(series.stamps.tolist(), series.bags, statistics.poses, sigmas)
     for row, (stamp, bag, pose, sigma) in enumerate(rows, FIRST_ROW):

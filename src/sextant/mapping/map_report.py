@@ -103,7 +103,7 @@ def _marker_table(quality: MapQuality) -> _Table:
 
 
 def _marker_row(quality: MapQuality, marker: MarkerQuality, remarks: Sequence[str]) -> _Row:
-    role = "defines the frame" if marker.is_anchor else "in the given map" if marker.known else ""
+    role = "defines the frame" if marker.is_anchor else "from --known" if marker.known else ""
     cells = (
         quality.name(marker.key),
         "; ".join(filter(None, [*remarks, role])),
@@ -125,7 +125,7 @@ def _number(value: float, digits: int) -> str:
 
 
 def _wrong_entries_table(quality: MapQuality) -> _Table:
-    """Markers of the given map that are not at their given poses."""
+    """Known markers that are not at their known poses."""
     swapped = {a: b for pair in quality.swapped for a, b in (pair, pair[::-1])}
     rows = [
         _Row(
@@ -180,7 +180,7 @@ def _noise_notes(result) -> List[str]:
     ]
     scales = (("positions", result.known_position_scale), ("rotations", result.known_rotation_scale))
     notes += [
-        f"The {what} of the markers of the given map scatter {scale:.1f} times their standard deviations; "
+        f"The {what} of the markers from --known scatter {scale:.1f} times their standard deviations; "
         "their weights were reduced accordingly."
         for what, scale in scales
         if scale >= NOTABLE_SCALE

@@ -11,7 +11,7 @@ from sextant.localization.drive_observations import DriveCamera
 
 _SAME = ("width", "height", "distortion_model", "D", "K", "R", "P", "binning_x", "binning_y")
 _REGION = ("x_offset", "y_offset", "width", "height")
-MAX_SIDE = 2**31 - 1  # pixels, of sextant.CameraCalibration
+_MAX_SIDE = 2**31 - 1  # pixels, of sextant.CameraCalibration
 
 
 def same_calibration(a: Any, b: Any) -> bool:
@@ -30,12 +30,13 @@ def camera_from_info(info: Any, rectified: bool) -> DriveCamera:
     whole = info.roi.width == 0 or info.roi.height == 0
     size = [info.width, info.height] if whole else [info.roi.width, info.roi.height]
     offset = np.array([0.0, 0.0] if whole else [info.roi.x_offset, info.roi.y_offset])
-    if max(size) > MAX_SIDE:
+    width, height = (int(side) for side in np.array(size) // binning)
+    if max(width, height) > _MAX_SIDE:
         raise ValueError(
-            f"camera calibration: the image size is {size[0]} x {size[1]}, the maximum is {MAX_SIDE}"
+            f"camera calibration: the image size is {width} x {height}, the maximum is {_MAX_SIDE}"
         )
     published = sextant.CameraCalibration()
-    published.width, published.height = (int(side) for side in np.array(size) // binning)
+    published.width, published.height = width, height
     published.distortion_model, published.D = info.distortion_model, list(info.D)
     published.K = _published(np.reshape(info.K, (3, 3)), binning, offset)
     published.R = np.reshape(info.R, (3, 3))

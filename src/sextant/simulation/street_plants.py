@@ -37,11 +37,11 @@ def tree(seed: int, season: str, look: int) -> Texture:
     half_width, height = np.abs(ends[:, 0]).max() + MARGIN, ends[:, 1].max() + MARGIN
     wood = np.zeros((int(height * TEXELS), int(2 * half_width * TEXELS)), np.uint8)
     crown = np.zeros_like(wood)
-    for branch, leaf_radius in zip(branches, _leaf_radii(rng, len(branches))):
+    for branch, foliage_radius in zip(branches, _foliage_radii(rng, len(branches))):
         begin, end = (_texel((x + half_width, height - y)) for x, y in (branch.begin, branch.end))
         cv2.line(wood, begin, end, 255, max(1, int(branch.thickness * TEXELS)))
         if branch.is_twig:
-            cv2.circle(crown, end, leaf_radius, 255, -1)
+            cv2.circle(crown, end, foliage_radius, 255, -1)
     return _grown(rng, look_rng, season, wood, crown)
 
 
@@ -54,10 +54,10 @@ def bush(seed: int, season: str, look: int) -> Texture:
     feet = rng.uniform(MARGIN, width - MARGIN, int(25 * width))
     x = np.clip(feet + rng.normal(0, 0.2, len(feet)), MARGIN, width - MARGIN)
     y = rng.uniform(MARGIN, 0.7 * height, len(feet))
-    for foot, *end, leaf_radius in zip(feet, x, y, _leaf_radii(rng, len(feet))):
+    for foot, *end, foliage_radius in zip(feet, x, y, _foliage_radii(rng, len(feet))):
         line = _texel((foot, height)), _texel(end)
         cv2.line(wood, *line, 255, 2)
-        cv2.circle(crown, line[1], leaf_radius, 255, -1)
+        cv2.circle(crown, line[1], foliage_radius, 255, -1)
         cv2.line(crown, *line, 255, int(MARGIN * TEXELS))
     return _grown(rng, look_rng, season, wood, crown)
 
@@ -107,7 +107,7 @@ def _branches(rng: np.random.Generator, height: float) -> List[_Branch]:
     return branches
 
 
-def _leaf_radii(rng: np.random.Generator, count: int) -> List[int]:
+def _foliage_radii(rng: np.random.Generator, count: int) -> List[int]:
     """Radii of the foliage around the ends of twigs, texels."""
     return (rng.uniform(0.4, 0.9, count) * MARGIN * TEXELS).astype(int).tolist()
 

@@ -53,7 +53,7 @@ def _tile() -> np.ndarray:
 
 
 def rough_noise(rng: np.random.Generator, rows: int, columns: int) -> np.ndarray:
-    """Noise of all scales, standard deviation 1, float32 (rows, columns), at most TILE: part of a texture."""
+    """Noise of all scales, standard deviation 1, float32 (rows, columns): cut from TILE x TILE texels."""
     y, x = rng.integers(TILE - rows + 1), rng.integers(TILE - columns + 1)
     flip = slice(None, None, int(rng.choice([-1, 1])))
     return _tile()[y : y + rows, x : x + columns][flip, ::-1]

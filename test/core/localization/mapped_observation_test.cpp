@@ -27,7 +27,7 @@ TEST(MappedObservation, FollowsTheFramesFromTheMapToThePixels) {
   }
 }
 
-TEST(MappedObservation, AStartIsTheBasesPose) {
+TEST(MappedObservation, AnInitialPoseIsTheBasesPose) {
   const MarkerMap map = room();
   const MarkerView view =
       look(map, CameraModel(testCalibrations()[0], CameraModel::Image::raw), kTruth, 0, 1);
@@ -36,7 +36,7 @@ TEST(MappedObservation, AStartIsTheBasesPose) {
   addInitialPoses(view, *map.find({kFamily, 3}), *poses, 7, initial_poses);
   ASSERT_EQ(initial_poses.size(), poses->alternative ? 2u : 1u);
   EXPECT_LT(poseError(kTruth, initial_poses[0].T_map_base).norm(), 1e-6);
-  for (const InitialPose& start : initial_poses) EXPECT_EQ(start.observation, 7u);
+  for (const InitialPose& initial : initial_poses) EXPECT_EQ(initial.observation, 7u);
 }
 
 TEST(MappedObservation, AMarkerIsRepeatedByItsFamilyAndId) {

@@ -103,6 +103,7 @@ TEST(OdometryCorrection, PosesThatAgreeOverruleTheOdometry) {
   OdometryCorrection correction(params);
   const Matrix6d noise = spread(0.05, 0.02);
   correction.update(Pose::Identity(), Pose::Identity(), noise);
+  EXPECT_EQ(correction.starts(), 1);
   const Pose carried = poseFromXyzRpy({3, 1, 0}, {0, 0, 2});  // somebody lifted the robot
   Pose T_odom_base = Pose::Identity();
   for (int i = 0; i < 4; ++i) {
@@ -111,6 +112,7 @@ TEST(OdometryCorrection, PosesThatAgreeOverruleTheOdometry) {
               i < 3 ? Verdict::rejected : Verdict::recovered);
   }
   EXPECT_LT(poseError(carried, *correction.transform()).norm(), 1e-9);
+  EXPECT_EQ(correction.starts(), 2);
 }
 
 TEST(OdometryCorrection, PosesThatContradictOneAnotherTooNeverDo) {

@@ -98,8 +98,8 @@ def test_noise_and_origin(report):
     assert page.row("recording") == ["recording", "drive.bag"]
     assert page.row("size") == ["size", "0.2 m"]
     assert "2.0 consecutive images" in page.text
-    assert "positions of the markers of the given map scatter 3.0 times" in page.text
-    assert "rotations of the markers of the given map" not in page.text
+    assert "positions of the markers from --known scatter 3.0 times" in page.text
+    assert "rotations of the markers from --known" not in page.text
 
 
 def test_the_file_needs_nothing_else(report):

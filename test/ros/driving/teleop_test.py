@@ -3,6 +3,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 import os
 import pty
+import signal
 import struct
 import subprocess
 import tempfile
@@ -53,11 +54,21 @@ class TeleopTest(unittest.TestCase):
         self.assertEqual(self.commands, [])  # another node may drive
         os.write(person, b"e")
         self.assertEqual(set(self.commands_until(STOP)), {(0.5, -1.5)})
+        self.assert_stops_at_its_end(node, person, lambda: node.send_signal(signal.SIGHUP))
+
+    def test_the_robot_stops_when_the_terminal_is_closed(self):
+        person, terminal = pty.openpty()
+        node = self.start(stdin=terminal)
+        os.close(terminal)
+        self.assertTrue(self.connected())
+        self.assert_stops_at_its_end(node, person, lambda: os.close(person))
+
+    def assert_stops_at_its_end(self, node, person, end):
         os.write(person, b"s")
         self.commands_until((-0.5, 0.0))
         self.commands.clear()
-        node.terminate()  # while the key is held
-        node.wait(WAIT)
+        end()  # while the key is held
+        node.communicate(timeout=WAIT)
         self.commands_until(STOP)
 
     def test_a_joystick_drives_while_a_button_is_held_and_the_robot_stops_when_it_is_unplugged(self):
@@ -66,8 +77,8 @@ class TeleopTest(unittest.TestCase):
         device = os.path.join(folder.name, "js0")
         os.mkfifo(device)
         node = self.start("_joystick:=" + device, stdin=subprocess.DEVNULL)
-        driver = os.open(device, os.O_WRONLY)
-        self.assertTrue(self.connected())
+        self.assertTrue(self.connected())  # it has opened the device before
+        driver = os.open(device, os.O_WRONLY | os.O_NONBLOCK)
         for kind, number, value in ((2, 1, -32767), (1, 4, 1)):  # stick forward, button
             os.write(driver, struct.pack("=IhBB", 1234, value, kind, number))
         self.commands_until((0.5, 0.0))

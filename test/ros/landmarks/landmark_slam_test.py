@@ -19,7 +19,7 @@ from landmark_robot import (
     seconds,
     squared_distance,
 )
-from ros_probe import Diagnostics, TransformRecorder, until
+from ros_probe import Diagnostics, Recorder, TransformRecorder, until
 from std_srvs.srv import Trigger
 from visualization_msgs.msg import Marker as Shape
 from visualization_msgs.msg import MarkerArray as Shapes
@@ -159,8 +159,14 @@ class LandmarkSlamTest(unittest.TestCase):
             self.assert_bad_maps_change_nothing(robot, folder)
             self.assertTrue(self.call("load_map", LandmarkMapFile, path).success)
             self.assert_found(robot)
+            starts = Recorder("/b/initialpose", PoseWithCovarianceStamped)
+            self.addCleanup(starts.close)
+            self.assertTrue(starts.connected())
             self.assertTrue(self.call("relocalize").success)
             self.assert_found(robot)
+            self.assertEqual(starts.at(robot.stamp).pose, robot.poses.at(robot.stamp).pose)  # for amcl
+            self.assert_drives(robot, 1)
+            self.assertEqual(len(starts.all()), 1)
             self.assert_initialpose(robot)
             self.assert_reset(robot)
 

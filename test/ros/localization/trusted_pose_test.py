@@ -4,6 +4,7 @@
 import numpy as np
 import rospy
 import rostest
+from geometry_msgs.msg import PoseWithCovarianceStamped
 from located_robot import T_ODOM_BASE, LocatedRobotTest, map_msg
 from marker_scene import (
     FAMILY,
@@ -16,7 +17,7 @@ from marker_scene import (
     markers_msg,
     pose,
 )
-from ros_probe import until
+from ros_probe import Recorder, until
 
 T_MAP_ODOM = T_MAP_BASE @ np.linalg.inv(T_ODOM_BASE)
 RESIDUAL = "residual against the map (standard deviations)"
@@ -65,15 +66,22 @@ class TrustedPoseTest(LocatedRobotTest):
     def test_what_contradicts_the_odometry_is_refused_until_it_lasts(self):
         (markers,) = self.connect("b", "markers")
         slid = pose(np.eye(3), [0, 2.0, 0]) @ T_ODOM_BASE  # odometry only, the markers do not agree
+        starts = Recorder("/b/initialpose", PoseWithCovarianceStamped)
+        self.addCleanup(starts.close)
+        self.assertTrue(starts.connected())
+        shown = []
 
         def show(T_odom_base):
             stamp = next(self.stamps)
+            shown.append(stamp)
             self.drive(stamp, "b", T_odom_base)
             markers.publish(markers_msg(stamp, frame="camera_b"))
             return self.poses.at(stamp, 0.5) is not None
 
         self.assertTrue(until(lambda: show(T_ODOM_BASE)))
         self.assertEqual([show(slid) for _ in range(4)], [False, False, True, True])
+        self.assertEqual(starts.at(shown[-2]).pose, self.poses.at(shown[-2]).pose)  # for amcl, once
+        self.assertFalse([stamp for stamp in shown[-4:] if stamp != shown[-2] and starts.has(stamp)])
         status = "b/locator: localization"
         self.assertTrue(self.diagnostics.reaches(status, "no pose: the markers contradict the odometry", 2))
         T_moved = pose(np.eye(3), [0, 2.0, 0])

@@ -13,7 +13,7 @@ EXIT = 0  # a byte that is no signal's number
 
 
 def init_node(name: str) -> None:
-    """Calls rospy.init_node; SIGINT and SIGTERM shut the node down in a thread of its own.
+    """Calls rospy.init_node; SIGINT, SIGTERM and SIGHUP shut the node down in a thread of its own.
 
     rospy's own handler runs the shutdown in the main thread, wherever that was interrupted: if it held a lock
     that the shutdown needs (of an Event, of rospy's registrations), the node never ended.
@@ -23,8 +23,11 @@ def init_node(name: str) -> None:
     thread = threading.Thread(target=_shut_down_on_signal, args=(signals,), daemon=True)
     thread.start()
     signal.set_wakeup_fd(wakeup)
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, lambda *_: None)  # Python writes its number to the pipe
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        if (
+            signal.getsignal(number) != signal.SIG_IGN
+        ):  # SIGHUP: of a closed terminal, unless nohup ignores it
+            signal.signal(number, lambda *_: None)  # Python writes its number to the pipe
     mend_rospy()
     rospy.init_node(name, disable_signals=True)
     atexit.register(_finish, thread, wakeup)

@@ -8,9 +8,12 @@ services the master knew, asks those that still run for their topics (http://wik
 registers all of them again (http://wiki.ros.org/ROS/Master_API).
 """
 
+import xmlrpc.client
 from concurrent.futures import ThreadPoolExecutor
+from http.client import HTTPException
 from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Tuple
-from xmlrpc.client import Fault, ServerProxy, Transport
+from xml.parsers.expat import ExpatError
+from xmlrpc.client import ServerProxy, Transport
 
 import rosgraph
 import rospy
@@ -20,7 +23,13 @@ from sextant.nodes.base.init_node import init_node
 PERIOD = 1.0  # seconds between two looks at the master
 TIMEOUT = 2.0  # seconds until a node counts as dead
 OWN_PARAMETERS = {"run_id", "rosversion", "rosdistro", "roslaunch"}  # of each master itself
-ERRORS = (OSError, Fault, rosgraph.MasterException)  # OSError: also of a socket and of xmlrpc
+ERRORS = (
+    OSError,
+    xmlrpc.client.Error,
+    HTTPException,
+    ExpatError,
+    rosgraph.MasterException,
+)  # no or no whole answer
 
 Providers = Dict[str, List[str]]  # names of nodes by service
 Pairs = List[Tuple[str, str]]  # topics and their types
@@ -45,7 +54,7 @@ def read_registrations(master: rosgraph.Master, known: Optional[Registrations]) 
     """Asks the master for its registrations.
 
     :param known: the last answer; URIs of services are asked for again when that of their node is another
-    :raises OSError, Fault, MasterException: the master does not answer
+    :raises ERRORS: the master does not answer
     """
     state = [dict(each) for each in master.getSystemState()]  # publishers, subscribers, services
     nodes = _uris(
@@ -87,7 +96,7 @@ def _topics(node: Tuple[str, str]) -> Optional[NodeTopics]:
     try:
         answers = [api.getPublications(name)[2], api.getSubscriptions(name)[2]]
         return NodeTopics(*answers) if all(isinstance(each, list) for each in answers) else None
-    except (OSError, Fault, ValueError, LookupError):
+    except (*ERRORS, ValueError, TypeError, LookupError):  # or another program has the port now
         return None
 
 
@@ -167,14 +176,16 @@ class RegistrationKeeper:
             self._known, self._parameters = found, parameters
 
     def _restore(self) -> None:
+        alive = running(self._known.nodes)  # may take a while
+        process, uri = self._master.getPid(), rosgraph.get_master_uri()
         parameters = missing_parameters(self._parameters, self._master.getParam("/"))
         for name, value in parameters.items():
             self._master.setParam(name, value)
-        alive = running(self._known.nodes)
-        # This node comes last: as long as it is missing, everything is tried again.
         own = {self._name: alive.pop(self._name)} if self._name in alive else {}
-        uri = rosgraph.get_master_uri()
-        count = sum(restore_registrations(uri, self._known, each) for each in (alive, own))
+        count = restore_registrations(uri, self._known, alive)
+        # This node comes last: as long as it is missing, everything is tried again.
+        if self._master.getPid() == process:
+            count += restore_registrations(uri, self._known, own)
         rospy.logwarn(
             "roscore was restarted: registered %d topics and services of %d nodes again and restored "
             "%d parameters; nodes that did not answer: %s",

@@ -9,6 +9,7 @@ import struct
 import sys
 import termios
 import tty
+from contextlib import suppress
 from typing import Dict, List, NamedTuple, Tuple
 
 HOLD = 0.6  # seconds until a pressed key counts as released: longer than the delay of key repeat
@@ -57,7 +58,8 @@ class Keyboard:
 
     def close(self) -> None:
         """Restores the terminal."""
-        termios.tcsetattr(self._file, termios.TCSADRAIN, self._saved)
+        with suppress(termios.error):  # it was closed
+            termios.tcsetattr(self._file, termios.TCSADRAIN, self._saved)
 
 
 class Joystick:
