@@ -81,7 +81,8 @@ def _draw_offsets(table: Table, axes: Axes) -> None:
     names = [name for name, _ in table.rows[1:]]
     axes.barh(np.arange(len(offsets)), offsets, color="tab:blue", alpha=0.7, label="estimated")
     axes.axvline(-100.0 * OFFSET, color="k", ls="--", label="truth")
-    axes.set_yticks(np.arange(len(names)), names, fontsize=6)
+    axes.set_yticks(np.arange(len(names)))
+    axes.set_yticklabels(names, fontsize=6)
     for row in np.flatnonzero(np.isnan(offsets)):
         axes.text(-1.0, row, "not named", ha="right", va="center", fontsize=6)
     axes.set(xlabel="seen minus mapped along the moved axis, cm", xlim=(-200.0 * OFFSET, 0.0))
@@ -117,7 +118,8 @@ def _draw_speed(table: Table, axes: Axes) -> None:
         if cells[1].at_most is not None:
             label = None if axes.get_legend_handles_labels()[0] else "bar"
             axes.plot([at - 0.4, at + 0.4], [cells[1].at_most * cpu[0]] * 2, "r--", label=label)
-    axes.set_xticks(range(len(names)), names, fontsize="small")
+    axes.set_xticks(range(len(names)))
+    axes.set_xticklabels(names, fontsize="small")
     axes.set(ylabel="CPU an image, ms")
     axes.margins(y=0.15)
 

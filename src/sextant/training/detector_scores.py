@@ -43,8 +43,10 @@ def plot_confusion(path: Path, score: DetectorScore, classes: Sequence[str]) -> 
     for (row, column), count in np.ndenumerate(table):
         colour = "white" if fraction[row, column] > 0.5 else "black"
         axes.text(column, row, str(count), ha="center", va="center", color=colour)
-    axes.set_xticks(range(len(names)), names, rotation=30, ha="right")
-    axes.set_yticks(range(len(names)), names)
+    axes.set_xticks(range(len(names)))
+    axes.set_xticklabels(names, rotation=30, ha="right")
+    axes.set_yticks(range(len(names)))
+    axes.set_yticklabels(names)
     axes.set(xlabel="was found", ylabel="is there", title=f"score ≥ {score.threshold:g}")
     figure.colorbar(image, label="share of what is there")
     with atomic_file(path, "wb") as file:

@@ -12,6 +12,7 @@ import pytest
 
 from sextant.objects.shipped_model import shipped_model
 
+pytestmark = pytest.mark.skipif(not hasattr(onnx.utils, "extract_model"), reason="onnx is older than 1.8")
 SCRIPT = Path(__file__).resolve().parents[3] / "benchmark/ball_task.py"
 
 
@@ -32,7 +33,6 @@ def ran(tmp_path_factory):
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not hasattr(onnx.utils, "extract_model"), reason="onnx is older than 1.8")
 def test_every_topic_is_measured(ran):
     done, folder = ran
     assert done.returncode == 0, done.stderr

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
+import shutil
 import signal
 import subprocess
 import tempfile
@@ -35,13 +36,13 @@ ARGS = {
 class PlacesDemoTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        folder = tempfile.TemporaryDirectory(prefix="a street ")
-        cls.addClassCleanup(folder.cleanup)
-        cls.folder = Path(folder.name) / "map"
+        folder = Path(tempfile.mkdtemp(prefix="a street "))
+        cls.addClassCleanup(shutil.rmtree, folder, ignore_errors=True)  # a node may still write a cache there
+        cls.folder = folder / "map"
         args = [f"{name}:={value}" for name, value in ARGS.items()]
         command = ["roslaunch", "sextant", "places_demo.launch", f"folder:={cls.folder}", *args]
         cls.truth, cls.poses = Recorder("ground_truth", Odometry), Recorder("pose", PoseWithCovarianceStamped)
-        cls.log = Path(folder.name) / "log"
+        cls.log = folder / "log"
         with open(cls.log, "w") as log:
             cls.demo = subprocess.Popen(command, stdout=log, stderr=subprocess.STDOUT)
         cls.addClassCleanup(cls.stop)

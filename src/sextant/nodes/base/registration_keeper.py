@@ -38,7 +38,7 @@ Pairs = List[Tuple[str, str]]  # topics and their types
 class Registrations(NamedTuple):
     """What a master knows, besides the topics: the nodes themselves know these."""
 
-    services: Providers
+    services: Providers  # names of their nodes by service
     service_uris: Dict[str, str]  # by service
     nodes: Dict[str, str]  # XML-RPC URI by name
 
@@ -46,8 +46,8 @@ class Registrations(NamedTuple):
 class NodeTopics(NamedTuple):
     """The topics of a node, by its own answer."""
 
-    published: Pairs
-    subscribed: Pairs
+    published: Pairs  # topics and their types
+    subscribed: Pairs  # likewise
 
 
 def read_registrations(master: rosgraph.Master, known: Optional[Registrations]) -> Registrations:
