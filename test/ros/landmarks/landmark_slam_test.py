@@ -160,13 +160,13 @@ class LandmarkSlamTest(unittest.TestCase):
             self.assertTrue(self.call("load_map", LandmarkMapFile, path).success)
             self.assert_found(robot)
             starts = Recorder("/b/initialpose", PoseWithCovarianceStamped)
-            self.addCleanup(starts.close)
             self.assertTrue(starts.connected())
             self.assertTrue(self.call("relocalize").success)
             self.assert_found(robot)
             self.assertEqual(starts.at(robot.stamp).pose, robot.poses.at(robot.stamp).pose)  # for amcl
             self.assert_drives(robot, 1)
             self.assertEqual(len(starts.all()), 1)
+            starts.close()
             self.assert_initialpose(robot)
             self.assert_reset(robot)
 
