@@ -107,8 +107,9 @@ def report(rows, growth=GROWTH, judge_threads=True):
     for name in sorted({row[1] for row in rows}):
         begin, end, most, first, last, cores = verdict(rows, name)
         judged = name != RECORDER
-        bad = judged and (end - begin > growth or (judge_threads and last > first))
-        flat = flat and not bad
+        grows = end - begin > growth or (judge_threads and last > first)
+        bad = judged and grows
+        flat &= not bad
         remark = "" if judged else "  records the drive: ignored"
         print(
             f"{name:28} {begin:12.1f} {end:12.1f} {most:8.1f} {first:5d} -> {last:3d} {cores:6.2f}"

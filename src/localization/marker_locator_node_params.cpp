@@ -5,13 +5,28 @@
 #include <stdexcept>
 
 namespace sextant {
+namespace {
 
-ParamList MarkerLocatorNodeParams::fields() {
+ParamList cameraFields(MarkerLocatorNodeParams& params) {
   const auto require_cameras = [](const Param& param) {
     if (std::get<std::vector<std::string>*>(param.value)->empty())
       throw std::invalid_argument("cameras is empty: set at least one topic of markers");
     topics().check(param);
   };
+  return {
+      {"cameras", &params.cameras, Allowed("not empty", require_cameras), "",
+       "topics of sextant/MarkerArray, one per camera; images of one instant give one pose"},
+      {"camera_window", &params.camera_window, Range::closed(0, 1), "s",
+       "maximum difference between the stamps of images of one instant"},
+      {"camera_timeout", &params.camera_timeout, Range::closed(0, 1), "s",
+       "maximum time to wait for the images of the other cameras; cameras that were silent for 1 s are not "
+       "waited for"},
+  };
+}
+
+}  // namespace
+
+ParamList MarkerLocatorNodeParams::fields() {
   const auto require_base = [this](const Param&) {
     if (tf_output != "none" && base_frame.empty())
       throw std::invalid_argument("tf_output " + tf_output + " needs a base_frame");
@@ -29,13 +44,6 @@ ParamList MarkerLocatorNodeParams::fields() {
   const ParamList own = {
       {"use_odometry", &use_odometry, Allowed(), "",
        "use odometry to resolve ambiguous poses and reject outliers; always on with `map_to_odom`"},
-      {"cameras", &cameras, Allowed("not empty", require_cameras), "",
-       "topics of sextant/MarkerArray, one per camera; images of one instant give one pose"},
-      {"camera_window", &camera_window, Range::closed(0, 1), "s",
-       "maximum difference between the stamps of images of one instant"},
-      {"camera_timeout", &camera_timeout, Range::closed(0, 1), "s",
-       "maximum time to wait for the images of the other cameras; cameras that were silent for 1 s are not "
-       "waited for"},
       {"map_file", &map_file, Allowed(), "",
        "[marker map](marker_map.md) file; empty: wait for `marker_map/entries`"},
       {"tf_output", &tf_output, oneOf({"none", "map_to_odom", "map_to_base"}), "",
@@ -52,7 +60,7 @@ ParamList MarkerLocatorNodeParams::fields() {
       {"transform_timeout", &transform_timeout, Range::closed(0, 10), "s",
        "maximum time to wait for a transform"},
   };
-  return joined({localization.fields(), own, text.fields()});
+  return joined({localization.fields(), cameraFields(*this), own, text.fields()});
 }
 
 std::string MarkerLocatorNodeParams::childFrame() const {
