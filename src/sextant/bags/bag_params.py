@@ -28,7 +28,7 @@ class BagParams:
     images: Sequence[str] = ()  # topics of sensor_msgs/Image or CompressedImage
     markers: Sequence[str] = ()  # topics of sextant/MarkerArray
     families: Sequence[str] = field(default_factory=_families)  # marker families to detect in images
-    # It does not change recorded corners.
+    # A calibration does not change recorded corners.
     calibrations: Mapping[str, str] = field(default_factory=dict)  # file by topic, instead of camera_info
     rectified: Sequence[str] = ()  # topics of rectified images; image_rect* always are
     camera_is_base: bool = False  # the only camera is the base; tf and odometry are not used
