@@ -35,7 +35,7 @@ def main():
     end = time.monotonic() + float(seconds)
     while (missing or node not in subscribers_of(displayed)) and time.monotonic() < end:
         time.sleep(0.2)
-    time.sleep(1.0)  # /tf_static: every node has a message of its own
+    time.sleep(5.0)  # /tf_static, of several nodes: a lost packet delays a connection by 1 to 3 s
     for subscriber in subscribers:
         subscriber.unregister()
     lacking = sorted(missing) + ([] if node in subscribers_of(displayed) else [node])

@@ -230,8 +230,9 @@ def on_laptop(received, topic):
 
 def received_poses(namespaces, topic):
     """Stamps of the poses that were received on the robot, and of those on the viewer."""
-    recorders = [helper(side, "stamp_recorder.py", topic, "20") for side in namespaces]
-    local, remote = (set(answer_of(each, 60)) for each in recorders)
+    seconds = ("20", "30")  # the viewer records longer: either side may begin some seconds before the other
+    recorders = [helper(side, "stamp_recorder.py", topic, each) for side, each in zip(namespaces, seconds)]
+    local, remote = (set(answer_of(each, 90)) for each in recorders)
     begin, end = max(min(local), min(remote)), max(local)
     return {stamp for stamp in local if begin <= stamp < end - 1.0}, remote  # the last may be under way
 
