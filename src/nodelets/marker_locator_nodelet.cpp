@@ -25,6 +25,7 @@
 #include "sextant/ros/base/stamp_jump.hpp"
 #include "sextant/ros/base/start_in_queue.hpp"
 #include "sextant/ros/base/trouble_log.hpp"
+#include "sextant/ros/geometry/camera_conversions.hpp"
 #include "sextant/ros/geometry/map_transform.hpp"
 #include "sextant/ros/geometry/transform_lookup.hpp"
 #include "sextant/ros/localization/locator_report.hpp"

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import sextant
-from sextant.markers.formats.map_file import MapFileError, MapFormatParams
+from sextant.markers.formats.format_types import MapFileError, MapFormatParams
 from sextant.markers.map_formats import read_map
 
 DATA = Path(__file__).resolve().parents[1] / "data/map_formats"

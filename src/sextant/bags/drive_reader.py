@@ -8,10 +8,10 @@ from typing import Any, Callable, Dict, List, Optional, Tuple
 import numpy as np
 
 import sextant
+from sextant.bags.bag_cameras import CAMERAS, BagCamera
 from sextant.bags.bag_file import BagFile, Recorded
 from sextant.bags.bag_params import BagParams
 from sextant.bags.camera_topics import choose_topics
-from sextant.bags.cameras import CAMERAS, BagCamera
 from sextant.bags.mounts import Mount, find_mounts
 from sextant.bags.odometry import read_odometry
 from sextant.bags.stamps import Losses, StampOrder

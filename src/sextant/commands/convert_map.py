@@ -8,7 +8,7 @@ from typing import Optional, Sequence
 
 import sextant
 from sextant.commands.command_line import Answer, CommandParser, check_output, run
-from sextant.markers.formats.map_file import MapFormatParams
+from sextant.markers.formats.format_types import MapFormatParams
 from sextant.markers.map_formats import (
     FORMATS,
     guess_read_format,

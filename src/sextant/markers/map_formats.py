@@ -10,7 +10,7 @@ from sextant.base.atomic_file import atomic_file
 from sextant.markers.formats.apriltag_ros import format_apriltag_ros, read_apriltag_ros
 from sextant.markers.formats.fiducial_slam import FIELDS as FIDUCIAL_SLAM_FIELDS
 from sextant.markers.formats.fiducial_slam import format_fiducial_slam, read_fiducial_slam
-from sextant.markers.formats.map_file import MapFileError, MapFormatParams, ReadMap, WrittenMap, read_text
+from sextant.markers.formats.format_types import MapFileError, MapFormatParams, ReadMap, WrittenMap, read_text
 from sextant.markers.formats.sextant_map import (
     has_yaml_ending,
     read_text_map,

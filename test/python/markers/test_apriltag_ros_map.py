@@ -6,7 +6,7 @@ import pytest
 import yaml
 from foreign_maps import TAGS, example_map, refused
 
-from sextant.markers.formats.map_file import MapFileError, MapFormatParams
+from sextant.markers.formats.format_types import MapFileError, MapFormatParams
 from sextant.markers.map_formats import read_map, write_map
 
 

@@ -9,7 +9,7 @@ import pytest
 from foreign_maps import CORNERS, DATA, PRINTS, corners_in_map, read_file, refused, variances
 
 import sextant
-from sextant.markers.formats.map_file import MapFileError, MapFormatParams
+from sextant.markers.formats.format_types import MapFileError, MapFormatParams
 from sextant.markers.map_formats import read_map
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "benchmark"))

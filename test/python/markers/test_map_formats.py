@@ -10,7 +10,7 @@ import yaml
 from foreign_maps import CORNERS, DATA, FILES, corners_in_map, example_map, read_file
 
 import sextant
-from sextant.markers.formats.map_file import MapFileError, MapFormatParams, decimal
+from sextant.markers.formats.format_types import MapFileError, MapFormatParams, decimal
 from sextant.markers.map_formats import FORMATS, guess_read_format, guess_write_format, read_map, write_map
 
 # ---- known answers --------------------------------------------------------------------------------------

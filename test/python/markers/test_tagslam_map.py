@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from foreign_maps import TAGS, example_map, read_file, refused, variances
 
-from sextant.markers.formats.map_file import MapFileError, MapFormatParams, decimal
+from sextant.markers.formats.format_types import MapFileError, MapFormatParams, decimal
 from sextant.markers.map_formats import read_map, write_map
 
 NOISE = "position_noise: {x: 0.01, y: 0.01, z: 0.01}, rotation_noise: {x: 0.001, y: 0.001, z: 0.001}"

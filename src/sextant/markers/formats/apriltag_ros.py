@@ -23,8 +23,7 @@ import numpy as np
 
 import sextant
 from sextant.geometry.poses import quaternion_of
-from sextant.markers.formats.losses import lost_covariances, lost_frames, lost_names, only_family
-from sextant.markers.formats.map_file import (
+from sextant.markers.formats.format_types import (
     MapFileError,
     MapFormatParams,
     ReadMap,
@@ -32,6 +31,7 @@ from sextant.markers.formats.map_file import (
     decimal,
     errors_located_at,
 )
+from sextant.markers.formats.losses import lost_covariances, lost_frames, lost_names, only_family
 from sextant.markers.formats.yaml_table import Table, read_yaml
 
 # values of tag_family in settings.yaml; the first is the default

@@ -25,8 +25,7 @@ from typing import List, Tuple
 import numpy as np
 
 import sextant
-from sextant.markers.formats.losses import lost_frames, lost_names, only_family, only_size
-from sextant.markers.formats.map_file import (
+from sextant.markers.formats.format_types import (
     MapFileError,
     MapFormatParams,
     ReadMap,
@@ -36,6 +35,7 @@ from sextant.markers.formats.map_file import (
     finite,
     read_text,
 )
+from sextant.markers.formats.losses import lost_frames, lost_names, only_family, only_size
 
 FIELDS = 9  # followed by any number of links
 T_PRINT_TURNED = np.diag([-1.0, -1.0, 1.0, 1.0])

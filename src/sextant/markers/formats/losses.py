@@ -7,7 +7,7 @@ from typing import Iterable, List, Set
 import numpy as np
 
 import sextant
-from sextant.markers.formats.map_file import MapFileError
+from sextant.markers.formats.format_types import MapFileError
 
 
 def only_family(marker_map: sextant.MarkerMap, known: Iterable[str], package: str) -> str:

@@ -7,8 +7,8 @@ from typing import Any, Callable, List
 import numpy as np
 
 import sextant
+from sextant.markers.formats.format_types import MapFileError, MapFormatParams, ReadMap
 from sextant.markers.formats.losses import lost_covariances
-from sextant.markers.formats.map_file import MapFileError, MapFormatParams, ReadMap
 
 YAML_ENDINGS = (".yaml", ".yml")
 

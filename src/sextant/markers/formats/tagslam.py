@@ -27,7 +27,7 @@ from typing import Dict, Iterable, List, Optional, Set
 import numpy as np
 
 import sextant
-from sextant.markers.formats.map_file import MapFileError, MapFormatParams, ReadMap, errors_located_at
+from sextant.markers.formats.format_types import MapFileError, MapFormatParams, ReadMap, errors_located_at
 from sextant.markers.formats.tagslam_noise import NAMES as NOISE_NAMES
 from sextant.markers.formats.tagslam_noise import in_map_axes, read_noise, read_vector
 from sextant.markers.formats.yaml_table import Table, read_yaml

@@ -7,8 +7,8 @@ from typing import List
 import numpy as np
 
 import sextant
+from sextant.markers.formats.format_types import WrittenMap, decimal
 from sextant.markers.formats.losses import lost_frames, lost_names, only_family
-from sextant.markers.formats.map_file import WrittenMap, decimal
 from sextant.markers.formats.tagslam_noise import (
     AXES,
     MIN_POSITION,

@@ -8,7 +8,7 @@ from typing import Any, Dict, Iterable, List, Optional, Tuple, Type
 
 import yaml
 
-from sextant.markers.formats.map_file import MapFileError, finite, read_text
+from sextant.markers.formats.format_types import MapFileError, finite, read_text
 
 MAX_INT = 2**31 - 1  # ids are 32-bit integers in the core
 

@@ -12,7 +12,7 @@ from std_msgs.msg import ColorRGBA, Header
 from visualization_msgs.msg import Marker, MarkerArray
 
 from sextant.place_maps.place_map import MetricFrame, Overview, Photo, PlaceMap
-from sextant.places.place_renderer import (
+from sextant.places.overview_renderer import (
     INK,
     MAX_LABELS,
     MIN_LABELLED,
@@ -21,7 +21,7 @@ from sextant.places.place_renderer import (
     Radii,
     trail_colours,
 )
-from sextant.places.probability_scale import Colour, probability_colour
+from sextant.places.probability_colours import Colour, probability_colour
 
 
 class PlaceVisualization:
@@ -41,7 +41,7 @@ class PlaceVisualization:
     def hypothesis_markers(self, likely: Sequence[Hypothesis], trail: Sequence[int]) -> MarkerArray:
         """Markers of hypotheses.
 
-        :param likely: trail: as for PlaceRenderer; all in the map
+        :param likely: trail: as for OverviewRenderer; all in the map
         """
         colours = [_colour(probability_colour(each.probability)) for each in likely]
         ids = [each.id for each in likely]

@@ -26,7 +26,7 @@ from sextant.nodes.places.place_messages import hypotheses_from_message
 from sextant.nodes.places.place_visualization import PlaceVisualization, delete_all, overview_grid
 from sextant.place_maps.place_map import MetricFrame
 from sextant.place_maps.place_map_file import read_place_map
-from sextant.places.place_renderer import Hypothesis, PlaceRenderer
+from sextant.places.overview_renderer import Hypothesis, OverviewRenderer
 
 WARN_EVERY = 60.0  # seconds
 
@@ -54,7 +54,7 @@ class ShownMap:
 
     def __init__(self, params: VisualizerParams):
         place_map = read_place_map(params.map_file)
-        self.renderer = PlaceRenderer(place_map, params.max_side)
+        self.renderer = OverviewRenderer(place_map, params.max_side)
         self.count = len(place_map.photos)
         self.frame, self.visualization, self.map_markers = "", None, MarkerArray([delete_all()])
         self.overview: Optional[OccupancyGrid] = None

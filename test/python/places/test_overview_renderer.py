@@ -8,8 +8,8 @@ from PIL import Image
 
 from sextant.place_maps.overview_backdrop import DARKEST, LIGHTEST, backdrop, subdued
 from sextant.place_maps.place_map import Overview, Photo, PlaceMap
-from sextant.places.place_renderer import PLACE, TRAIL, Hypothesis, PlaceRenderer, text_of
-from sextant.places.probability_scale import probability_bar, probability_colour
+from sextant.places.overview_renderer import PLACE, TRAIL, Hypothesis, OverviewRenderer, text_of
+from sextant.places.probability_colours import probability_bar, probability_colour
 
 UNKNOWN_PLACE = [Hypothesis(0, 0.0)]
 LUMA = np.array([0.2126, 0.7152, 0.0722])  # of sRGB, IEC 61966-2-1
@@ -30,7 +30,7 @@ POSITIONS = [(50, 50), (150, 50), (250, 150), (350, 150)]
 
 
 def test_places_are_dots_where_the_map_has_them(tmp_path):
-    picture = PlaceRenderer(place_map(tmp_path, POSITIONS)).draw()
+    picture = OverviewRenderer(place_map(tmp_path, POSITIONS)).draw()
     assert picture.dtype == np.uint8 and picture.shape[1] == 800
     for x, y in POSITIONS:  # the overview is shown at twice its size
         assert colour_at(picture, 2 * x, 2 * y) == PLACE
@@ -41,7 +41,7 @@ def test_places_are_dots_where_the_map_has_them(tmp_path):
 
 def test_hypotheses_have_the_colours_of_their_probabilities(tmp_path):
     answer = [Hypothesis(2, 0.1), Hypothesis(0, 0.6), Hypothesis(3, 0.25)]
-    picture = PlaceRenderer(place_map(tmp_path, POSITIONS)).draw(answer)
+    picture = OverviewRenderer(place_map(tmp_path, POSITIONS)).draw(answer)
     for number, probability in answer:
         x, y = POSITIONS[number]
         assert colour_at(picture, 2 * x, 2 * y) == probability_colour(probability)
@@ -49,7 +49,7 @@ def test_hypotheses_have_the_colours_of_their_probabilities(tmp_path):
 
 
 def test_the_best_one_is_the_largest(tmp_path):
-    drawn = PlaceRenderer(place_map(tmp_path, POSITIONS))
+    drawn = OverviewRenderer(place_map(tmp_path, POSITIONS))
     picture, empty = drawn.draw([Hypothesis(0, 0.6), Hypothesis(2, 0.4)]), drawn.draw(UNKNOWN_PLACE)
     changed = (picture != empty).any(axis=2)[:400]
     best, other = changed[:200, :200].sum(), changed[200:, 400:600].sum()
@@ -58,7 +58,7 @@ def test_the_best_one_is_the_largest(tmp_path):
 
 
 def test_a_place_that_the_map_does_not_have_is_left_out(tmp_path):
-    drawn = PlaceRenderer(place_map(tmp_path, POSITIONS))
+    drawn = OverviewRenderer(place_map(tmp_path, POSITIONS))
     assert 77 not in drawn.at
     known = drawn.draw([Hypothesis(0, 0.6)])
     np.testing.assert_array_equal(drawn.draw([Hypothesis(0, 0.6), Hypothesis(77, 0.9)], [77]), known)
@@ -66,7 +66,7 @@ def test_a_place_that_the_map_does_not_have_is_left_out(tmp_path):
 
 def test_the_trail_fades(tmp_path):
     positions = [(40 + 60 * i, 100) for i in range(6)]
-    drawn = PlaceRenderer(place_map(tmp_path, positions))
+    drawn = OverviewRenderer(place_map(tmp_path, positions))
     picture = drawn.draw(UNKNOWN_PLACE, list(range(6)))
     colours = np.array([colour_at(picture, 2 * x, 2 * y) for x, y in positions], float)
     distances = np.linalg.norm(colours - TRAIL, axis=1)
@@ -76,7 +76,7 @@ def test_the_trail_fades(tmp_path):
 
 def test_ids_stand_beside_likely_places_only_and_inside(tmp_path):
     corners = [(0, 0), (400, 0), (0, 200), (400, 200), (200, 100)]
-    drawn = PlaceRenderer(place_map(tmp_path, corners))
+    drawn = OverviewRenderer(place_map(tmp_path, corners))
     picture = drawn.draw([Hypothesis(i, 0.19) for i in range(5)])
     empty = drawn.draw(UNKNOWN_PLACE)
     changed = (picture != empty).any(axis=2)[:400]
@@ -98,7 +98,7 @@ def test_the_overview_is_shown_large_enough_but_not_too_large(tmp_path, size, ma
 
 def test_the_map_has_the_shape_of_the_overview(tmp_path):
     stretched = place_map(tmp_path, [(30, 10)], (400, 200))._replace(overview=Overview("park.png", 100, 100))
-    drawn = PlaceRenderer(stretched)
+    drawn = OverviewRenderer(stretched)
     assert drawn.backdrop.shape == (800, 800, 3)
     assert colour_at(drawn.draw(), 240, 80) == PLACE
 
@@ -133,7 +133,7 @@ def test_darker_is_likelier():
 
 
 def test_the_scale_is_in_the_image(tmp_path):
-    strip = PlaceRenderer(place_map(tmp_path, POSITIONS)).draw()[400:]
+    strip = OverviewRenderer(place_map(tmp_path, POSITIONS)).draw()[400:]
     bar = probability_bar(180, 12)
     found = [
         (row, column)
@@ -165,7 +165,7 @@ def test_text_of_hypotheses(answer, words):
 
 
 def test_an_unknown_place_is_shown(tmp_path):
-    drawn = PlaceRenderer(place_map(tmp_path, POSITIONS))
+    drawn = OverviewRenderer(place_map(tmp_path, POSITIONS))
     nowhere, nothing_yet = drawn.draw(UNKNOWN_PLACE), drawn.draw()
     np.testing.assert_array_equal(nowhere[:400], nothing_yet[:400])
     assert (nowhere[400:] != nothing_yet[400:]).any()
@@ -177,7 +177,7 @@ def test_a_narrow_overview_has_room_for_words(tmp_path, ids):
     narrow = narrow._replace(
         photos=tuple(Photo(number, "a.jpg", 5.0, 5.0 + 40 * (number % 9)) for number in ids)
     )
-    drawn = PlaceRenderer(narrow)
+    drawn = OverviewRenderer(narrow)
     picture = drawn.draw([Hypothesis(number, 0.4) for number in ids])
     assert picture.shape == (856, 520, 3)
     assert all(colour_at(picture, *drawn.at[number]) == probability_colour(0.4) for number in ids)
@@ -186,4 +186,4 @@ def test_a_narrow_overview_has_room_for_words(tmp_path, ids):
 def test_an_overview_that_is_not_there_is_named(tmp_path):
     lacking = PlaceMap(tmp_path, Overview("park.png", 10, 10))
     with pytest.raises(OSError, match="park.png"):
-        PlaceRenderer(lacking)
+        OverviewRenderer(lacking)

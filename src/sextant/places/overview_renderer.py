@@ -16,7 +16,7 @@ from scipy.spatial import cKDTree
 
 from sextant.place_maps.overview_backdrop import READABLE, backdrop
 from sextant.place_maps.place_map import PlaceMap
-from sextant.places.probability_scale import Colour, probability_bar, probability_colour
+from sextant.places.probability_colours import Colour, probability_bar, probability_colour
 
 Box = Tuple[float, float, float, float]  # left, top, right, bottom; pixels
 
@@ -46,7 +46,7 @@ class Radii(NamedTuple):
     best: float  # for the most probable hypothesis
 
 
-class PlaceRenderer:
+class OverviewRenderer:
     """Renders hypotheses on the overview of one map; all images have the same size."""
 
     def __init__(self, place_map: PlaceMap, max_side: int = 1600):
@@ -194,8 +194,8 @@ def text_of(
 ) -> Tuple[str, str]:
     """Two lines of text that describe hypotheses.
 
-    :param hypotheses: see PlaceRenderer.draw()
-    :param likely: as returned by PlaceRenderer.likely()
+    :param hypotheses: see OverviewRenderer.draw()
+    :param likely: as returned by OverviewRenderer.likely()
     :param places: number of places in the map
     """
     map_size = f"{places} places in this map" if places != 1 else "1 place in this map"
