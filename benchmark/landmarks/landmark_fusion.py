@@ -14,7 +14,7 @@ import sextant
 from landmarks.landmark_drives import nees, pose_error
 from sextant.geometry.plane_poses import composed, relative
 from sextant.simulation.motion import FigureEight
-from sextant.simulation.room import default_map
+from sextant.simulation.room_markers import default_map
 
 RATE, EVERY = 20.0, 2  # Hz of odometry; an image at every second reading
 ROOM, CORRIDOR, AGAIN = 40.0, 60.0, 15.0  # seconds

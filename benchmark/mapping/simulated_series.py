@@ -17,7 +17,7 @@ from sextant.evaluation.pose_series import GroundTruth, pose_series, series_stat
 from sextant.localization.drive_observations import DriveCamera, DriveObservations, ImageDetections
 from sextant.localization.located_drive import locate_drive
 from sextant.simulation.camera import camera_calibration
-from sextant.simulation.room import room_for
+from sextant.simulation.room_markers import room_for
 
 DISTANCES = (0.75, 1.0, 1.25, 1.5, 1.75, 2.0, 2.5, 3.0, 3.5, 4.0, 4.5, 5.0, 5.5, 6.0, 6.5, 7.0)  # m
 FAMILY, ID = "DICT_4X4_50", 0

@@ -15,7 +15,7 @@ from under_test import detector, locator
 import sextant
 from markers.detector_speed import plain_search
 from sextant.simulation.drive import DriveParams, SimulatedDrive
-from sextant.simulation.room import default_map
+from sextant.simulation.room_markers import default_map
 
 ROUND = 600  # frames of one eight at 30 Hz: its last one and its first follow each other
 WARM_UP = 3  # plain searches before those that count

@@ -13,7 +13,7 @@ from under_test import detector
 
 import sextant
 from sextant.simulation.drive import DriveParams, Frame, SimulatedDrive
-from sextant.simulation.room import default_map
+from sextant.simulation.room_markers import default_map
 
 ARUCO, APRILTAG = "DICT_4X4_50", "tag36h11"
 PLAIN = {ARUCO: "cv::aruco::detectMarkers", APRILTAG: "libapriltag, decimate 2"}

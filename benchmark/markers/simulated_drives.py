@@ -11,7 +11,7 @@ from under_test import MODES, detector, locator
 import sextant
 from sextant.evaluation.trajectory_metrics import TrajectoryErrors, summarize, trajectory_errors
 from sextant.simulation.drive import DriveParams, Frame, SimulatedDrive
-from sextant.simulation.room import default_map
+from sextant.simulation.room_markers import default_map
 
 BARS = {"tag36h11": (1.7, 4.3), "DICT_4X4_50": (5.0, 13.0)}  # joint: mean and 95 %, cm
 BETTER_THAN_AVERAGE = 2.0  # joint's 95 % over that of average

@@ -31,7 +31,7 @@ from sextant.geometry.plane_poses import planar, relative
 from sextant.msg import Marker, MarkerArray
 from sextant.nodes.base.pose_messages import pose_from_message, pose_to_message
 from sextant.nodes.simulation.simulator_messages import calibration_to_message, pose_to_transform
-from sextant.simulation.room import default_map
+from sextant.simulation.room_markers import default_map
 
 PACKAGE = "robot_localization"
 FILTERS = {"robot_localization": "odometry/filtered_map", "landmark_slam": "odometry/filtered"}

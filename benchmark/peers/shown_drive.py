@@ -14,7 +14,7 @@ import sextant
 from sextant.nodes.images.image_message import image_to_message
 from sextant.nodes.simulation.simulator_messages import calibration_to_message, pose_to_transform
 from sextant.simulation.drive import DriveParams, SimulatedDrive
-from sextant.simulation.room import default_map
+from sextant.simulation.room_markers import default_map
 
 CAMERA, BASE = "camera_optical_frame", "base_link"
 

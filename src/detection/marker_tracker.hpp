@@ -14,9 +14,9 @@
 namespace sextant {
 
 /// Selects the parts of each image in which a backend searches: the whole image first and after a change of
-/// size; then the predicted positions of markers, the strips at the border where the scene enters, and in
-/// every third image all quads. A new marker is detected within three images. A marker in steady motion is
-/// not searched: its edges are fitted from the predicted ones, and its code is read between them.
+/// size; then the predicted positions of markers, the strips at the sides where new parts of it come into
+/// view, and in every third image all quads. A new marker is detected within three images. A marker in steady
+/// motion is not searched: its edges are fitted from the predicted ones, and its code is read between them.
 class MarkerTracker {
  public:
   /// @param tracking false: search every image completely

@@ -24,7 +24,7 @@ class MarkerTracks {
 
   /// Predicts the markers whose centre is in the next image.
   std::vector<Expected> expect(const cv::Size& image) const;
-  /// The strips at the sides of the image where the scene enters and a new marker may appear, deep enough for
+  /// The strips at the sides of the image where new parts of the scene come into view, deep enough for
   /// the largest marker so far. Empty without motion.
   /// @param cut_off boxes of outlines at the image border up to three images ago: candidates for new markers
   std::vector<cv::Rect> entrances(const cv::Size& image, const std::vector<cv::Rect>& cut_off) const;

@@ -239,12 +239,13 @@ ParamList LocatorParams::fields() {
        "`nearest`: pose from the marker with the smallest z in the camera frame; `average`: mean of the "
        "poses from each marker; `joint`: one pose from all corners of all markers"},
       {"corner_sigma", &corner_sigma, Range::openLow(0, 10), "px",
-       "standard deviation of corner coordinates, common to all corners; each corner's own (`corner_sigmas`) "
-       "is added in quadrature"},
+       "standard deviation of corner coordinates, common to all corners; each corner's own (`corner_sigmas` "
+       "of sextant/Marker) is added in quadrature"},
       {"max_reprojection_error", &max_reprojection_error, Range::openLow(0, 1000), "px",
        "maximum reprojection error (RMS over all used corners) of a pose"},
       {"robust_width", &robust_width, Range::closed(0.5, 1000), "",
-       "threshold of the Huber loss of a marker in the first minimization, standard deviations"},
+       "threshold of a marker's Huber loss, standard deviations, in the minimization over all markers; the "
+       "next one is without Huber loss, over the markers within `gate`"},
       {"gate", &gate, Range::closed(8, 1e6), "",
        "squared Mahalanobis distance of a marker's eight coordinates beyond which it is an outlier"},
       {"floor_height_sigma", &floor_height_sigma, Range::closed(0, 10), "m",

@@ -13,19 +13,20 @@
 namespace sextant {
 namespace {
 
-constexpr size_t kSecondImages = 5;
-constexpr double kSecondAgreement =
-    0.5;                         // fraction of the contradicting images that the second pose explains
-constexpr double kFarOff = 0.5;  // minimum distance of the two poses, edge lengths of the marker
-// The markers from which the images that support a pose were located.
+constexpr size_t kMinImages = 5;       // minimum number of images that contradict the pose in the map
+constexpr double kMinAgreement = 0.5;  // minimum fraction of these images that the other pose fits
+constexpr double kMinDistance = 0.5;   // minimum distance of the two poses, edge lengths of the marker
+
+// The other markers from which the base was located in the images that support a pose.
 std::vector<MarkerKey> witnesses(const MarkerRecording& recording,
                                  const std::vector<RecordedObservation>& observations,
                                  const std::vector<InstantHypotheses>& path, const MarkerMap& map,
-                                 const MarkerKey& asked, const MarkerPlace& place, const PathParams& params) {
+                                 const MarkerKey& excluded, const MarkerPlace& place,
+                                 const PathParams& params) {
   std::set<MarkerKey> found;
   for (const size_t i : place.explained) {
     const size_t instant = observations[i].instant;
-    const auto keys = markersInSight(recording[instant], map, params, {asked});
+    const auto keys = markersInSight(recording[instant], map, params, {excluded});
     for (const size_t used : path[instant][0].used) found.insert(keys[used]);
   }
   return {found.begin(), found.end()};
@@ -33,25 +34,25 @@ std::vector<MarkerKey> witnesses(const MarkerRecording& recording,
 
 bool isElsewhere(const MarkerPlace& place, const MappedMarker& marker) {
   const Eigen::Vector3d offset = place.T_map_marker.translation() - marker.T_map_marker.translation();
-  return place.explained.size() >= kSecondImages && place.agreement >= kSecondAgreement &&
-         offset.norm() >= kFarOff * marker.size;
+  return place.explained.size() >= kMinImages && place.agreement >= kMinAgreement &&
+         offset.norm() >= kMinDistance * marker.size;
 }
 
 std::optional<ConflictingPose> conflictingPose(const MarkerRecording& recording,
                                                const std::vector<RecordedObservation>& observations,
                                                const MarkerMap& map, const MappedMarker& marker,
-                                               const std::vector<InstantHypotheses>& explained,
+                                               const std::vector<InstantHypotheses>& consistent,
                                                const PathParams& params) {
   std::vector<InstantHypotheses> path(recording.size());
   std::vector<RecordedObservation> contradicting;
   for (const RecordedObservation& each : observations) {
-    if (!explained[each.instant].empty()) continue;
+    if (!consistent[each.instant].empty()) continue;  // all markers fit the map
     path[each.instant] = locateInstant(recording[each.instant], map, params, {}, {marker.key});
     const auto distance =
         distanceFromPlace(recording, each, path[each.instant], marker.size, marker.T_map_marker, params);
     if (distance && *distance > params.hypotheses.gate) contradicting.push_back(each);
   }
-  if (contradicting.size() < kSecondImages) return std::nullopt;
+  if (contradicting.size() < kMinImages) return std::nullopt;
   const auto places = placeMarker(recording, contradicting, path, marker.size, params);
   if (places.empty() || !isElsewhere(places[0], marker)) return std::nullopt;
   return ConflictingPose{marker.key, places[0].T_map_marker, contradicting.size(),
@@ -61,13 +62,13 @@ std::optional<ConflictingPose> conflictingPose(const MarkerRecording& recording,
 }  // namespace
 
 std::vector<ConflictingPose> conflictingPoses(const MarkerRecording& recording, const MarkerMap& map,
-                                              const std::vector<InstantHypotheses>& explained,
+                                              const std::vector<InstantHypotheses>& consistent,
                                               const PathParams& params) {
   std::vector<ConflictingPose> all;
   for (const auto& [key, observations] : observationsByMarker(recording)) {
     const MappedMarker* marker = map.find(key);
     if (!marker) continue;
-    if (const auto found = conflictingPose(recording, observations, map, *marker, explained, params))
+    if (const auto found = conflictingPose(recording, observations, map, *marker, consistent, params))
       all.push_back(*found);
   }
   std::stable_sort(all.begin(), all.end(), [](const ConflictingPose& a, const ConflictingPose& b) {

@@ -66,21 +66,22 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
         node.createWallTimer(ros::WallDuration(1.0), [this](const ros::WallTimerEvent&) { everySecond(); });
   }
 
-  // In the callback queue of the images, so between two of them. Level 1 (cfg/MarkerDetector.cfg): parameters
-  // of the detector, which is created again without its tracks.
+  // Called from the callback queue of the images, so never while one is processed. Level 1
+  // (cfg/MarkerDetector.cfg): a parameter of the detector changed; it is created again and loses its tracks.
   void reconfigure(const MarkerDetectorConfig& config, uint32_t level) {
     const MarkerDetectorNodeParams changed = withConfig(params_, config);
     if (level & 1) detector_ = makeMarkerDetector(changed.detector);
     params_ = changed;
   }
 
-  // Connections made before the callback queue was active are not reported by a callback.
+  // Updates the subscription, too: for a subscriber that connected before the callback queue was active, no
+  // callback is called.
   void everySecond() {
     updateSubscription();
     diagnostics_->force_update();
   }
 
-  // Subscribes to images only while there is a subscriber of the results.
+  // Subscribes to images only while the detector is enabled and its results are used, by a subscriber or tf.
   void updateSubscription() {
     const bool needed = params_.publish_tf || markers_pub_.getNumSubscribers() > 0 ||
                         debug_pub_.getNumSubscribers() > 0 || jpeg_pub_.getNumSubscribers() > 0;
@@ -94,12 +95,13 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
 
   void subscribe() {
     ros::NodeHandle& node = getNodeHandle();
-    const auto newest = ros::TransportHints().tcpNoDelay();
-    info_sub_ = node.subscribe(infoTopic(), 1, &MarkerDetectorNodelet::onInfo, this, newest);
+    const auto no_delay = ros::TransportHints().tcpNoDelay();
+    info_sub_ = node.subscribe(infoTopic(), 1, &MarkerDetectorNodelet::onInfo, this, no_delay);
     if (params_.compressed)
-      image_sub_ = node.subscribe("image/compressed", 1, &MarkerDetectorNodelet::onCompressed, this, newest);
+      image_sub_ =
+          node.subscribe("image/compressed", 1, &MarkerDetectorNodelet::onCompressed, this, no_delay);
     else
-      image_sub_ = node.subscribe("image", 1, &MarkerDetectorNodelet::onImage, this, newest);
+      image_sub_ = node.subscribe("image", 1, &MarkerDetectorNodelet::onImage, this, no_delay);
   }
 
   // camera_info beside the image topic, as image_transport expects it, unless it is remapped.
@@ -162,8 +164,9 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
     }
   }
 
-  // OpenCV runs even tiny loops on all cores; for searches in small windows, waking the threads takes longer
-  // than the loop. Inside a parallel_for_ it does not start further threads.
+  // OpenCV runs even tiny loops on all cores; for searches in small windows, waking its threads takes
+  // longer than the loop. Loops inside a parallel_for_ run on the calling thread: one of a single iteration
+  // keeps the detection on one thread.
   std::vector<Detection> detect(const cv::Mat& image) {
     std::vector<Detection> detections;
     const auto search = [&](const cv::Range&) { detections = detector_->detect(image, &*camera_); };

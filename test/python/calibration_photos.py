@@ -8,7 +8,7 @@ import pytest
 
 import sextant
 from sextant.simulation.camera import camera_calibration
-from sextant.simulation.room import room_for
+from sextant.simulation.room_markers import room_for
 
 SIZE, FOCAL = 0.16, 532.5
 DISTORTION = [-0.05, 0.02, 0.0, 0.0, 0.0]

@@ -10,20 +10,20 @@
 
 namespace sextant {
 
-/// A second pose of a marker, from observations that are consistent with each other but not with its pose in
-/// the map: the marker was moved, or its id is used twice.
+/// Another pose of a marker than that in the map, from observations that are consistent with each other but
+/// not with the map: the marker was moved, or its id is used twice.
 struct ConflictingPose {
   MarkerKey key;                     ///< family and id
-  Pose T_map_marker;                 ///< the second pose
+  Pose T_map_marker;                 ///< the other pose
   size_t images;                     ///< number of images that support it
   std::vector<MarkerKey> witnesses;  ///< other markers from which those images were located
 };
 
 /// Finds the markers of a map with observations of another pose, with the base located from the other
 /// markers. If two markers contradict each other, both are returned, the one with more witnesses first.
-/// @param explained poses of instants at which all markers fit the map; empty at all others
+/// @param consistent poses of instants at which all markers fit the map; empty at all others
 std::vector<ConflictingPose> conflictingPoses(const MarkerRecording& recording, const MarkerMap& map,
-                                              const std::vector<InstantHypotheses>& explained,
+                                              const std::vector<InstantHypotheses>& consistent,
                                               const PathParams& params);
 
 }  // namespace sextant

@@ -41,7 +41,7 @@ void DetectorReport::fillMarkers(diagnostic_updater::DiagnosticStatusWrapper& st
   status.addf("markers per image: mean", "%.2f", static_cast<double>(period_.markers) / period_.used);
   status.addf("images without a marker (%)", "%.1f", percent(period_.empty, period_.used));
   if (period_.posed > 0)
-    status.addf("reprojection error of single markers (px)", "%.3f",
+    status.addf("reprojection error, each marker on its own: RMS (px)", "%.3f",
                 std::sqrt(period_.squared_errors / period_.posed));
   if (period_.posed < period_.markers) status.add("markers without a pose", period_.markers - period_.posed);
 }

@@ -1,8 +1,9 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Plots of the accuracy by distance: errors, and spread of the poses against the published deviation.
+"""Plots of the accuracy by distance: errors, and spread of the poses against their published covariance.
 
-One panel per axis, in centimetres and degrees; logarithmic, since errors range from millimetres to a metre.
+A distance is the true value of the measured axis, which may be an angle. One panel per axis, in centimetres
+and degrees; logarithmic, since errors range from millimetres to a metre.
 """
 
 from pathlib import Path
@@ -21,8 +22,8 @@ from sextant.evaluation.pose_series import AXES, UNITS, SeriesStatistics
 BLUE, RED, GREEN, GREY = COLOURS[0], COLOURS[1], COLOURS[2], "#999999"
 SCALES = (100.0,) * 3 + (180.0 / np.pi,) * 3  # to the plotted units
 SHOWN = ("cm",) * 3 + ("degrees",) * 3  # plotted units
-FLOOR = 0.05  # lower limit of a panel, of the smallest standard deviation; smaller values are drawn at it
-MIN_FLOOR = 1e-6  # minimum of this limit, centimetres and degrees
+FLOOR = 0.05  # lower limit of a panel, as a fraction of its smallest standard deviation
+MIN_FLOOR = 1e-6  # minimum of this limit, centimetres and degrees; smaller values are drawn at the limit
 DOTS = 1000  # maximum number of poses drawn per distance
 
 Panel = Callable[[Axes, Sequence[SeriesStatistics], int], None]
@@ -40,7 +41,7 @@ def plot_errors(path: Union[str, Path], statistics: Sequence[SeriesStatistics]) 
 
 
 def plot_spread(path: Union[str, Path], statistics: Sequence[SeriesStatistics]) -> None:
-    """Plots the deviation of poses from the mean, the standard deviation, and the published one if available.
+    """Plots the poses minus their mean, their standard deviation, and that of the published covariances.
 
     Parameters and errors as plot_errors().
     """
@@ -51,7 +52,7 @@ def _plot(path: Union[str, Path], statistics: Sequence[SeriesStatistics], draw: 
     if not statistics:
         raise ValueError("there are no statistics to plot")
     figure = Figure(figsize=(13, 7.5))
-    canvas = FigureCanvasAgg(figure)  # not pyplot, which needs a window system and has global state
+    canvas = FigureCanvasAgg(figure)  # not pyplot, which has global state and may need a window system
     kind = Path(path).suffix.lstrip(".").lower()
     if kind not in canvas.get_supported_filetypes():
         raise ValueError(f"{path}: '{kind}' is not an image format")
@@ -70,9 +71,9 @@ def _draw_errors(axes: Axes, statistics: Sequence[SeriesStatistics], axis: int) 
     _line(axes, distance, rmse, "s-", color=GREY, markersize=10, linewidth=4, alpha=0.6, label="RMSE")
     _line(axes, distance, std, "o--", color=BLUE, markersize=5, label="standard deviation")
     _line(axes, distance, bias, "-", color=RED, linewidth=1)
-    for sign, marker, size in ((1.0, "^", "large"), (-1.0, "v", "small")):
+    for sign, marker, wrong in ((1.0, "^", "large"), (-1.0, "v", "small")):
         chosen = np.where(np.copysign(1.0, bias) == sign, bias, np.nan)
-        _line(axes, distance, chosen, marker, color=RED, markersize=7, label=f"bias, estimate too {size}")
+        _line(axes, distance, chosen, marker, color=RED, markersize=7, label=f"bias, estimate too {wrong}")
     if np.isnan(bias).all() and np.isfinite(std).any():
         axes.text(0.5, 0.03, "true value unknown: no bias", transform=axes.transAxes, ha="center")
 
@@ -84,12 +85,14 @@ def _draw_spread(axes: Axes, statistics: Sequence[SeriesStatistics], axis: int) 
     for each in statistics:
         poses = each.poses[:: 1 + each.count // DOTS, axis] if each.count > 1 else np.empty(0)
         at = each.distance + random.uniform(-width, width, len(poses))
-        deviation = SCALES[axis] * (poses - each.mean[axis])
-        _line(axes, at, deviation, ".", color=GREY, markersize=2, alpha=0.5)
-    axes.plot([], [], ".", color=GREY, label="deviation of a pose from the mean")
+        difference = SCALES[axis] * (poses - each.mean[axis])
+        _line(axes, at, difference, ".", color=GREY, markersize=2, alpha=0.5)
+    axes.plot([], [], ".", color=GREY, label="difference of a pose from the mean")
     _line(axes, distance, std, "o--", color=BLUE, markersize=5, label="standard deviation")
     if any(np.isfinite(each.published).any() for each in statistics):
-        _line(axes, distance, published, "s-", color=GREEN, markersize=5, label="published")
+        _line(
+            axes, distance, published, "s-", color=GREEN, markersize=5, label="published standard deviation"
+        )
 
 
 def _columns(statistics: Sequence[SeriesStatistics], axis: int, *names: str) -> Tuple[np.ndarray, ...]:
@@ -112,8 +115,9 @@ def _jitter(distances: np.ndarray) -> float:
 
 
 def _finish(axes: Axes, statistics: Sequence[SeriesStatistics], axis: int) -> None:
-    unit = UNITS[AXES.index(statistics[0].axis)]
-    axes.set(yscale="log", title=AXES[axis], ylabel=SHOWN[axis], xlabel=f"true {statistics[0].axis}, {unit}")
+    measured = statistics[0].axis
+    xlabel = f"true {measured}, {UNITS[AXES.index(measured)]}"
+    axes.set(yscale="log", title=AXES[axis], ylabel=SHOWN[axis], xlabel=xlabel)
     axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axes.yaxis.set_minor_formatter(NullFormatter())
     axes.locator_params(axis="x", nbins=7)

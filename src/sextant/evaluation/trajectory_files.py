@@ -31,7 +31,11 @@ COLUMNS: Dict[str, Tuple[str, ...]] = {
     **{f"q{axis}": (f"q_{axis}", f"q_rs_{axis} []") for axis in "xyzw"},
 }
 IN_NANOSECONDS = ("stamp_ns", "#timestamp [ns]", "#timestamp", "field.header.stamp")
-ROS_POSES = ("field.pose.", "field.pose.pose.", "field.transform.")  # of PoseStamped, Odometry, Transform…
+ROS_POSES = (
+    "field.pose.",
+    "field.pose.pose.",
+    "field.transform.",
+)  # of PoseStamped, Odometry, TransformStamped
 
 SEPARATORS = {".csv": ",", ".tum": " ", ".txt": " "}  # by file name ending
 
@@ -57,7 +61,7 @@ def read_tum(path: FilePath) -> Trajectory:
 
 def read_csv(path: FilePath) -> Trajectory:
     """Reads a trajectory from a CSV file with a header; raises as read_trajectory()."""
-    lines = _lines(path, comments=False)
+    lines = _lines(path, strip_comments=False)  # the header may begin with #, as EuRoC's
     first, header = next(lines, (1, ""))
     names = [name.strip().lower() for name in header.split(",")]
     try:
@@ -76,14 +80,14 @@ def write_trajectory(path: FilePath, trajectory: Trajectory) -> None:
     :raises ValueError: unknown ending
     """
     ending = _checked_ending(path, SEPARATORS)
-    comma = SEPARATORS[ending]
+    separator = SEPARATORS[ending]
     rows = [
         [seconds_text(stamp), *(repr(float(value)) for value in (*T[:3, 3], *quaternion_of(T[:3, :3])))]
         for stamp, T in sorted(trajectory.items())
     ]
     with atomic_file(path) as file:
-        file.write(("" if comma == "," else "# ") + comma.join(FIELDS) + "\n")
-        file.writelines(comma.join(row) + "\n" for row in rows)
+        file.write(("" if separator == "," else "# ") + separator.join(FIELDS) + "\n")
+        file.writelines(separator.join(row) + "\n" for row in rows)
 
 
 def _checked_ending(path: FilePath, known: Iterable[str]) -> str:
@@ -93,12 +97,12 @@ def _checked_ending(path: FilePath, known: Iterable[str]) -> str:
     return ending
 
 
-def _lines(path: FilePath, comments: bool = True) -> Iterator[Tuple[int, str]]:
+def _lines(path: FilePath, strip_comments: bool = True) -> Iterator[Tuple[int, str]]:
     """Yields number and text of every line that is not blank, without a byte order mark."""
     try:
         with open(path, encoding="utf-8-sig") as file:
             for number, line in enumerate(file, 1):
-                line = (line.split("#", 1)[0] if comments else line).strip()
+                line = (line.split("#", 1)[0] if strip_comments else line).strip()
                 if line:
                     yield number, line
     except UnicodeDecodeError:

@@ -12,7 +12,7 @@ from sextant.base.strict_params import Check, StrictParams, nested, param, struc
 from sextant.simulation.camera import HORIZONTAL_FOV, camera_calibration, camera_mount
 from sextant.simulation.motion import FigureEight, Motion, free_floor
 from sextant.simulation.odometry import OdometryNoise, OdometryReading, WheelOdometry
-from sextant.simulation.room import default_map, room_for
+from sextant.simulation.room_markers import default_map, room_for
 
 _CAMERA = sextant.RoomRendererParams()
 _SCENE = sextant.RoomSceneParams()

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Walk along a simulated street; season and light change with each round."""
+"""Walk along a simulated street, a loop around a block; season and light change with each lap."""
 
 from dataclasses import dataclass
 from typing import List, NamedTuple, Optional
@@ -15,6 +15,7 @@ from sextant.simulation.street import Street
 from sextant.simulation.street_conditions import CONDITIONS
 from sextant.simulation.street_view import street_view
 
+NOISE_SEED = 1_000_000  # of the first image's noise; far from the seeds of photos in maps
 WAVE = 23.0  # wavelength of the lateral motion, metres
 STEP = 0.01  # of the numerical derivative for the heading, metres
 
@@ -34,7 +35,7 @@ class WalkParams(StrictParams):
     seed: int = param(1, "random seed of the street and of all noise", within(0, 2**31 - 1))
     seasons: List[str] = param(
         ["autumn", "winter"],
-        "seasons of the walk, round by round",
+        "seasons of the walk, one per lap",
         known_conditions,
     )
     rate: float = param(2.0, "image rate", within(0.1, 100.0), "Hz")
@@ -55,13 +56,13 @@ class WalkFrame(NamedTuple):
 
 
 class StreetWalk:
-    """Generates frames; the first one of a round takes seconds, as its street is built."""
+    """Generates frames; the first one of a lap takes seconds, as the street is built in the lap's season."""
 
     def __init__(self, params: WalkParams):
         self._params = params
         self._wheels = WheelOdometry(OdometryNoise(), params.seed)
         self._street: Optional[Street] = None
-        self._round, self._number, self._arc = -1, 0, 0.0  # arc length, metres
+        self._lap, self._number, self._arc = -1, 0, 0.0  # arc length, metres
         self._rng = np.random.default_rng([params.seed, 3])
 
     def carry(self) -> float:
@@ -83,30 +84,29 @@ class StreetWalk:
         motion = self._motion(street)
         reading = self._wheels.update(motion, 1 / self._params.rate)
         size = (self._params.width, self._params.height)
-        image = street_view(street, [motion.x, motion.y, motion.yaw], size, 1_000_000 + self._number)
+        image = street_view(street, [motion.x, motion.y, motion.yaw], size, NOISE_SEED + self._number)
         time = self._number / self._params.rate
         self._number += 1
         return WalkFrame(time, self._conditions(), motion, reading, image)
 
     def _conditions(self) -> str:
-        return self._params.seasons[self._round % len(self._params.seasons)]
+        return self._params.seasons[self._lap % len(self._params.seasons)]
 
     def _street_now(self) -> Street:
-        """The street in the conditions of the current round."""
+        """The street in the conditions of the current lap."""
         number = int(self._arc / self._street.length) if self._street else 0
-        if number != self._round:
-            self._round = number
+        if number != self._lap:
+            self._lap = number
             self._street = Street(self._params.seed, CONDITIONS[self._conditions()])
         return self._street
 
     def _motion(self, street: Street) -> Motion:
         """Motion along a sine curve around the centre line, heading along the curve."""
-        ahead, here, after = (self._position(street, self._arc + step) for step in (STEP, 0.0, 1.0))
-        yaw, later = (np.arctan2(*(to - here)[::-1]) for to in (ahead, after))
-        turn_rate = 2 * wrapped(later - yaw)  # rad/m
-        return Motion(
-            *here.tolist(), 0.0, float(yaw), self._params.speed, self._params.speed * float(turn_rate)
-        )
+        here, near, far = (self._position(street, self._arc + step) for step in (0.0, STEP, 1.0))
+        yaw, chord_yaw = (np.arctan2(*(to - here)[::-1]) for to in (near, far))
+        curvature = 2 * wrapped(chord_yaw - yaw)  # rad/m; the chord turns half as much as the curve
+        speed = self._params.speed
+        return Motion(*here.tolist(), 0.0, float(yaw), speed, speed * float(curvature))
 
     def _position(self, street: Street, arc: float) -> np.ndarray:
         return street.pose(arc, self._params.sway * np.sin(2 * np.pi * arc / WAVE))[:2]

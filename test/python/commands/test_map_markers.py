@@ -15,7 +15,7 @@ import sextant
 from sextant.commands.map_markers import main
 from sextant.simulation.drive import DriveParams, SimulatedDrive
 from sextant.simulation.motion import FigureEight
-from sextant.simulation.room import default_map
+from sextant.simulation.room_markers import default_map
 
 EIGHT = FigureEight(period=40.0)
 PARAMS = DriveParams(seed=2, rate=2.5, eight=EIGHT, horizontal_fov=1.8, obstacles=False)

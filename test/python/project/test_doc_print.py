@@ -11,7 +11,7 @@ import pytest
 
 import sextant
 from sextant.commands import make_chessboard, make_markers
-from sextant.simulation.room import room_for
+from sextant.simulation.room_markers import room_for
 
 PAGE = (Path(__file__).resolve().parents[3] / "doc/how_to/print.md").read_text()
 COMMANDS = {"make_markers": make_markers.main, "make_chessboard": make_chessboard.main}

@@ -19,7 +19,7 @@ import sextant
 from sextant.base.strict_params import parse_params, parse_struct
 from sextant.nodes.simulation.landmark_simulator import LandmarkSimulatorParams
 from sextant.simulation.rgbd_camera import RgbdParams
-from sextant.simulation.room import default_map
+from sextant.simulation.room_markers import default_map
 
 ROOT = Path(__file__).resolve().parents[3]
 sys.path.insert(0, str(ROOT / "tools"))

@@ -6,7 +6,7 @@ import pytest
 import sextant
 from sextant.simulation.drive import DriveParams, SimulatedDrive
 from sextant.simulation.motion import FigureEight, Motion
-from sextant.simulation.room import default_map
+from sextant.simulation.room_markers import default_map
 
 LENSES = {
     "ideal": {},

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sextant.simulation.motion import FigureEight, Motion, Unicycle, free_floor
-from sextant.simulation.room import default_map, room_for
+from sextant.simulation.room_markers import default_map, room_for
 
 EIGHT = FigureEight()
 

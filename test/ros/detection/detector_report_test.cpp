@@ -35,14 +35,15 @@ TEST(DetectorReport, SharesAreOfTheImagesSinceTheLastReport) {
   EXPECT_EQ(first.at("images without a marker (%)"), 50.0);
   EXPECT_EQ(first.at("markers per image: mean"), 1.0);
   EXPECT_EQ(first.at("markers in the last image"), 0);
-  EXPECT_NEAR(first.at("reprojection error of single markers (px)"), 0.354, 1e-9);  // root of 0.125
+  EXPECT_NEAR(first.at("reprojection error, each marker on its own: RMS (px)"), 0.354,
+              1e-9);  // root of 0.125
   report.image();
   report.published({marker(0.1), marker({})}, now, now);
   const auto second = rows(report);
   EXPECT_EQ(second.at("images"), 9);
   EXPECT_EQ(second.at("images not used (%)"), 0.0);
   EXPECT_EQ(second.at("markers without a pose"), 1);
-  EXPECT_EQ(second.at("reprojection error of single markers (px)"), 0.1);
+  EXPECT_EQ(second.at("reprojection error, each marker on its own: RMS (px)"), 0.1);
 }
 
 TEST(DetectorReport, NothingHappened) {

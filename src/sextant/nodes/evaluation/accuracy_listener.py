@@ -37,7 +37,7 @@ from sextant.nodes.base.params import read_params
 from sextant.nodes.base.pose_messages import pose_from_message
 from sextant.srv import MeasureAccuracy, MeasureAccuracyResponse
 
-TF_TIMEOUT = 5 * 10**9  # nanoseconds that tf may arrive later than a pose
+TF_TIMEOUT = 5 * 10**9  # nanoseconds after the stamp of a pose until which its true transform may arrive
 
 
 @dataclass(frozen=True)
@@ -52,16 +52,16 @@ class AccuracyListenerParams:
         each(within(-1000.0, 1000.0)),
     )
     output: str = param("accuracy", "prefix of the files; existing files are overwritten", not_empty)
-    truth_frame: str = param("", "tf frame of the robot's true base; empty: use the topic `ground_truth`")
+    truth_frame: str = param("", "tf frame of the base at its true pose; empty: use the topic `ground_truth`")
 
     def ground_truth(self) -> GroundTruth:
         """Returns the true values of the axes.
 
-        :raises ValueError: an unknown axis, or the measured axis among the others
+        :raises ValueError: `true` contains `axis`, a name that is no axis, or a value that is not finite
         """
-        unknown = dict.fromkeys(axis for axis in AXES if axis != self.axis)
-        truth = GroundTruth(self.axis, {**unknown, **self.true})
-        truth.at(0.0)
+        without_truth = dict.fromkeys(axis for axis in AXES if axis != self.axis)
+        truth = GroundTruth(self.axis, {**without_truth, **self.true})
+        truth.at(0.0)  # raises if an axis or a value is invalid
         return truth
 
 
@@ -99,7 +99,7 @@ class AccuracyListener:
         self._add("pose", message, add)
 
     def _on_truth(self, message: Odometry) -> None:
-        self._add("truth", message, LiveDrive.add_truth)
+        self._add("true pose", message, LiveDrive.add_truth)
 
     def _add(
         self,
@@ -119,10 +119,10 @@ class AccuracyListener:
                     self._tf.clear()
                     add(self._drive, frame, stamp, T)
         except ValueError as error:
-            rospy.logwarn_throttle(10.0, "%s: a %s is left out: %s", rospy.get_name(), what, error)
+            rospy.logwarn_throttle(10.0, "%s: a %s is ignored: %s", rospy.get_name(), what, error)
 
     def _look_up(self, _event) -> None:
-        """Looks up the true poses that are still missing in tf."""
+        """Looks up in tf the true poses that are still missing."""
         with self._lock:
             drive = self._drive
             awaited, drive.awaited = drive.awaited, deque()
@@ -162,7 +162,7 @@ class AccuracyListener:
         return _response(series_statistics(series, self._truth))
 
     def _measured(self, value: float, seconds: float) -> PoseSeries:
-        """Collects the poses stamped from now on. In wall time, since a simulation may pause.
+        """Returns the poses stamped from now on, after a time in wall clock seconds: a simulation may pause.
 
         :raises ValueError: no pose was received
         """
@@ -182,8 +182,8 @@ class AccuracyListener:
             newest = max((stamp for stamp, _, _ in self._drive.poses), default=None)
         if newest is None:
             return f"no pose was received on {topic}"
-        age = f"the newest is {(begin - newest) / 1e9:.1f} s older"
-        return f"in {seconds:g} s no pose on {topic} had a stamp after the call, {age}"
+        age = f"the newest stamp is {(begin - newest) / 1e9:.1f} s before the call"
+        return f"no pose received on {topic} in {seconds:g} s has a stamp after the call; {age}"
 
     def _on_reset(self, _request) -> TriggerResponse:
         if self._measuring.locked():

@@ -25,10 +25,11 @@ from sextant.nodes.simulation.simulated_robot import SimulatedRobot, SimulatedRo
 from sextant.nodes.simulation.simulator_messages import calibration_to_message
 from sextant.simulation.drive import DriveParams, Frame, SimulatedDrive
 from sextant.simulation.motion import Motion, Unicycle
-from sextant.simulation.room import MARKER_SIZE, default_map
+from sextant.simulation.room_markers import MARKER_SIZE, default_map
 
-START = 1_000_000_000  # first stamp, nanoseconds; zero is invalid in ROS
-IMAGE_QUEUE = 60  # frames; a slow subscriber loses none
+SECOND = 1_000_000_000  # nanoseconds
+START = SECOND  # first stamp; zero is invalid in ROS
+IMAGE_QUEUE = 60  # frames that a subscriber may be late before it loses one
 
 
 @dataclass(frozen=True)
@@ -40,11 +41,14 @@ class SimulatorParams(DriveParams, SimulatedRobotParams):
     )
     family: str = param(
         "tag36h11",
-        "marker family of the default room, or of a plain text map",
+        "marker family of the default room, or of a map in the [plain text format](marker_map.md#plain-text)",
         Check("[families](#marker-families)"),
     )
     marker_size: float = param(
-        MARKER_SIZE, "edge length of the markers of a plain text map", within(0.001, 100.0), "m"
+        MARKER_SIZE,
+        "edge length of the markers of a map in the [plain text format](marker_map.md#plain-text)",
+        within(0.001, 100.0),
+        "m",
     )
     motion: str = param(
         "path", "path: a figure of eight; cmd_vel: as commanded on `cmd_vel`", one_of("path", "cmd_vel")
@@ -99,7 +103,7 @@ class Simulator(SimulatedRobot):
             self._publish(frame, rospy.Time(nsecs=stamp))
         self._finished.publish(True)
         while not self._stop.is_set():
-            self._clock.advance(self._clock.now + START)
+            self._clock.advance(self._clock.now + SECOND)
 
     def _along_the_path(self) -> Iterator[Frame]:
         """Frames rendered ahead by a thread; the first is returned when render_ahead frames are ready."""
@@ -107,8 +111,8 @@ class Simulator(SimulatedRobot):
         with ThreadPoolExecutor(1) as thread:
             ahead = deque(thread.submit(next, frames, None) for _ in range(self._params.render_ahead))
             try:
-                self._is_ready(ahead[-1])
-                while self._is_ready(ahead[0]):
+                self._wait_for(ahead[-1])
+                while self._wait_for(ahead[0]):
                     frame = ahead.popleft().result()
                     if frame is None:
                         return
@@ -118,8 +122,8 @@ class Simulator(SimulatedRobot):
                 for render in ahead:
                     render.cancel()
 
-    def _is_ready(self, render: Future) -> bool:
-        """Waits for a frame; False: the node is shut down."""
+    def _wait_for(self, render: Future) -> bool:
+        """Waits until a frame is rendered; False: the node is shut down."""
         while not self._stop.is_set():
             try:
                 render.result(timeout=0.1)
@@ -136,7 +140,7 @@ class Simulator(SimulatedRobot):
             yield self._drive.frame(robot.drive(*self._commanded(), 1.0 / self._params.rate))
 
     def _publish(self, frame: Frame, stamp: rospy.Time) -> None:
-        """Transform before image, so that a subscriber can transform the image."""
+        """Publishes the transform first, so that tf has it when the image is received."""
         self._publish_motion(stamp, frame.odometry, frame.truth, self._drive.map.frame)
         camera = Header(stamp=stamp, frame_id=self._params.camera_frame)
         self._camera_info.publish(calibration_to_message(self._drive.calibration, camera))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import sextant
-from sextant.simulation.room import default_map, room_for
+from sextant.simulation.room_markers import default_map, room_for
 
 ROOM_FILE = Path(__file__).resolve().parents[3] / "config" / "room.txt"
 
