@@ -55,7 +55,7 @@ int LandmarkRegister::mergeDuplicates(std::vector<size_t> observed, double separ
       log_odds_[kept] = std::max(log_odds_[kept], log_odds_[gone]);
       std::replace(keys.begin(), keys.end(), std::optional(keys_[gone]), std::optional(keys_[kept]));
       filter_.merge(kept, gone);
-      forget(gone);
+      eraseEntry(gone);
       ++removed;
       for (size_t& each : observed) each = each == gone ? kept : each - (each > gone);
       other = 0;
@@ -91,10 +91,10 @@ void LandmarkRegister::removeFrom(int key) {
 
 void LandmarkRegister::remove(size_t landmark) {
   filter_.remove(landmark);
-  forget(landmark);
+  eraseEntry(landmark);
 }
 
-void LandmarkRegister::forget(size_t landmark) {
+void LandmarkRegister::eraseEntry(size_t landmark) {
   const auto at = static_cast<std::ptrdiff_t>(landmark);
   labels_.erase(labels_.begin() + at);
   keys_.erase(keys_.begin() + at);

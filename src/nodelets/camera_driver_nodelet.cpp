@@ -19,8 +19,8 @@
 
 namespace sextant {
 
-/// Publishes the images of a camera, video file or folder with the calibration, stamped when they are
-/// grabbed.
+/// Publishes the images of a camera, a video file or a folder, each with its CameraInfo and stamped with the
+/// time at which it was grabbed.
 class CameraDriverNodelet : public nodelet::Nodelet {
   void onInit() override {
     trouble_ = std::make_unique<TroubleLog>(getName());
@@ -53,7 +53,8 @@ class CameraDriverNodelet : public nodelet::Nodelet {
     const ros::NodeHandle beside(node, ros::names::parentNamespace(topic));
     calibration_ = std::make_unique<camera_info_manager::CameraInfoManager>(beside, params_.camera_name,
                                                                             calibration_url);
-    // Not image_transport's CameraPublisher for both: a file waits for a subscriber of its images.
+    // Two publishers, since playback of a file starts with a subscriber of the images: a CameraPublisher also
+    // counts the subscribers of camera_info.
     image_pub_ = image_transport::ImageTransport(node).advertise("image_raw", 1);
     info_pub_ = node.advertise<sensor_msgs::CameraInfo>(image_transport::getCameraInfoTopic(topic), 1);
   }

@@ -18,9 +18,9 @@ class LandmarkRegister {
                    const Eigen::Matrix3d& covariance)
       : filter_(params, T_map_base, covariance) {}
 
-  /// Filter over the robot pose and the landmarks. @{
+  /// The filter over the robot pose and the landmarks, to predict and update; landmarks are added and removed
+  /// by this class only. @{
   const LandmarkFilter& filter() const { return filter_; }
-  /// The filter whose landmarks are registered.
   LandmarkFilter& filter() { return filter_; }
   /// @}
   const std::vector<LandmarkLabel>& labels() const { return labels_; }  ///< of each landmark
@@ -37,7 +37,7 @@ class LandmarkRegister {
 
   /// Merges observed landmarks with others of the same label that are nearer than the minimum separation.
   /// @param observed indices @param separation metres
-  /// @param keys in which the keys of merged landmarks are replaced
+  /// @param keys of landmarks; that of a removed one is replaced by that of the landmark it was merged into
   /// @returns number of landmarks removed
   int mergeDuplicates(std::vector<size_t> observed, double separation, std::vector<std::optional<int>>& keys);
 
@@ -47,15 +47,16 @@ class LandmarkRegister {
   /// Removes the landmarks with this key and above.
   void removeFrom(int key);
 
-  /// Replaces all landmarks; they are certain to exist. @param covariance as LandmarkFilter::setState()
+  /// Replaces all landmarks; the new ones are certain to exist.
+  /// @param covariance as LandmarkFilter::setState()
   /// @throws std::invalid_argument if the sizes of landmarks, labels and covariance differ
   void setMap(const Pose2& T_map_base, const std::vector<Landmark2D>& landmarks,
               const std::vector<LandmarkLabel>& labels, const Eigen::MatrixXd& covariance);
 
  private:
   bool areDuplicates(size_t a, size_t b, double separation) const;
-  void remove(size_t landmark);
-  void forget(size_t landmark);
+  void remove(size_t landmark);  // from the filter, too
+  void eraseEntry(size_t landmark);
 
   LandmarkFilter filter_;
   std::vector<LandmarkLabel> labels_;

@@ -18,7 +18,7 @@ from sextant.messages.image_messages import grey_compressed, grey_image
 from sextant.msg import MarkerArray
 
 NAME_A_FILE = "name the camera's calibration file in place of its camera_info"
-SPLIT = "name the camera's calibration file in place of it, or read the parts one by one with start and end"
+SPLIT = "name a calibration file for the camera, or read the parts one by one with start and end"
 
 
 class BagCamera:
@@ -88,12 +88,17 @@ class MarkersCamera(BagCamera):
         return self._from_info(first.camera_info, first.rectified, self.topic.topic)
 
     def markers(self, message: Any) -> List["sextant.Detection"]:
-        """The markers in a message; raises as BagCamera.markers(), BagError if the calibration changes."""
+        """Returns the markers in a message.
+
+        :raises DamagedMessage: a corner is not finite, or the family is unknown
+        :raises BagError: the calibration changes, or markers of raw and of rectified images are mixed
+        """
         same = same_calibration(message.camera_info, self._first.camera_info)
         if not self.topic.calibration and not same:
             raise self._bag.error(f"the calibration on {self.topic.topic} changes", SPLIT)
         if message.rectified != self._first.rectified:
-            raise self._bag.error(f"{self.topic.topic} is of raw and of rectified images", SPLIT)
+            what = f"{self.topic.topic} has markers of raw and of rectified images"
+            raise self._bag.error(what, "read the parts one by one with start and end")
         return [_recorded_marker(each) for each in message.markers]
 
 

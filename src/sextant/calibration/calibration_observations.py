@@ -15,7 +15,7 @@ class Observation:
     """A rigid object in a photo: one marker, or the markers of a board."""
 
     photo: str  # path
-    T_object_marker: np.ndarray  # (m, 4, 4)
+    T_object_marker: np.ndarray  # (m, 4, 4), of m markers
     sizes: np.ndarray  # (m,) edge lengths, metres
     corners: np.ndarray  # (m, 4, 2) pixels
     sigmas: np.ndarray  # (m, 4) standard deviation of a corner coordinate, pixels
@@ -23,7 +23,7 @@ class Observation:
 
     @property
     def points(self) -> np.ndarray:
-        """Corners (4 m, 3) in the object frame, metres."""
+        """Corners in the object frame, metres, of shape (4 * m, 3)."""
         quads = [
             sextant.marker_corners(size) @ T[:3, :3].T + T[:3, 3]
             for T, size in zip(self.T_object_marker, self.sizes)
@@ -43,8 +43,9 @@ def marker_observations(
 
     :param distance: from the lens straight to the centre of one marker, metres; None: not measured
     :param measured_id: id of that marker; None: the only one
-    :param corner_sigma: standard deviation of a corner coordinate, pixels
-    :raises ValueError: measured_id is missing although there are several markers
+    :param corner_sigma: standard deviation of corner coordinates besides each corner's own, pixels
+    :raises ValueError: there is a distance, but measured_id is missing although there are several markers, or
+        two of them have it
     """
     measured = None if distance is None else _measured(photo, detections, measured_id)
     return [
@@ -83,7 +84,7 @@ def board_observation(
     """Returns one observation of the board's markers in a photo; empty if there are none.
 
     :param distance: from the lens straight to the origin of the board, metres; None: not measured
-    :param corner_sigma: standard deviation of a corner coordinate, pixels
+    :param corner_sigma: standard deviation of corner coordinates besides each corner's own, pixels
     :raises ValueError: a marker of the board is in the photo more than once
     """
     seen = [(each, board.find(each.family, each.id)) for each in detections]
@@ -100,5 +101,5 @@ def board_observation(
 
 
 def _sigmas(detection: "sextant.Detection", corner_sigma: float) -> np.ndarray:
-    """Adds the common noise and the noise of each corner (-1: unknown), as the locator does."""
+    """Adds corner_sigma and each corner's own sigma (-1: unknown) in quadrature, as the locator does."""
     return np.hypot(corner_sigma, np.maximum(detection.corner_sigmas, 0.0))

@@ -92,7 +92,7 @@ def make(options: argparse.Namespace) -> Answer:
     made, left_out = add_photos(base_map, found, _merge(options) / place.resolution)
     reasons = list(map(": ".join, left_out.items()))
     if not made.photos:
-        raise ValueError(f"no photo can be placed: {reasons[0]} (of {len(reasons)})")
+        raise ValueError(f"no photo can be placed: {reasons[0]} (the first of {len(reasons)} reasons)")
     files.update({name: photo.jpeg for name, photo in photos.items() if name not in left_out})
     return write_map(options, made, files, reasons, notes)
 

@@ -2,11 +2,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Makes a place map from a folder of photos with GPS positions in their EXIF data.
 
-    make_place_map exif photos/                                   photos/map.txt, on a drawn overview
+    make_place_map exif photos/          write photos/map.txt, with an overview drawn around the photos
+    make_place_map exif photos/ --add    add photos that are not in the map yet
     make_place_map exif photos/ --overview park.png --north-west 55.62,13.01 --south-east 55.61,13.03
-    make_place_map exif photos/ --add                             add photos that are not in the map yet
 
-Without corners, a world file in degrees is used (park.pgw beside park.png).
+Without --north-west and --south-east, an --overview needs a world file in degrees beside it (park.pgw for
+park.png).
 """
 
 import argparse
@@ -33,11 +34,13 @@ def parser() -> CommandParser:
     result = CommandParser(prog="make_place_map exif", description=__doc__)
     result.add_argument("folder", type=Path, metavar="PHOTOS", help="folder of photos, with subfolders")
     add_output_options(result, "PHOTOS/map.txt")
-    begin = result.add_mutually_exclusive_group().add_argument
-    begin("--add", action="store_true", help="add to the existing map, on its overview")
-    begin("--overview", type=Path, metavar="IMAGE", help="north-up image (default: one is drawn)")
-    text = "around the photos of a drawn overview (default: %(default)s)"
-    begin("--margin", type=float, default=MARGIN, metavar="METRES", help=text)
+    exclusive = result.add_mutually_exclusive_group()
+    exclusive.add_argument("--add", action="store_true", help="add to the existing map, on its overview")
+    exclusive.add_argument(
+        "--overview", type=Path, metavar="IMAGE", help="north-up image (default: one is drawn)"
+    )
+    text = "width of the border around the photos in a drawn overview (default: %(default)s)"
+    exclusive.add_argument("--margin", type=float, default=MARGIN, metavar="METRES", help=text)
     add_corner_options(result)
     return result
 
@@ -62,8 +65,8 @@ def make(options: argparse.Namespace) -> Answer:
     made, left_out = exif_map(base_map, new)
     reasons = list(left_out.values())
     if not made.photos:
-        reasons = reasons or ["there is none"]
-        raise ValueError(f"{options.folder}: no photo can be placed: {reasons[0]} (of {len(reasons)})")
+        reason = f"{reasons[0]} (the first of {len(reasons)} reasons)" if reasons else "there is none"
+        raise ValueError(f"{options.folder}: no photo can be placed: {reason}")
     return write_map(options, made, files, reasons)
 
 

@@ -23,7 +23,7 @@ class Nees:
 
     values: np.ndarray  # (N,) by ascending stamp; the expectation is 6
     mean: float  # NaN without samples
-    band: Tuple[float, float]  # of the mean if the covariances are consistent; NaN without samples
+    band: Tuple[float, float]  # contains the mean of consistent covariances with probability CONFIDENCE
 
     @property
     def consistent(self) -> bool:
@@ -35,7 +35,8 @@ def nees(truth: Trajectory, estimate: Trajectory, covariances: Mapping[int, np.n
     """Computes normalized estimation errors squared e' inverse(P) e at the common stamps, with e =
     sextant.pose_error(): position difference, and delta with R_true = Exp(delta) R_est, in the map's axes.
 
-    The band is that of N independent samples; poses of consecutive images are slightly correlated.
+    The band assumes independent samples. Poses of consecutive images are slightly correlated: it is a little
+    too narrow for them.
 
     :param covariances: P by stamp, 6x6, order x y z roll pitch yaw
     :raises ValueError: a covariance is not positive definite, or a pose is not finite
@@ -57,7 +58,8 @@ def _nees_at(stamp: int, truth: np.ndarray, estimate: np.ndarray, covariance: np
 
 
 def nees_band(samples: int) -> Tuple[float, float]:
-    """Returns the confidence band of the mean NEES of independent samples: chi-square, 6 degrees each."""
+    """Returns the confidence band of the mean NEES of independent samples: chi-square, 6 degrees of
+    freedom each; NaN without samples."""
     if samples == 0:
         return np.nan, np.nan
     low, high = chi2.ppf([0.5 - 0.5 * CONFIDENCE, 0.5 + 0.5 * CONFIDENCE], samples * 6) / samples

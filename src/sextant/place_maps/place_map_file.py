@@ -7,8 +7,11 @@ First line, then one line per photo; file names are relative to the map file:
     overview.png;width;height[;NAME=VALUE...]
     id;image.jpg;x;y[;yaw=radians]
 
-Optional fields, which older programs ignore: frame, resolution, origin=x,y,yaw or north_west=lat,lon and
-south_east=lat,lon.
+x and y are pixels of the overview, from its upper left corner. Optional fields of the first line, which older
+programs ignore; all of one group:
+
+    frame=NAME;resolution=METRES_PER_PIXEL;origin=x,y,yaw
+    north_west=lat,lon;south_east=lat,lon
 """
 
 from pathlib import Path
@@ -98,7 +101,7 @@ def _georeference(named: Dict[str, str]) -> Union[MetricFrame, GeoCorners, None]
     if set(named) == set(CORNERS):
         (north, west), (south, east) = (_numbers(name, named[name], "latitude,longitude") for name in CORNERS)
         return GeoCorners((north, west), (south, east))
-    allowed = " or ".join(", ".join(names) for names in (METRIC, CORNERS))
+    allowed = " or ".join(f"({', '.join(names)})" for names in (METRIC, CORNERS))
     raise ValueError(f"the fields after the size must be all of {allowed}; found {', '.join(named)}")
 
 

@@ -228,7 +228,7 @@ def test_markers_whose_calibration_changes(tmp_path):
 
     path = written(tmp_path, write)
     assert refusal(path, markers=["/markers"]).startswith("the calibration on /markers changes")
-    assert refusal(path, markers=["/others"]).startswith("/others is of raw and of rectified images")
+    assert refusal(path, markers=["/others"]).startswith("/others has markers of raw and of rectified images")
 
 
 @pytest.mark.slow

@@ -97,7 +97,7 @@ def test_a_wrong_line_is_refused_with_its_number(file, line, reason):
         ("park.png;400.5;200", "1: width is '400.5', not a whole number"),
         (
             "park.png;400;200;frame=map",
-            "1: the fields after the size must be all of frame, resolution, origin or north_west",
+            "1: the fields after the size must be all of (frame, resolution, origin) or (north_west",
         ),
         ("park.png;400;200;scale=2", "1: 'scale=2' is not a field"),
         ("park.png;400;200;north_west=1;south_east=0,1", "1: north_west is '1', expected latitude,longitude"),

@@ -44,7 +44,7 @@ class PlaceLocalizerStartTest(unittest.TestCase):
             self.write("outside.txt", "3;../out.png;1;1"),
         )
         refused = [
-            ([broken], "broken.txt:1: the fields after the size must be all of frame, resolution, origin"),
+            ([broken], "broken.txt:1: the fields after the size must be all of (frame, resolution, origin"),
             ([lacking], "lacking.txt: missing photos: 13.png, 14.png"),
             ([spoilt], "text.png: is not an image"),
             ([outside], "outside.txt:5: image '../out.png' is outside of the map's folder"),

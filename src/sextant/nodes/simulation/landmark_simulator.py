@@ -31,14 +31,15 @@ from sextant.simulation.landmark_world import (
 from sextant.simulation.motion import Motion
 from sextant.simulation.odometry import SteppedOdometry
 
-START = 10_000_000_000  # first stamp, nanoseconds; positive also for a clock that is 10 s behind
-QUEUE = 100  # messages; a slow subscriber loses none
+START = 10_000_000_000  # first stamp, nanoseconds; those of observations are positive with any clock_offset
+IDLE_STEP = 10_000_000_000  # nanoseconds by which the clock advances at once after the drive
+QUEUE = 100  # messages that a subscriber may be late before it loses one
 RADIUS = 0.08  # metres, of an outline: larger than a mapped landmark in rviz
 GREY = ColorRGBA(0.7, 0.7, 0.7, 1.0)
 
 
-def two_sigmas(values: List[float]) -> str:
-    """Check of range_noise for param(); empty if it is valid."""
+def range_noise_error(values: List[float]) -> str:
+    """Why range_noise is invalid; empty if it is valid."""
     is_fine = len(values) == 2 and all(0.0 <= value <= 10.0 for value in values)
     return "" if is_fine else "must be two numbers within [0, 10]"
 
@@ -56,7 +57,7 @@ class LandmarkSimulatorParams(LandmarkWorldParams, SimulatedRobotParams):
     range_noise: List[float] = param(
         [0.02, 0.005],
         "standard deviation of the range: constant part, and factor of the squared range",
-        Check("2, each [0, 10]", two_sigmas),
+        Check("2, each [0, 10]", range_noise_error),
         "m, 1/m",
     )
     map_frame: str = param("map", "frame of the ground truth", not_empty)
@@ -92,7 +93,7 @@ class LandmarkSimulator(SimulatedRobot):
                 return
             self._publish(step, rospy.Time(nsecs=stamp))
         while not self._stop.is_set():
-            self._clock.advance(self._clock.now + START)
+            self._clock.advance(self._clock.now + IDLE_STEP)
 
     def _publish(self, step: SimulationStep, stamp: rospy.Time) -> None:
         """Odometry before observations, so that a subscriber knows the pose of the robot at their stamp."""

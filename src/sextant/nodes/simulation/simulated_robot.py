@@ -17,9 +17,9 @@ from std_msgs.msg import Header
 from sextant.base.strict_params import StrictParams, not_empty, param, within
 from sextant.nodes.simulation.simulated_clock import SimulatedClock
 from sextant.nodes.simulation.simulator_messages import (
+    motion_to_message,
     pose_to_transform,
     reading_to_message,
-    truth_to_message,
 )
 from sextant.simulation.motion import Motion
 from sextant.simulation.odometry import OdometryReading
@@ -96,4 +96,4 @@ class SimulatedRobot:
             self._tf.sendTransform(pose_to_transform(reading.motion.pose, odom, base))
         self._odometry.publish(reading_to_message(reading, odom, base))
         in_map = Header(stamp=stamp, frame_id=map_frame)
-        self._truth.publish(truth_to_message(truth, in_map, base))
+        self._truth.publish(motion_to_message(truth, in_map, base))

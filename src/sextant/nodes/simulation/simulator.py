@@ -29,7 +29,7 @@ from sextant.simulation.room_markers import MARKER_SIZE, default_map
 
 SECOND = 1_000_000_000  # nanoseconds
 START = SECOND  # first stamp; zero is invalid in ROS
-IMAGE_QUEUE = 60  # frames that a subscriber may be late before it loses one
+IMAGE_QUEUE = 60  # images that a subscriber may be late before it loses one
 
 
 @dataclass(frozen=True)

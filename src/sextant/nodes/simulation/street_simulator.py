@@ -20,7 +20,7 @@ from sextant.nodes.base.init_node import init_node
 from sextant.nodes.base.params import read_params
 from sextant.nodes.base.subscriber_wait import wait_for_subscriber
 from sextant.nodes.images.image_message import image_to_message
-from sextant.nodes.simulation.simulator_messages import reading_to_message, truth_to_message
+from sextant.nodes.simulation.simulator_messages import motion_to_message, reading_to_message
 from sextant.simulation.street_map import FRAME, StreetMap, has_street_map, write_street_map
 from sextant.simulation.street_walk import StreetWalk, WalkFrame, WalkParams, known_conditions
 
@@ -85,7 +85,7 @@ class StreetSimulator:
         base = self._params.base_frame
         odom = Header(stamp=stamp, frame_id=self._params.odom_frame)
         self._odometry.publish(reading_to_message(frame.odometry, odom, base))
-        self._truth.publish(truth_to_message(frame.truth, Header(stamp=stamp, frame_id=FRAME), base))
+        self._truth.publish(motion_to_message(frame.truth, Header(stamp=stamp, frame_id=FRAME), base))
         camera = Header(stamp=stamp, frame_id=self._params.camera_frame)
         self._image.publish(image_to_message(frame.image, camera))
 
