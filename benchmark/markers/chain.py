@@ -30,9 +30,9 @@ SHARE = 0.99  # of the images in which a pose can be computed
 START = 120.0  # seconds to start all nodes and to decode the frames
 EARLY = 0.1  # of a period, that a stamp may be early by rounding
 DIAGNOSTICS_PERIOD = 1.0  # seconds
-COLUMNS = ["poses, %", "late", "CPU a frame, ms", "of plain", "plain's CPU, ms"]
-COLUMNS += ["latency, ms: median", "95 %", "of plain's time", "plain's time, ms"]
-COLUMNS += ["joint, cm: mean", "95 % of it"]
+COLUMNS = ["poses, %", "late images", "CPU a frame, ms", "of the library's", "library's CPU, ms"]
+COLUMNS += ["latency, ms: median", "95 %", "of the library's time", "library's time, ms"]
+COLUMNS += ["joint, cm: mean", "joint, cm: 95 %"]
 
 
 class Bars(NamedTuple):
@@ -122,7 +122,7 @@ def _size_tables(folder: Path, size: Tuple[int, int], count: int, rounds: int, q
         rows.append((f"{family} / {PLAIN[family]}", _cells(run, played, rounds, NO_BARS if quick else bars)))
         samples[family] = 1e3 * np.array(run.latencies)
         stages.append(_stage_table(f"{family}, {what}", run))
-    title = f"Chain from image to pose, {what}; load of the machine before: {load:.1f}"
+    title = f"Chain from image to pose, {what}; load average before: {load:.1f}"
     return [Table(title, COLUMNS, rows, samples), *stages]
 
 

@@ -24,7 +24,7 @@ SIZES = {  # frames a seed, seeds, bars
 }
 APRILTAG_FRAMES = 200  # a full search takes long
 CERTAIN = 0.25  # pixels; a corner with a larger reported deviation is hidden or cut off
-COLUMNS = ["CPU, ms", "of plain", "of full", "markers", "wrong", "no map's", "as full, %"]
+COLUMNS = ["CPU, ms", "of the library's", "of full", "markers", "wrong", "no map's", "as full, %"]
 COLUMNS += ["corners, px", "uncertain, %"]
 CORNER_BARS = {1280: 0.1, 640: 0.15, 1920: None}  # pixels RMS
 RATIO_BARS = {ARUCO: {"full": 0.35, "tracking": 0.12}, APRILTAG: {"full": None, "tracking": 0.3}}

@@ -19,15 +19,15 @@ def photo_tables(photos: Photos) -> List[Table]:
     position, angle, error = pose_of_403(photos)
     found, wrong, known = outdoor_tags(photos)
     rows = [
-        ("403.jpg: position of the marker in the map, mm", [Value(position * 1e3, at_most=2.0)]),
-        ("403.jpg: its rotation, degrees", [Value(np.degrees(angle), at_most=1.0)]),
+        ("403.jpg: error of the marker's position in the map, mm", [Value(position * 1e3, at_most=2.0)]),
+        ("403.jpg: error of its rotation, degrees", [Value(np.degrees(angle), at_most=1.0)]),
         ("403.jpg: reprojection error, RMS, pixels", [Value(error, 3, at_most=0.11)]),
         ("other photos: farthest corner, pixels", [Value(farthest_corner(photos), at_most=0.7)]),
         ("aruco_images.bag: markers found, of 7", [Value(len(bag_markers(photos)), 0, at_least=7)]),
         (f"outdoors: AprilTags found, of {known}", [Value(found, 0, at_least=46)]),
         ("outdoors: wrong ones", [Value(wrong, 0, at_most=0)]),
     ]
-    return [Table("Photos, against what other detectors made of them", ["figure"], rows)]
+    return [Table("Photos: differences from results of other detectors", ["figure"], rows)]
 
 
 def pose_of_403(photos: Photos) -> Tuple[float, float, float]:

@@ -40,7 +40,7 @@ def recording_table(name: str, recording: TagslamRecording) -> Table:
     if len(recording.cameras) > 1:
         stamps = by_stamp(recording.referenced())
         series["joint, cameras together"] = position_errors(recording, stamps, "joint"), len(stamps)
-    series["joint, even ids against odd ids"] = hold_out(recording)
+    series["joint: even ids minus odd ids"] = hold_out(recording)
     rows = [_row(each, errors, count, BARS[name].get(each)) for each, (errors, count) in series.items()]
     return Table(TITLES[name], COLUMNS, rows, {mode: series[mode][0] for mode in MODES})
 

@@ -15,7 +15,7 @@ from sextant.simulation.room_markers import default_map
 
 BARS = {"tag36h11": (1.7, 4.3), "DICT_4X4_50": (5.0, 13.0)}  # joint: mean and 95 %, cm
 BETTER_THAN_AVERAGE = 2.0  # joint's 95 % over that of average
-COLUMNS = ["mean", "95 %", "worst", "average's 95 % / this", "frames with a pose"]
+COLUMNS = ["mean", "95 %", "worst", "95 %: average / this row", "frames with a pose"]
 
 
 def drive_tables(quick: bool) -> List[Table]:

@@ -135,8 +135,8 @@ def _draw_latencies(table: Table, axes: Axes) -> None:
         axes.step(*shares(latencies), where="post", color=colour, label=name)
     for (name, cells), colour in zip(table.rows, ("tab:blue", "tab:orange")):
         figure = dict(zip(table.columns, cells))
-        if figure["of plain's time"].at_most is not None:
-            bar = figure["of plain's time"].at_most * figure["plain's time, ms"].value
+        if figure["of the library's time"].at_most is not None:
+            bar = figure["of the library's time"].at_most * figure["library's time, ms"].value
             axes.axvline(bar, color=colour, ls="--", label=f"bar of the median, {name.split()[0]}")
     readable_decades(axes)
     axes.set(xlabel="latency from image to pose, ms", ylabel="poses with less, %", ylim=(0, 100))

@@ -144,7 +144,7 @@ def test_quick_run_of_the_chain(tmp_path):
     chain, *others = tables
     assert chain["title"].startswith("Chain") and len(chain["rows"]) == 2
     for row in chain["rows"]:
-        assert row["poses, %"]["value"] > 0 and row["of plain"]["value"] > 0
+        assert row["poses, %"]["value"] > 0 and row["of the library's"]["value"] > 0
     stages = {row["name"] for table in others for row in table["rows"]}
     assert "localization: localization" in stages
 

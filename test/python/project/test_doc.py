@@ -59,6 +59,13 @@ def test_generated_texts_follow_the_sources(step):
     assert [path.name for path, text in step().items() if path.read_text() != text] == []
 
 
+def test_every_command_is_on_the_page_of_commands():
+    page = (ROOT / "doc/reference/commands.md").read_text()
+    executables = [path.name for path in (ROOT / "scripts").iterdir() if path.is_file() and not path.suffix]
+    assert len(executables) > 10
+    assert [name for name in executables if f"| `{name}` | " not in page] == []
+
+
 def test_the_parameters_of_every_node_are_found_and_described():
     assert set(records()) == {node for node, path in SCRIPTS.items() if "read_params(" in path.read_text()}
     rows = {f"{node}/{row.name}": row.what for node in [*NODELETS, *records()] for row in rows_of(node)}
