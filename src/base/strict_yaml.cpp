@@ -45,7 +45,8 @@ bool boolean(const YAML::Node& node) {
 }
 
 std::string nonEmptyText(const YAML::Node& node) {
-  if (!node.IsScalar() || node.Scalar().empty()) throw YamlError(node.Mark(), "needs a name");
+  if (!node.IsScalar() || node.Scalar().empty())
+    throw YamlError(node.Mark(), "needs a text that is not empty");
   return node.Scalar();
 }
 

@@ -27,7 +27,7 @@ void requireSigmas(const Param& param) {
 
 void requireDifferent(const std::string& name, const std::string& frame, const std::string& other) {
   if (!frame.empty() && frame == other)
-    throw std::invalid_argument(name + " is '" + frame + "', the same as another frame");
+    throw std::invalid_argument(name + " is '" + frame + "': map, odometry and base need different frames");
 }
 
 }  // namespace
@@ -42,8 +42,8 @@ ParamList LandmarkSlamNodeParams::fields() {
       {"map_file", &map_file, Allowed(), "",
        "landmark map file: read at start-up if it exists, written by `~save_map`"},
       {"start", &start, oneOf({"origin", "map", "unknown"}), "",
-       "initial pose of the robot in `map_file`: origin (`start_pose`), map (the saved pose), or unknown "
-       "(until it is relocalized)"},
+       "initial pose of the robot if `map_file` is read: origin (`start_pose`), map (the saved pose), or "
+       "unknown (until it is relocalized)"},
       {"start_pose", &start_pose, Allowed("empty or 3", requirePose), "m, m, rad",
        "x, y, heading in the map; empty: 0 0 0, but with a marker map the robot is lost until it observes a "
        "marker"},
@@ -60,7 +60,7 @@ ParamList LandmarkSlamNodeParams::fields() {
       {"tf_output", &tf_output, oneOf({"none", "map_to_odom", "map_to_base"}), "",
        "[transform to publish](frames.md#tf_output)"},
       {"initialpose", &initialpose, oneOf({"never", "relocalized"}), "",
-       "publish the first pose, and the first one after the robot was lost, on `initialpose`"},
+       "`relocalized`: publish the first pose, and the first one after the robot was lost, on `initialpose`"},
       {"transform_timeout", &transform_timeout, Range::closed(0, 10), "s",
        "maximum time to wait for a missing transform"},
   };

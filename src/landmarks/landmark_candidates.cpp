@@ -25,13 +25,14 @@ double LandmarkCandidates::distance(const Candidate& candidate,
                                     const PositionObservation& observation) const {
   if (!(candidate.mean.label == observation.label)) return std::numeric_limits<double>::infinity();
   const Eigen::Vector2d apart = observation.position - candidate.mean.position;
+  // mean.covariance is that of one observation
   const Eigen::Matrix2d S = observation.covariance + candidate.mean.covariance / candidate.count;
   return apart.dot(S.llt().solve(apart));
 }
 
 std::optional<size_t> LandmarkCandidates::nearest(const PositionObservation& observation) const {
   std::optional<size_t> found;
-  double least = -2 * std::log1p(-params_.gate);  // of chi-squared with two degrees of freedom
+  double least = -2 * std::log1p(-params_.gate);  // quantile of chi-squared with two degrees of freedom
   for (size_t k = 0; k < candidates_.size(); ++k) {
     const double apart = distance(candidates_[k], observation);
     if (apart < least) found = k, least = apart;

@@ -20,7 +20,8 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-constexpr double kNegativeVariance = 1e-9;  // tolerated below zero, over the largest element
+// Largest tolerated negative eigenvalue of the covariance, relative to its largest element.
+constexpr double kNegativeEigenvalue = 1e-9;
 
 Index dimensionOf(const std::vector<Landmark2D>& landmarks) {
   Index dimension = 3;
@@ -109,9 +110,9 @@ void LandmarkMap::validate() const {
   if (!covariance.allFinite())
     throw std::invalid_argument("the covariance has an element that is not finite");
   if (!isFinite(*this)) throw std::invalid_argument("a position or a heading is not finite");
-  const double little = kNegativeVariance * covariance.cwiseAbs().maxCoeff();
-  const MatrixXd more = covariance + little * MatrixXd::Identity(covariance.rows(), covariance.cols());
-  if (little > 0 && more.llt().info() != Eigen::Success)
+  const double tolerance = kNegativeEigenvalue * covariance.cwiseAbs().maxCoeff();
+  const MatrixXd shifted = covariance + tolerance * MatrixXd::Identity(covariance.rows(), covariance.cols());
+  if (tolerance > 0 && shifted.llt().info() != Eigen::Success)
     throw std::invalid_argument("the covariance has a negative eigenvalue");
 }
 
@@ -129,9 +130,8 @@ void writeLandmarkMap(const LandmarkMap& map, const std::string& path) {
   map.validate();
   const double robot[] = {map.T_map_base.position.x(), map.T_map_base.position.y(), map.T_map_base.heading};
   std::string text =
-      "# Metres and radians. The covariance's lower triangle: x, y, heading of the robot, then x, y[, "
-      "heading]\n"
-      "# of each landmark.\nframe: " +
+      "# Metres and radians. The covariance's lower triangle, rows and columns: x, y, heading of the robot,\n"
+      "# then x, y[, heading] of each landmark.\nframe: " +
       quotedText(map.frame) + "\nrobot: " + listText(robot, 3) + (map.is_lost ? "\nlost: true" : "") +
       "\nlandmarks:" + (map.landmarks.empty() ? " []\n" : "\n");
   for (size_t i = 0; i < map.landmarks.size(); ++i) text += landmarkText(map.landmarks[i], map.labels[i]);

@@ -222,9 +222,9 @@ class MarkerLocatorNodelet : public nodelet::Nodelet {
     try {
       const LocatorResult result = localization_->locate(*map_, views(instant, *frames), frames->T_odom_base);
       clock_.finish("localization");
-      const bool nothing_seen = std::all_of(instant.images.begin(), instant.images.end(),
-                                            [](const auto& image) { return image.item->markers.empty(); });
-      report_->result(result, nothing_seen);
+      size_t detected = 0;
+      for (const auto& image : instant.images) detected += image.item->markers.size();
+      report_->result(result, detected);
       if (result.pose) publish(instant, *frames, *result.pose);
       clock_.finish("publication");
     } catch (const std::exception& error) {

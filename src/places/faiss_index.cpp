@@ -28,11 +28,11 @@ using Id = decltype(faiss::Index::ntotal);  // faiss::Index::idx_t, later faiss:
 
 constexpr int kReducedWidth = 64;       // PCA reduces wider descriptors to it
 constexpr int kSamplesPerColumn = 10;   // minimum for training the PCA
-constexpr int64_t kMany = 2000000;      // descriptors from which on product quantization halves the memory
+constexpr int64_t kMany = 2000000;      // descriptors, from which on product quantization halves their memory
 constexpr int kPointsPerCentroid = 39;  // minimum that faiss recommends for k-means
-constexpr int kMinProbes = 8, kMaxProbes = 16;          // inverted lists searched per query
-constexpr int kListsPerProbe = 64;                      // searched lists grow with the number of lists
-constexpr int kIterations = 10, kIterationsOfMany = 4;  // of k-means
+constexpr int kMinProbes = 8, kMaxProbes = 16;  // inverted lists searched per query
+constexpr int kListsPerProbe = 64;              // one of this many lists is searched, within these limits
+constexpr int kIterations = 10, kIterationsIfMany = 4;  // of k-means
 
 Id firstId(Id image_id) { return image_id * DescriptorIndex::kMaxRows; }
 
@@ -112,7 +112,7 @@ class FaissIndex : public DescriptorIndex {
   FaissIndex(const cv::Mat& samples, int64_t expected)
       : DescriptorIndex(Kind::kType, samples.cols), index_(Kind::make(samples, expected)) {
     lists().cp.min_points_per_centroid = 1;  // no warning for small maps
-    lists().cp.niter = expected < kMany ? kIterations : kIterationsOfMany;
+    lists().cp.niter = expected < kMany ? kIterations : kIterationsIfMany;
     index_->train(samples.rows, values(samples));
     lists().nprobe = probeCount(lists().nlist);
   }
@@ -215,7 +215,7 @@ std::unique_ptr<DescriptorIndex> makeFaissIndex(const cv::Mat& samples, int64_t 
 std::unique_ptr<DescriptorIndex> readFaissIndex(const std::string& path, int64_t offset) {
   std::unique_ptr<FILE, int (*)(FILE*)> file(std::fopen(path.c_str(), "rb"), std::fclose);
   if (!file) throw std::runtime_error(path + ": cannot be read");
-  char begin[2] = {};  // IB: type names of faiss' binary indexes
+  char begin[2] = {};  // faiss' type code: that of binary indexes begins with IB
   if (std::fseek(file.get(), offset, SEEK_SET) || std::fread(begin, 1, 2, file.get()) != 2 ||
       std::fseek(file.get(), offset, SEEK_SET))
     throw std::runtime_error(path + ": is too short");

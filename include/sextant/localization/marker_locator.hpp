@@ -31,7 +31,7 @@ struct MarkerView {
 /// noise_scale, and the corner's own standard deviation added in quadrature.
 CornerSigmas cornerSigmas(const MarkerView& view, const Detection& detection, double corner_sigma);
 
-/// Parameters of MarkerLocator.
+/// Parameters of MarkerLocator, described in fields().
 struct LocatorParams {
   std::string mode = "joint";
   double corner_sigma = 0.3;
@@ -54,7 +54,7 @@ struct LocatedMarker {
   bool used;                ///< false: an outlier, or ignored because it was moved
   double squared_distance;  ///< squared Mahalanobis distance of the eight corner coordinates
   double noise_scale;       ///< MarkerView::noise_scale of its view
-  std::optional<MarkerInnovation> innovation;  ///< nothing if no other marker determines a pose
+  std::optional<MarkerInnovation> innovation;  ///< if the other markers determine a pose: relative to it
 };
 
 /// The pose of the base, with the markers from which it was computed.
@@ -66,7 +66,7 @@ struct LocatedPose {
   std::vector<LocatedMarker> markers;  ///< detected mapped markers, used or not, with their residuals
 
   std::vector<MarkerKey> used() const;      ///< markers from which the pose was computed
-  std::vector<MarkerKey> outliers() const;  ///< mapped markers that were not used
+  std::vector<MarkerKey> outliers() const;  ///< the other detected mapped markers
 };
 
 /// A pose, or the reason why there is none.
@@ -92,7 +92,7 @@ class MarkerLocator {
 
   /// Locates the base.
   /// @param views detections at one instant, one view per camera
-  /// @param prior the last pose moved by odometry: only resolves ambiguities, does not change the pose
+  /// @param prior the previous pose, predicted by odometry: only resolves ambiguities
   /// @param ignored markers that are not used, because they were moved
   LocatorResult locate(const MarkerMap& map, const std::vector<MarkerView>& views,
                        const std::optional<PosePrior>& prior = std::nullopt,

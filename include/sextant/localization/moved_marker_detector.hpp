@@ -18,9 +18,10 @@ struct MovedMarker {
   int images;              ///< number of images that contradict the map
 };
 
-/// Detects markers that were moved from their position in the map: their mean squared innovation over the
-/// last images is large, absolutely and relative to the median of the other markers. Decides about the marker
-/// with the largest mean first, because a moved marker also increases the innovations of the others.
+/// Detects markers that were moved from their position in the map: their mean squared innovation (relative to
+/// the pose from the other markers) over the last images is large, absolutely and relative to the median of
+/// the others. Decides about the marker with the largest mean first, because a moved marker also increases
+/// the innovations of the others.
 class MovedMarkerDetector {
  public:
   /// Adds the innovations of the markers of a pose; ignores poses from one marker.

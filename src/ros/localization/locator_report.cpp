@@ -17,13 +17,13 @@ std::string nameOf(const MarkerKey& key) { return key.family + "/" + std::to_str
 
 }  // namespace
 
-void LocatorReport::result(const LocatorResult& result, bool nothing_seen) {
+void LocatorReport::result(const LocatorResult& result, size_t detected) {
   for (const MarkerKey& key : result.unmapped) ++unmapped_[key];
   for (const MarkerKey& key : result.repeated)
     trouble_.report("repeated marker",
                     "marker " + std::to_string(key.id) + " (" + key.family +
                         ") was detected more than once in one image and is ignored: use each id only once");
-  seen_ = (result.pose ? result.pose->markers.size() : 0) + result.unmapped.size();
+  detected_ = detected;
   used_ = 0;
   if (result.pose) {
     ++poses_;
@@ -34,7 +34,7 @@ void LocatorReport::result(const LocatorResult& result, bool nothing_seen) {
     return;
   }
   ++reasons_[result.reason];
-  if (nothing_seen)
+  if (detected == 0)
     trouble_.succeeded();
   else
     trouble_.report("markers without a pose", "no pose: " + result.reason);
@@ -47,11 +47,11 @@ void LocatorReport::fill(diagnostic_updater::DiagnosticStatusWrapper& status,
   if (!map)
     status.summary(DiagnosticStatus::WARN, "no marker map yet");
   else if (images_ == 0)
-    status.summary(DiagnosticStatus::WARN, "no markers on " + cameras.front());
+    status.summary(DiagnosticStatus::WARN, "no message received on " + cameras.front());
   status.add("images", images_);
   status.add("poses", poses_);
   latency_.fill(status);
-  status.add("mapped markers in the last image", seen_);
+  status.add("markers in the last image", detected_);
   status.add("mapped markers used in the last image", used_);
   status.add("reprojection error (px)", reprojection_error_);
   for (size_t i = 0; i < cameras.size(); ++i)

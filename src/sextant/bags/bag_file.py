@@ -26,7 +26,7 @@ class BagError(RuntimeError):
 
 
 def listed(names: Iterable[str]) -> str:
-    """Sorted names as text for a BagError, or none."""
+    """Sorted names as text for a BagError; the word none if there are no names."""
     return ", ".join(sorted(set(names))) or "none"
 
 
@@ -70,7 +70,8 @@ class BagFile:
             raise self.error("there is no message in it", "record again: were the topics' names right?")
         self._first = first
         self.start, self.end = first + start, min(first + end, last)
-        self._window = {}  # unset to read all: a float of seconds since 1970 has a resolution of 0.2 us only
+        # No limits where all is read: rounded to a float (0.2 us), they may exclude the first or last one.
+        self._window = {}
         if start > 0.0:
             self._window["start_time"] = genpy.Time.from_sec(self.start)
         if self.end < last:
@@ -89,7 +90,9 @@ class BagFile:
 
     def _unreadable(self, error: Exception) -> BagError:
         if isinstance(error, OSError):
-            return self.error(f"cannot be read ({error.strerror or error})", "is it yours to read?")
+            return self.error(
+                f"cannot be read ({error.strerror or error})", "check its permissions and the disk"
+            )
         if isinstance(error, rosbag.ROSBagUnindexedException):
             return self.error(
                 "has no index, or a broken one: its recording was cut off or not ended", REINDEX
@@ -126,15 +129,15 @@ class BagFile:
         """The topic as named in the bag. :raises BagError: it does not exist, or has none of these types"""
         found, there = self.find(topic), self.topics(*types)
         if found not in there:
-            raise self.error(f"there is no {what} on {topic}", f"topics of it: {listed(there)}")
+            raise self.error(f"there is no {what} on {topic}", f"topics with this type: {listed(there)}")
         return found
 
     def seconds(self, received: int) -> float:
-        """Seconds after the first message of the bag, as `start` and `end`."""
+        """Seconds after the first message of the bag."""
         return received / NANOSECONDS - self._first
 
     def fraction_read(self, received: int) -> float:
-        """Fraction of the part to read before this reception, 0 to 1."""
+        """How far a time of reception is between start and end of the part to read, 0 to 1."""
         length = max(self.end - self.start, 1e-9)
         return min(max((received / NANOSECONDS - self.start) / length, 0.0), 1.0)
 
@@ -155,9 +158,9 @@ class BagFile:
             except StopIteration:
                 return
             except Exception as error:  # various exceptions by compression and damage
-                readable = f"from {last:.2f} s on ({type(error).__name__}: {error})"
+                where = f"from {last:.2f} s on ({type(error).__name__}: {error})"
                 advice = f"`end` at {last:.2f} s reads what comes before; " + REINDEX
-                raise self.error("is damaged " + readable, advice) from error
+                raise self.error("is damaged " + where, advice) from error
             last = self.seconds(time.to_nsec())
             yield Recorded(topic, time.to_nsec(), data, message_type)
 

@@ -33,9 +33,10 @@ def no_odometry(*notes: str) -> OdometryPoses:
 def read_odometry(
     bag: BagFile, params: BagParams, tree: TransformTree, camera_is_base: bool
 ) -> OdometryPoses:
-    """Poses of the base; odometry of another frame is transformed if a static transform connects both.
+    """Poses of the base. Odometry of another frame needs a static transform between it and the base: without
+    one, the topic is left out with a note, unless it was named.
 
-    :raises BagError: the named topic does not exist or is unusable, or there are several
+    :raises BagError: the named topic does not exist or is unusable, or none is named and there are several
     """
     if camera_is_base and not params.odometry:
         return no_odometry()
@@ -44,7 +45,8 @@ def read_odometry(
         return no_odometry()
     if camera_is_base:
         raise bag.error(
-            f"{topic} cannot be used: the pose of the camera on the robot is unknown", "name its mount"
+            f"{topic} cannot be used: the pose of the camera on the robot is unknown",
+            "set the pose of the camera on the robot by --mounts",
         )
     read = stamped_values(bag, topic, _pose)
     try:
@@ -93,8 +95,8 @@ def _T_child_base(bag: BagFile, topic: str, child: str, base: str, tree: Transfo
     try:
         chain = tree.chain(child, base)
     except ValueError as error:
-        raise bag.error(str(error), "name the base_frame that tf has") from None
+        raise bag.error(str(error), "set --base-frame to a frame of tf") from None
     if chain is None or not chain.is_static:
         what = f"its child_frame_id is '{child}', and no static transform connects it with '{base}'"
-        raise bag.error(f"{topic}: {what}", f"name '{child}' as base_frame, or no odometry")
+        raise bag.error(f"{topic}: {what}", f"set --base-frame {child}, or --odometry none")
     return chain.at(0), []

@@ -38,17 +38,17 @@ HALT: Command = (0.0, 0.0)
 
 
 def follow(params: FollowerParams, pose: np.ndarray, path: np.ndarray) -> Command:
-    """Command toward the lookahead point of the nearest path segment; paths must not double back.
+    """Command toward the point of the path at the lookahead distance; paths must not double back.
 
     :param pose: (3,) x, y, heading. :param path: (n, 2) corners, in the same frame
     """
-    target, rest = lookahead_point(path, pose[:2], params.lookahead)
+    target, remaining = lookahead_point(path, pose[:2], params.lookahead)
     bearing = bearing_of(pose, target)
     if abs(bearing) > params.rotate_in_place_angle:
         return 0.0, turn_on_the_spot(params, bearing)
     distance = max(float(np.linalg.norm(target - pose[:2])), 0.05)
     curvature = 2.0 * math.sin(bearing) / distance
-    speed = min(stopping_speed(params, rest), params.turn_rate / max(abs(curvature), 1e-6))
+    speed = min(stopping_speed(params, remaining), params.turn_rate / max(abs(curvature), 1e-6))
     return speed, speed * curvature
 
 
@@ -58,11 +58,11 @@ def turn_on_the_spot(params: FollowerParams, angle: float) -> float:
     return math.copysign(min(params.turn_rate, braking, 3.0 * abs(angle)), angle)
 
 
-def stopping_speed(params: FollowerParams, rest: float) -> float:
-    """Speed (m/s) from which the robot can stop within the remaining distance (metres)."""
-    rest = max(0.0, rest)
-    braking = math.sqrt(2.0 * params.acceleration * rest) * 0.8
-    return max(params.min_speed, min(params.speed, braking, 2.5 * rest))
+def stopping_speed(params: FollowerParams, remaining: float) -> float:
+    """Speed (m/s) from which the robot can stop in the remaining distance (metres), at least min_speed."""
+    remaining = max(0.0, remaining)
+    braking = math.sqrt(2.0 * params.acceleration * remaining) * 0.8
+    return max(params.min_speed, min(params.speed, braking, 2.5 * remaining))
 
 
 def bearing_of(pose: np.ndarray, point: np.ndarray) -> float:
@@ -72,7 +72,8 @@ def bearing_of(pose: np.ndarray, point: np.ndarray) -> float:
 
 
 def lookahead_point(path: np.ndarray, point: np.ndarray, lookahead: float) -> Tuple[np.ndarray, float]:
-    """The point (2,) at a lookahead distance from the nearest point of a path, and the remaining length."""
+    """The point (2,) of the path that is lookahead metres, along the path, after the path's point nearest to
+    a given one; and the length of the path after that nearest point."""
     segments = np.diff(path, axis=0)
     lengths = np.maximum(np.linalg.norm(segments, axis=1), 1e-9)
     share = np.clip(((point - path[:-1]) * segments).sum(axis=1) / lengths**2, 0.0, 1.0)

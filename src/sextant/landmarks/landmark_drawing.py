@@ -18,13 +18,13 @@ from sextant.base.atomic_file import atomic_file
 from sextant.landmarks.landmark_colours import colour_of_class
 from sextant.landmarks.slam_run import DriveSegment, SlamRun
 
-DEVIATIONS = 2.0  # of the ellipses
+SIGMAS = 2.0  # semi-axes of the ellipses, standard deviations
 WIDTH, MIN_HEIGHT, MAX_HEIGHT = 10.0, 4.0, 12.0  # inches of the plot itself
 LEFT, RIGHT, BELOW, ABOVE = 0.8, 0.3, 0.6, 0.4  # inches around it
 LEGEND_ROW, LEGEND_COLUMNS = 0.25, 4  # inches, entries
 MARGIN = 0.06  # of the larger extent, and at least 0.5 m
 MAX_NAMES = 60  # landmarks with a label; more labels would overlap
-ROBOT, WHEELS = "#333333", "#b5b5b5"
+ROBOT_COLOUR, ODOMETRY_COLOUR = "#333333", "#b5b5b5"
 ENDINGS = (".png", ".pdf", ".svg")
 
 
@@ -44,7 +44,7 @@ def write_plot(path: Union[str, Path], run: SlamRun) -> None:
     inner = np.maximum(scale * extent, [WIDTH, MIN_HEIGHT])
     width, height = inner + [LEFT + RIGHT, BELOW + above]
     figure = Figure(figsize=(width, height))
-    FigureCanvasAgg(figure)  # not pyplot: it needs a window system and has global state
+    FigureCanvasAgg(figure)  # not pyplot, which has global state and may need a window system
     axes = figure.add_axes((LEFT / width, BELOW / height, inner[0] / width, inner[1] / height))
     axes.set_xlim(low[0], high[0])
     axes.set_ylim(low[1], high[1])
@@ -72,11 +72,11 @@ def _limits(landmark_map: "sextant.LandmarkMap", segments: List[DriveSegment]):
 def _draw_segment(axes: Axes, segment: DriveSegment) -> None:
     first = next(iter(segment.robot))
     odometry = [pose for stamp, pose in segment.odometry.items() if stamp >= first]
-    axes.plot(*_placed(odometry, segment.robot[first]).T, "-", color=WHEELS, linewidth=1.0, zorder=1)
+    axes.plot(*_placed(odometry, segment.robot[first]).T, "-", color=ODOMETRY_COLOUR, linewidth=1.0, zorder=1)
     path = np.array(list(segment.robot.values()))
-    axes.plot(*path[:, :2].T, "-", color=ROBOT, linewidth=1.2, zorder=2)
+    axes.plot(*path[:, :2].T, "-", color=ROBOT_COLOUR, linewidth=1.2, zorder=2)
     for pose, shape in ((path[0], "^"), (path[-1], "s")):
-        axes.plot(*pose[:2], shape, color=ROBOT, markeredgecolor="white", markersize=9, zorder=5)
+        axes.plot(*pose[:2], shape, color=ROBOT_COLOUR, markeredgecolor="white", markersize=9, zorder=5)
 
 
 def _placed(odometry: List[np.ndarray], start: np.ndarray) -> np.ndarray:
@@ -88,19 +88,20 @@ def _placed(odometry: List[np.ndarray], start: np.ndarray) -> np.ndarray:
 
 
 def _draw_landmarks(axes: Axes, landmark_map: "sextant.LandmarkMap") -> None:
-    at, names = 3, len(landmark_map.landmarks) <= MAX_NAMES
+    has_names = len(landmark_map.landmarks) <= MAX_NAMES
+    at = 3  # row of the covariance; the first three are the robot's
     for landmark, label in zip(landmark_map.landmarks, landmark_map.labels):
         colour = colour_of_class(label.class_name)
         values, axis = np.linalg.eigh(landmark_map.covariance[at : at + 2, at : at + 2])
         at += 2 if landmark.heading is None else 3
-        widths = 2 * DEVIATIONS * np.sqrt(np.maximum(values, 0.0))
+        widths = 2 * SIGMAS * np.sqrt(np.maximum(values, 0.0))
         angle = np.degrees(np.arctan2(axis[1, 0], axis[0, 0]))
         ellipse = Ellipse(landmark.position, *widths, angle=angle, facecolor=(*colour, 0.3), edgecolor=colour)
         axes.add_patch(ellipse).set_zorder(3)
         axes.plot(*landmark.position, "o", color=colour, markeredgecolor="black", markersize=6, zorder=4)
         if landmark.heading is not None:
             _draw_heading(axes, landmark.position, landmark.heading, colour)
-        if names:
+        if has_names:
             name = label.class_name + ("" if label.id is None else f" {label.id}")
             _draw_name(axes, landmark.position, name)
 
@@ -128,8 +129,8 @@ def _legend(landmark_map: "sextant.LandmarkMap") -> List[Line2D]:
     ]  # fmt: skip
     return [
         *classes,
-        Line2D([], [], color=ROBOT, label="robot"),
-        Line2D([], [], color=WHEELS, label="odometry alone"),
-        Line2D([], [], marker="^", color=ROBOT, label="start", **dot),
-        Line2D([], [], marker="s", color=ROBOT, label="end", **dot),
+        Line2D([], [], color=ROBOT_COLOUR, label="robot"),
+        Line2D([], [], color=ODOMETRY_COLOUR, label="odometry alone"),
+        Line2D([], [], marker="^", color=ROBOT_COLOUR, label="start", **dot),
+        Line2D([], [], marker="s", color=ROBOT_COLOUR, label="end", **dot),
     ]

@@ -24,7 +24,8 @@ def draw_overview(paths: Sequence[np.ndarray], width: float, height: float) -> T
     """Draws a metric grid and paths.
 
     :param paths: each (n, 2), metres from the left and from the top edge
-    :param width: height: of the overview, metres
+    :param width: metres
+    :param height: metres
     :returns: the image and its resolution in metres per pixel
     :raises ValueError: width or height is not above 0
     """

@@ -19,19 +19,19 @@ MAX_SIZE = 10.0  # metres
 class MarkerShape:
     """Dimensions of the markers of a family, in modules."""
 
-    border: int  # edge length between the detected corners, which is the marker's size
+    width_at_border: int  # edge length between the detected corners, which is the marker's size
     outside: int  # modules outside of it on each side; some AprilTag families have them
 
     @property
-    def reach(self) -> int:
+    def total_width(self) -> int:
         """Total edge length, modules."""
-        return self.border + 2 * self.outside
+        return self.width_at_border + 2 * self.outside
 
     @property
     def measured(self) -> str:
         """Describes what the size of a marker measures."""
         return (
-            "square between the black and the white frame"
+            "square edge between the black and the white frame"
             if self.outside
             else "outer edge of the black square"
         )

@@ -95,7 +95,7 @@ def _piece(family: str, size: float, quiet: float) -> Piece:
     """Returns the dimensions of a marker with rim and label."""
     shape = marker_shape(family)
     module = size / shape.border
-    edge = module * shape.reach
+    edge = module * shape.total_width
     return Piece(edge, edge, quiet * module, label_height(edge))
 
 

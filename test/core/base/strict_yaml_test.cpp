@@ -29,7 +29,7 @@ TEST(StrictYaml, NamesTheLineOfTheMistake) {
   EXPECT_EQ(mistakeIn(".inf", number), "f.yaml:1: needs a finite number, not '.inf'");
   EXPECT_EQ(mistakeIn("1.0", wholeNumber), "f.yaml:1: needs a whole number");
   EXPECT_EQ(mistakeIn("perhaps", boolean), "f.yaml:1: needs true or false");
-  EXPECT_EQ(mistakeIn("''", nonEmptyText), "f.yaml:1: needs a name");
+  EXPECT_EQ(mistakeIn("''", nonEmptyText), "f.yaml:1: needs a text that is not empty");
   const auto two = [](const YAML::Node& node) { return numbers(node, 2); };
   EXPECT_EQ(mistakeIn("[1, 2, 3]", two), "f.yaml:1: needs a list of 2 numbers");
   EXPECT_EQ(mistakeIn("- 1\n- x", two), "f.yaml:2: needs a finite number, not 'x'");

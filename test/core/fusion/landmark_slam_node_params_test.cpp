@@ -24,10 +24,10 @@ TEST(LandmarkSlamNodeParams, RefusesTwoFramesWithTheSameName) {
   LandmarkSlamNodeParams params;
   params.odom_frame = params.base_frame = "base_link";
   EXPECT_EQ(refusal<std::invalid_argument>([&] { validate(params); }),
-            "odom_frame is 'base_link', the same as another frame");
+            "odom_frame is 'base_link': map, odometry and base need different frames");
   params.odom_frame = "map";
   EXPECT_EQ(refusal<std::invalid_argument>([&] { validate(params); }),
-            "map_frame is 'map', the same as another frame");
+            "map_frame is 'map': map, odometry and base need different frames");
 }
 
 TEST(LandmarkSlamNodeParams, RefusesAPoseThatIsNotThreeNumbers) {

@@ -62,7 +62,7 @@ def test_odometry_that_cannot_be_chosen_or_used(tmp_path):
         ({}, "there are several topics of nav_msgs/Odometry: /ground_truth, /odom; name one by --odometry"),
         (
             {"odometry": "/odom"},
-            "no static transform connects it with 'base_link'; name 'wheels' as base_frame",
+            "no static transform connects it with 'base_link'; set --base-frame wheels",
         ),
         ({"odometry": "/cam/image_raw"}, "there is no nav_msgs/Odometry on /cam/image_raw"),
         (

@@ -184,7 +184,7 @@ def test_a_clock_that_jumps_back(tmp_path):
             {"mounts": {"lens": np.eye(4)}},
             "no camera has the frame 'lens', named in mounts; the frames are: 'camera'",
         ),
-        ({"odometry": "/odom"}, "there is no nav_msgs/Odometry on /odom; topics of it: none"),
+        ({"odometry": "/odom"}, "there is no nav_msgs/Odometry on /odom; topics with this type: none"),
         ({"images": ["/cam/image_raw", "cam/image_raw"]}, "the images of /cam/image_raw are named twice"),
     ],
 )

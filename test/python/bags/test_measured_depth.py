@@ -51,7 +51,7 @@ def test_a_topic_that_cannot_be_is_named(tmp_path):
         BagError, match="one topic of depth images, there are: /camera/.*, /other; name the topic"
     ):
         middle_depth(path)
-    with pytest.raises(BagError, match="there is no image on /nothing; topics of it: /camera"):
+    with pytest.raises(BagError, match="there is no image on /nothing; topics with this type: /camera"):
         middle_depth(path, "/nothing")
     grey = written(tmp_path / "grey.bag", [np.zeros((60, 80), np.uint8)], "mono8")
     with pytest.raises(BagError, match="the encoding 'mono8' is not depth"):

@@ -62,7 +62,7 @@ def test_refusals(tmp_path):
     with WrittenBag(tmp_path / "a.bag") as bag:
         bag.write("/pose", with_covariance(1.0, np.nan), 1.0)
         bag.image("/cam/image_raw", flat(), 0.0)
-    with pytest.raises(BagError, match="there is no pose on /cam/image_raw; topics of it: /pose"):
+    with pytest.raises(BagError, match="there is no pose on /cam/image_raw; topics with this type: /pose"):
         read_poses(str(tmp_path / "a.bag"), "/cam/image_raw")
     with pytest.raises(BagError, match="nothing on /pose can be used"):
         read_poses(str(tmp_path / "a.bag"), "/pose")

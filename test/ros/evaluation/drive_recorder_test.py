@@ -102,7 +102,7 @@ class DriveRecorderTest(unittest.TestCase):
         node = self.start("_timeout:=5.0", "_modes:=[far, absent]")
         output, _ = node.communicate(timeout=20)
         self.assertEqual(node.returncode, 1, output)
-        self.assertIn("no publisher of /absent/pose", output)
+        self.assertIn("nothing is published on /absent/pose", output)
 
 
 if __name__ == "__main__":

@@ -21,8 +21,8 @@ class LocatorReport {
   explicit LocatorReport(TroubleLog& trouble) : trouble_(trouble) {}
 
   void image() { ++images_; }  ///< counts a received image
-  /// Counts a result. @param nothing_seen no detection in any image: not a problem
-  void result(const LocatorResult& result, bool nothing_seen);
+  /// Counts a result. @param detected number of markers in all images; that there is none is not a problem
+  void result(const LocatorResult& result, size_t detected);
   /// Counts a published pose. @param stamp of its image
   void published(const ros::Time& stamp, const ros::Time& now) { latency_.published(stamp, now); }
 
@@ -42,7 +42,7 @@ class LocatorReport {
 
   TroubleLog& trouble_;
   unsigned long images_ = 0, poses_ = 0;
-  size_t seen_ = 0, used_ = 0;
+  size_t detected_ = 0, used_ = 0;
   double reprojection_error_ = 0.0;
   std::map<std::string, unsigned long> reasons_;
   std::map<MarkerKey, unsigned long> unmapped_;

@@ -77,7 +77,7 @@ class DriveRecorder:
             self._truth[message.header.stamp.to_nsec()] = pose_from_message(message.pose.pose)
             self._received = time.monotonic()
         self._trail.header = message.header
-        self._trail.poses = self._trail.poses[-TRAIL:] + [PoseStamped(message.header, message.pose.pose)]
+        self._trail.poses = self._trail.poses[1 - TRAIL :] + [PoseStamped(message.header, message.pose.pose)]
         if len(self._truth) % 6 == 0:
             self._path.publish(self._trail)
 
@@ -101,10 +101,11 @@ class DriveRecorder:
         while not all(each.get_num_connections() for each in self._inputs) or not self._markers:
             if time.monotonic() > end or rospy.is_shutdown():
                 missing = [each.resolved_name for each in self._inputs if not each.get_num_connections()]
-                raise RuntimeError("no publisher of " + ", ".join(missing or ["marker_map/entries"]))
+                missing += [] if self._markers else ["marker_map/entries"]
+                raise RuntimeError("nothing is published on " + ", ".join(missing))
             time.sleep(0.1)
         if self._params.start_service:
-            time.sleep(SETTLE)  # the locators receive the map from the same publisher
+            time.sleep(SETTLE)  # the locators may receive the map a little later
             rospy.wait_for_service(self._params.start_service, self._params.timeout)
             rospy.ServiceProxy(self._params.start_service, SetBool)(True)
         self._received = time.monotonic()
