@@ -41,7 +41,7 @@ def min_gap(family: str, size: float, quiet: float) -> float:
     :param quiet: minimum white rim between adjacent markers, modules
     """
     shape = marker_shape(family)
-    return size * (2 * shape.outside + quiet) / shape.border
+    return size * (2 * shape.outside + quiet) / shape.width_at_border
 
 
 def rounded_min_gap(family: str, size: float, quiet: float) -> float:
@@ -128,7 +128,7 @@ def _places(size: float, board: BoardParams) -> List[Tuple[float, float]]:
 def _piece(family: str, size: float, board: BoardParams, quiet: float) -> Piece:
     """Returns the dimensions of the board with rim and label."""
     shape = marker_shape(family)
-    module = size / shape.border
+    module = size / shape.width_at_border
     width, height = (
         count * size + (count - 1) * board.gap + 2 * shape.outside * module
         for count in (board.columns, board.rows)

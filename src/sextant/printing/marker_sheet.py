@@ -94,7 +94,7 @@ def _grid(family: str, count: int, size: float, params: SheetParams) -> Grid:
 def _piece(family: str, size: float, quiet: float) -> Piece:
     """Returns the dimensions of a marker with rim and label."""
     shape = marker_shape(family)
-    module = size / shape.border
+    module = size / shape.width_at_border
     edge = module * shape.total_width
     return Piece(edge, edge, quiet * module, label_height(edge))
 

@@ -117,7 +117,7 @@ def images(bag, **fields):
         (lambda bag: bag.write("/cam/camera_info", String(), 0.0), "no camera_info but std_msgs/String"),
         (
             lambda bag: [bag.info("/cam/camera_info", SMALL, t, D=[0.1 * t] * 5) for t in (0.0, 0.5)],
-            "/cam/camera_info changes after 0.50 s; name the camera's calibration file",
+            "/cam/camera_info changes after 0.50 s; name a calibration file for the camera",
         ),
     ],
 )

@@ -144,7 +144,7 @@ def test_nothing_is_black_beyond_the_reach(family):
         assert np.abs(boxes).max() == pytest.approx(half)
         modules, _, _ = sextant.marker_image(family, id)
         area = np.sum((boxes[:, 2] - boxes[:, 0]) * (boxes[:, 3] - boxes[:, 1]))
-        assert area * marker_shape(family).border ** 2 == pytest.approx(np.sum(modules < 128))
+        assert area * marker_shape(family).width_at_border ** 2 == pytest.approx(np.sum(modules < 128))
 
 
 # ---- what people see ------------------------------------------------------------------------------------

@@ -66,7 +66,7 @@ SLAM = [
     ("start", "here", "parameter /{node}/start is 'here', allowed"),
     ("start_pose", [1.0, 2.0], "parameter /{node}/start_pose has 2 numbers"),
     ("pose_sigma", [0.1, 0.1, 0.0], "parameter /{node}/pose_sigma is 0, allowed is (0, 1000]"),
-    ("odom_frame", "map", "parameter /{node}/map_frame is 'map', the same as"),
+    ("odom_frame", "map", "parameter /{node}/map_frame is 'map': map, odometry and"),
     ("tf_output", "odom", "parameter /{node}/tf_output is 'odom'"),
     ("marker_map_file", "/nowhere/map.txt", "/nowhere/map.txt"),
     ("map_file", "/dev/null", "/dev/null"),
