@@ -5,9 +5,12 @@
 #include <nodelet/loader.h>
 #include <ros/ros.h>
 
+#include "sextant/ros/base/registration_check.hpp"
+
 int main(int argc, char** argv) {
   ros::init(argc, argv, NODE);
   nodelet::Loader loader(false);
   if (!loader.load(ros::this_node::getName(), NODELET, ros::names::getRemappings(), {})) return 1;
+  const sextant::RegistrationCheck check;
   ros::spin();
 }

@@ -3,7 +3,7 @@
 import rosgraph
 import rospy
 
-from sextant.nodes.base.registration_keeper import RegistrationKeeper
+from sextant.nodes.base.registration_keeper import RegistrationKeeper, newest_at_each_uri, read_registrations
 
 PARAMETERS = {"robot": {"name": "a"}}
 
@@ -56,3 +56,31 @@ def test_nothing_is_forgotten_if_the_master_is_replaced_during_a_look():
     master.calls, master.replace_after = 0, 1
     keeper._look()
     assert restored == [True] and keeper._known == known
+
+
+class GrowingMaster(Master):
+    """A master that a node registers with at the port of a dead one, in an order that does not say so."""
+
+    def __init__(self):
+        super().__init__()
+        self.nodes = {"/dead": "http://localhost:1", "/other": "http://localhost:2"}
+
+    def getSystemState(self):  # noqa: N802
+        return [[["/topic", sorted(self.nodes, reverse=True)]], [], []]
+
+    def lookupNode(self, name):  # noqa: N802
+        return self.nodes[name]
+
+
+def test_a_dead_node_is_not_registered_at_the_port_of_another_one():
+    master = GrowingMaster()
+    known = read_registrations(master, None)
+    assert newest_at_each_uri(known.nodes) == master.nodes
+    master.nodes["/a_new"] = "http://localhost:1"
+    for _ in range(2):
+        known = read_registrations(master, known)
+        assert known.nodes == master.nodes
+        assert newest_at_each_uri(known.nodes).keys() == {"/a_new", "/other"}
+    master.nodes["/dead"] = "http://localhost:3"  # it was started again
+    known = read_registrations(master, known)
+    assert newest_at_each_uri(known.nodes) == master.nodes

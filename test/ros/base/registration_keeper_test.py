@@ -8,6 +8,7 @@ import socket
 import subprocess
 import time
 import unittest
+from xmlrpc.client import ServerProxy
 
 import rosgraph
 import rostest
@@ -38,7 +39,10 @@ class RegistrationKeeperTest(unittest.TestCase):
         self.nodes = {name: self.start(*command, f"__name:={name}") for name, command in NODES.items()}
 
     def start(self, *command):
-        process = subprocess.Popen(["rosrun", "sextant", *command], env=self.env)
+        return self.start_program("rosrun", "sextant", *command)
+
+    def start_program(self, *command):
+        process = subprocess.Popen(command, env=self.env)
         self.addCleanup(self.stop, process)
         return process
 
@@ -86,6 +90,36 @@ class RegistrationKeeperTest(unittest.TestCase):
             self.assertEqual(kept["cpp"], parameters["cpp"])
             self.assertIs(kept["use_sim_time"], False)
             time.sleep(2.0)
+
+    def test_a_node_that_is_not_registered_ends(self):
+        """As one that was starting while roscore was restarted."""
+        self.assertTrue(until(self.complete, 30.0))
+        for name in ("cpp", "python"):
+            self.unregister("/" + name)
+        for name in ("cpp", "python"):
+            self.nodes[name].wait(30)
+        self.assertIsNone(self.nodes["mortal"].poll())
+        self.assertIsNone(self.nodes["keeper"].poll())
+
+    def unregister(self, node):
+        uri = self.master.lookupNode(node)
+        api = ServerProxy(self.uri)
+        publishers, subscribers, services = self.master.getSystemState()
+        for call, topics in ((api.unregisterPublisher, publishers), (api.unregisterSubscriber, subscribers)):
+            for topic in [topic for topic, nodes in topics if node in nodes]:
+                call(node, topic, uri)
+        for service in [service for service, nodes in services if node in nodes]:
+            api.unregisterService(node, service, self.master.lookupService(service))
+
+    def test_a_loader_without_its_nodelet_is_ended(self):
+        self.assertTrue(until(self.complete, 30.0))
+        nodelet = ["rosrun", "nodelet", "nodelet"]
+        self.start_program(*nodelet, "manager", "__name:=manager")
+        loader = self.start_program(*nodelet, "load", "sextant/MarkerDetector", "manager", "__name:=loader")
+        bond = ["rostopic", "pub", "-r", "1", "/manager/bond", "std_msgs/String", "{data: none}"]
+        other = self.start_program(*bond, "__name:=other")
+        other.wait(40)
+        self.assertIsNone(loader.poll())
 
     def start_again(self, name):
         """A node dies and is respawned: its name has another URI. Returns what is then registered."""

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Start of a rospy node, with signal handlers that cannot deadlock."""
+"""Start of a rospy node: signal handlers that cannot deadlock, and a check of its registration."""
 
 import atexit
 import os
@@ -8,6 +8,8 @@ import signal
 import threading
 
 import rospy
+
+from sextant.nodes.base.registration_check import start_registration_check
 
 EXIT = 0  # a byte that is no signal's number
 
@@ -31,6 +33,7 @@ def init_node(name: str) -> None:
     mend_rospy()
     rospy.init_node(name, disable_signals=True)
     atexit.register(_finish, thread, wakeup)
+    start_registration_check()
 
 
 def mend_rospy() -> None:

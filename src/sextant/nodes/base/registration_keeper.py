@@ -8,6 +8,7 @@ services the master knew, asks those that still run for their topics (http://wik
 registers all of them again (http://wiki.ros.org/ROS/Master_API).
 """
 
+import threading
 import xmlrpc.client
 from concurrent.futures import ThreadPoolExecutor
 from http.client import HTTPException
@@ -19,6 +20,7 @@ import rosgraph
 import rospy
 
 from sextant.nodes.base.init_node import init_node
+from sextant.nodes.base.nodelet_watch import NodeletWatch
 
 PERIOD = 1.0  # seconds between two looks at the master
 TIMEOUT = 2.0  # seconds until a node counts as dead
@@ -40,7 +42,7 @@ class Registrations(NamedTuple):
 
     services: Providers  # names of their nodes by service
     service_uris: Dict[str, str]  # by service
-    nodes: Dict[str, str]  # XML-RPC URI by name
+    nodes: Dict[str, str]  # XML-RPC URI by name, in the order in which the master has known them
 
 
 class NodeTopics(NamedTuple):
@@ -60,6 +62,9 @@ def read_registrations(master: rosgraph.Master, known: Optional[Registrations]) 
     nodes = _uris(
         {node for each in state for names in each.values() for node in names}, {}, master.lookupNode
     )
+    if known is not None:
+        earlier = {name: uri for name, uri in known.nodes.items() if nodes.get(name) == uri}
+        nodes = {**earlier, **nodes}
     services = state[2]
     same: Dict[str, str] = {}
     if known is not None:  # a node that was started again has the old name, but another URI
@@ -79,6 +84,14 @@ def _uris(names: Iterable[str], known: Dict[str, str], look_up: Callable[[str], 
         except rosgraph.MasterException:
             continue
     return uris
+
+
+def newest_at_each_uri(nodes: Dict[str, str]) -> Dict[str, str]:
+    """The nodes without those at whose URI a later one is registered: they died, and it got their port.
+
+    The process there would answer for both names.
+    """
+    return {name: uri for uri, name in {uri: name for name, uri in nodes.items()}.items()}
 
 
 class _TimedTransport(Transport):
@@ -176,7 +189,7 @@ class RegistrationKeeper:
             self._known, self._parameters = found, parameters
 
     def _restore(self) -> None:
-        alive = running(self._known.nodes)  # may take a while
+        alive = running(newest_at_each_uri(self._known.nodes))  # may take a while
         process, uri = self._master.getPid(), rosgraph.get_master_uri()
         parameters = missing_parameters(self._parameters, self._master.getParam("/"))
         for name, value in parameters.items():
@@ -199,4 +212,5 @@ class RegistrationKeeper:
 def main() -> None:
     """Runs the node."""
     init_node("registration_keeper")
+    threading.Thread(target=NodeletWatch().run, daemon=True).start()
     RegistrationKeeper().run()
