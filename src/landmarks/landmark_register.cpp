@@ -46,22 +46,27 @@ void LandmarkRegister::addEvidence(const std::vector<size_t>& landmarks, double 
 
 int LandmarkRegister::mergeDuplicates(std::vector<size_t> observed, double separation,
                                       std::vector<std::optional<int>>& keys) {
-  int removed = 0;
+  const size_t before = labels_.size();
   for (size_t k = 0; k < observed.size(); ++k) {
-    for (size_t other = 0; other < labels_.size(); ++other) {
-      const bool is_observed = std::find(observed.begin(), observed.end(), other) != observed.end();
-      if (is_observed || !areDuplicates(observed[k], other, separation)) continue;
-      const size_t kept = std::min(observed[k], other), gone = std::max(observed[k], other);
+    while (const auto other = duplicateOf(observed[k], observed, separation)) {
+      const size_t kept = std::min(observed[k], *other), gone = std::max(observed[k], *other);
       log_odds_[kept] = std::max(log_odds_[kept], log_odds_[gone]);
       std::replace(keys.begin(), keys.end(), std::optional(keys_[gone]), std::optional(keys_[kept]));
       filter_.merge(kept, gone);
       eraseEntry(gone);
-      ++removed;
       for (size_t& each : observed) each = each == gone ? kept : each - (each > gone);
-      other = 0;
     }
   }
-  return removed;
+  return static_cast<int>(before - labels_.size());
+}
+
+std::optional<size_t> LandmarkRegister::duplicateOf(size_t landmark, const std::vector<size_t>& observed,
+                                                    double separation) const {
+  for (size_t other = 0; other < labels_.size(); ++other) {
+    const bool is_observed = std::find(observed.begin(), observed.end(), other) != observed.end();
+    if (!is_observed && areDuplicates(landmark, other, separation)) return other;
+  }
+  return std::nullopt;
 }
 
 bool LandmarkRegister::areDuplicates(size_t a, size_t b, double separation) const {

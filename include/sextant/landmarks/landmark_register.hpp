@@ -54,6 +54,8 @@ class LandmarkRegister {
               const std::vector<LandmarkLabel>& labels, const Eigen::MatrixXd& covariance);
 
  private:
+  std::optional<size_t> duplicateOf(size_t landmark, const std::vector<size_t>& observed,
+                                    double separation) const;
   bool areDuplicates(size_t a, size_t b, double separation) const;
   void remove(size_t landmark);  // from the filter, too
   void eraseEntry(size_t landmark);

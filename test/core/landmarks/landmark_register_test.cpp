@@ -55,6 +55,14 @@ TEST(LandmarkRegister, MergingKeepsTheFirst) {
               1e-6);  // the mean: both have the same covariance
 }
 
+TEST(LandmarkRegister, AMergedLandmarkIsComparedWithTheFirstAgain) {
+  LandmarkRegister all = empty();
+  all.add(at(0, 0)), all.add(at(0.36, 0)), all.add(at(0.18, 0));
+  OptionalKeys keys;
+  EXPECT_EQ(all.mergeDuplicates({1}, 0.3, keys), 2);  // at 0.27 m after the first merge
+  EXPECT_EQ(all.keys(), (Keys{0}));
+}
+
 TEST(LandmarkRegister, LandmarksObservedTogetherAreNotMerged) {
   LandmarkRegister all = empty();
   all.add(at(0, 0)), all.add(at(0.02, 0));
