@@ -137,7 +137,7 @@ def test_no_seams_between_modules(tmp_path):
 
 
 @pytest.mark.parametrize("family", sextant.marker_families())
-def test_nothing_is_black_beyond_the_reach(family):
+def test_nothing_is_black_beyond_the_total_width(family):
     half = 0.5 * marker_shape(family).total_width / marker_shape(family).width_at_border
     for id in {0, 1, sextant.family_size(family) - 1}:
         boxes = np.array(black_boxes(family, id, 1.0, 0.0, 0.0))
