@@ -48,6 +48,9 @@ STILL_LOADED = (
 )
 RETRIES = 3  # of a loader, until the manager notices that it was killed
 ANONYMOUS = re.compile(r"(_[^_]+){3}$")  # what roslaunch appends to the name of a registration_keeper
+ENDS_ITSELF = re.compile(
+    r"([^\s/]+) is not (?:registered at the master: ends|loaded in its manager: its loader is ended)"
+)
 END = re.compile(
     r"\[(?:[^\][]+/)?([^\][/]+)-\d+\] process has (?:finished cleanly|died \[pid \d+, exit code (-?\d+))"
 )
@@ -230,10 +233,14 @@ class Chaos:
 
 
 def unexpected_ends(log, killed):
-    """Lines of roslaunch about nodes that ended, but were not killed. Loaders end with the manager, too."""
+    """Lines of roslaunch about nodes that ended, but were not killed, and gave no reason for it.
+
+    Loaders end with the manager, too.
+    """
     expected, lines = Counter((name, -signal.SIGKILL) for name in killed), []
+    expected.update((name, 0) for name in ENDS_ITSELF.findall(log))
     for name in LOADERS:
-        expected[name, 0] = expected[MANAGER, -signal.SIGKILL]
+        expected[name, 0] += expected[MANAGER, -signal.SIGKILL]
         expected[name, STILL_LOADED] = RETRIES * (expected[name, -signal.SIGKILL] + expected[name, 0])
     for line in log.splitlines():
         end = END.search(line)

@@ -100,7 +100,7 @@ WALLS = {
         ("src/nodelets",),
         [r"(?!sextant/).+", r"sextant/ros/.+", GENERATED_HEADER, *room_headers(" ".join(CORE))],
     ),
-    "nodes": (("src/nodes",), [STANDARD_HEADER, r"(ros|nodelet)/.+"]),
+    "nodes": (("src/nodes",), [STANDARD_HEADER, r"(ros|nodelet)/.+", r"sextant/ros/base/.+"]),
 }
 
 # The core takes time as an argument and prints nothing.

@@ -17,7 +17,7 @@ from ros_probe import until
 RESTARTS = 10
 LIMIT = 10.0  # seconds until everything is registered again
 NODES = {
-    "keeper": ["registration_keeper"],
+    "registration_keeper": ["registration_keeper"],
     "cpp": ["landmark_slam", "_max_range:=7.5"],
     "python": ["image_decompressor"],
     "mortal": ["image_decompressor"],
@@ -99,7 +99,7 @@ class RegistrationKeeperTest(unittest.TestCase):
         for name in ("cpp", "python"):
             self.nodes[name].wait(30)
         self.assertIsNone(self.nodes["mortal"].poll())
-        self.assertIsNone(self.nodes["keeper"].poll())
+        self.assertIsNone(self.nodes["registration_keeper"].poll())
 
     def unregister(self, node):
         uri = self.master.lookupNode(node)
