@@ -46,7 +46,7 @@ MANAGER, LOADERS = "sextant_manager", ("marker_detector", "marker_locator")
 STILL_LOADED = (
     255  # exit code of a nodelet's loader while the manager still has the nodelet of the killed loader
 )
-RETRIES = 3  # of a loader, until the manager notices that it was killed
+RETRIES = 5  # of a loader, until the manager or the registration_keeper notices that it was killed
 ANONYMOUS = re.compile(r"(_[^_]+){3}$")  # what roslaunch appends to the name of a registration_keeper
 ENDS_ITSELF = re.compile(
     r"([^\s/]+) is not (?:registered at the master: ends|loaded in its manager: its loader is ended)"

@@ -111,15 +111,34 @@ class RegistrationKeeperTest(unittest.TestCase):
         for service in [service for service, nodes in services if node in nodes]:
             api.unregisterService(node, service, self.master.lookupService(service))
 
+    def start_nodelet(self, *command):
+        return self.start_program("rosrun", "nodelet", "nodelet", *command)
+
+    def start_bond(self, name):
+        """Starts a node that publishes as a loader does."""
+        topic = ["/manager/bond", "std_msgs/String", "{data: none}"]
+        return self.start_program("rostopic", "pub", "-r", "1", *topic, f"__name:={name}")
+
+    def publishes(self, topic, node):
+        return [node] == dict(self.master.getSystemState()[0]).get(topic)
+
     def test_a_loader_without_its_nodelet_is_ended(self):
         self.assertTrue(until(self.complete, 30.0))
-        nodelet = ["rosrun", "nodelet", "nodelet"]
-        self.start_program(*nodelet, "manager", "__name:=manager")
-        loader = self.start_program(*nodelet, "load", "sextant/MarkerDetector", "manager", "__name:=loader")
-        bond = ["rostopic", "pub", "-r", "1", "/manager/bond", "std_msgs/String", "{data: none}"]
-        other = self.start_program(*bond, "__name:=other")
-        other.wait(40)
+        self.start_nodelet("manager", "__name:=manager")
+        loader = self.start_nodelet("load", "sextant/MarkerDetector", "manager", "__name:=loader")
+        self.start_bond("other").wait(40)
         self.assertIsNone(loader.poll())
+
+    def test_a_nodelet_without_its_loader_is_unloaded(self):
+        self.assertTrue(until(self.complete, 30.0))
+        self.start_nodelet("manager", "__name:=manager")
+        loader = self.start_bond("detector")
+        time.sleep(5.0)  # two looks of the keeper
+        loader.kill()
+        loader.wait()
+        self.start_nodelet("load", "sextant/MarkerDetector", "manager", "--no-bond", "__name:=detector")
+        self.assertTrue(until(lambda: self.publishes("/markers", "/manager"), LIMIT))
+        self.assertTrue(until(lambda: not self.publishes("/markers", "/manager"), 40.0))
 
     def start_again(self, name):
         """A node dies and is respawned: its name has another URI. Returns what is then registered."""

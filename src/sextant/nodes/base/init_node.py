@@ -1,8 +1,9 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Start of a rospy node: signal handlers that cannot deadlock, and a check of its registration."""
+"""Start of a rospy node: signal handlers that cannot deadlock, memory for images, check of registration."""
 
 import atexit
+import ctypes
 import os
 import signal
 import threading
@@ -12,6 +13,8 @@ import rospy
 from sextant.nodes.base.registration_check import start_registration_check
 
 EXIT = 0  # a byte that is no signal's number
+M_MMAP_THRESHOLD = -3  # of glibc's malloc.h
+MAPPED = 1 << 20  # bytes from which a buffer is returned to the system when it is freed
 
 
 def init_node(name: str) -> None:
@@ -31,6 +34,7 @@ def init_node(name: str) -> None:
         ):  # SIGHUP: of a closed terminal, unless nohup ignores it
             signal.signal(number, lambda *_: None)  # Python writes its number to the pipe
     mend_rospy()
+    ctypes.CDLL(None).mallopt(M_MMAP_THRESHOLD, MAPPED)  # else each thread of rospy keeps some freed images
     rospy.init_node(name, disable_signals=True)
     atexit.register(_finish, thread, wakeup)
     start_registration_check()

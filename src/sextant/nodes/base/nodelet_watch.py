@@ -1,50 +1,65 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Ends the loaders of nodelets that their manager does not have, so that roslaunch loads them again.
+"""Ends loaders without their nodelet and nodelets without their loader: roslaunch loads them again.
 
-`nodelet load TYPE MANAGER` runs as long as its nodelet; both publish on the topic MANAGER/bond. If the
-manager dies while roscore is down, a loader may never notice.
+`nodelet load TYPE MANAGER` runs as long as its nodelet; both publish on the topic MANAGER/bond. If one of
+them dies while roscore is down, the other may never notice.
 """
 
 from collections import Counter
-from typing import Dict, Iterable, List, Set, Tuple
+from typing import Dict, List, NamedTuple, Sequence, Set, Tuple
 from xmlrpc.client import ServerProxy
 
 import genpy.dynamic
 import rosgraph
 import rospy
-from std_srvs.srv import EmptyRequest
 
 PERIOD = 2.0  # seconds between two looks
 LOOKS = 4  # number of successive looks without the nodelet after which its loader is ended
-BOND = "/bond"  # end of the name of a manager's topic
+BOND, UNLOAD = "/bond", "/unload_nodelet"  # ends of the names of a manager's topic and service
+Nodes = Sequence[Tuple[str, List[str]]]  # of the topics or services with these names
+
+
+def _message(name: str, definition: str) -> type:
+    return genpy.dynamic.generate_dynamic(name, definition)[name]
 
 
 class NodeletList:
     """nodelet/NodeletList; Debian 12 has no Python package of it."""
 
     _type, _md5sum = "nodelet/NodeletList", "*"
-    _request_class = EmptyRequest
-    _response_class = genpy.dynamic.generate_dynamic("nodelet/NodeletListResponse", "string[] nodelets")[
-        "nodelet/NodeletListResponse"
-    ]
+    _request_class = _message("nodelet/NodeletListRequest", "")
+    _response_class = _message("nodelet/NodeletListResponse", "string[] nodelets")
 
 
-def loaders_by_manager(publishers: Iterable[Tuple[str, List[str]]]) -> Dict[str, Set[str]]:
-    """The loaders of each nodelet manager, from the master's list of topics and their publishers."""
-    return {
-        topic[: -len(BOND)]: set(nodes) - {topic[: -len(BOND)]}
-        for topic, nodes in publishers
-        if topic.endswith(BOND)
-    }
+class NodeletUnload:
+    """nodelet/NodeletUnload."""
+
+    _type, _md5sum = "nodelet/NodeletUnload", "*"
+    _request_class = _message("nodelet/NodeletUnloadRequest", "string name")
+    _response_class = _message("nodelet/NodeletUnloadResponse", "bool success")
+
+
+def loaders_by_manager(publishers: Nodes, services: Nodes) -> Dict[str, Set[str]]:
+    """The loaders of each nodelet manager, from the master's topics and services with their nodes."""
+    managers = [name[: -len(UNLOAD)] for name, _ in services if name.endswith(UNLOAD)]
+    nodes = dict(publishers)
+    return {manager: set(nodes.get(manager + BOND, ())) - {manager} for manager in managers}
 
 
 def nodelets_of(manager: str) -> Set[str]:
-    """Asks a manager for its nodelets.
+    """Requests the list of a manager's nodelets.
 
     :raises rospy.ServiceException: it does not answer
     """
     return set(rospy.ServiceProxy(f"{manager}/list", NodeletList)().nodelets)
+
+
+class Halves(NamedTuple):
+    """What is left of pairs of a loader and its nodelet."""
+
+    loaders: Set[str]  # names of loaders without their nodelet
+    nodelets: Set[Tuple[str, str]]  # managers, and names of nodelets without their loader
 
 
 class NodeletWatch:
@@ -52,7 +67,10 @@ class NodeletWatch:
 
     def __init__(self):
         self._master = rosgraph.Master(rospy.get_name())
-        self._missed: Counter = Counter()  # looks in a row, by loader
+        self._known: Set[Tuple[str, str]] = (
+            set()
+        )  # managers and their loaders at any time: others load without
+        self._looks: Counter = Counter()  # in a row, by what is left of a pair
 
     def run(self) -> None:
         """Until the node is shut down."""
@@ -61,24 +79,31 @@ class NodeletWatch:
             try:
                 self.look()
             except (OSError, rosgraph.MasterException):  # no master now
-                self._missed.clear()
+                self._looks.clear()
 
     def look(self) -> None:
-        """Counts the loaders whose nodelet is missing, and ends those that have been counted LOOKS times."""
-        managers = loaders_by_manager(self._master.getSystemState()[0])
-        missing = {
-            loader for manager, loaders in managers.items() for loader in self._unloaded(manager, loaders)
-        }
-        self._missed = Counter({loader: self._missed[loader] + 1 for loader in missing})
-        for loader in [each for each, looks in self._missed.items() if looks >= LOOKS]:
-            del self._missed[loader]
-            self._end(loader)
+        """Counts loaders and nodelets without the other one, and ends those that were counted LOOKS times."""
+        left = self._left()
+        self._looks = Counter({each: self._looks[each] + 1 for each in left.loaders | left.nodelets})
+        for each in [each for each, looks in self._looks.items() if looks >= LOOKS]:
+            del self._looks[each]
+            if each in left.loaders:
+                self._end(each)
+            else:
+                self._unload(*each)
 
-    def _unloaded(self, manager: str, loaders: Set[str]) -> Set[str]:
-        try:
-            return loaders - nodelets_of(manager) if loaders else set()
-        except rospy.ServiceException:  # dead, or about to be restarted
-            return set()
+    def _left(self) -> Halves:
+        left = Halves(set(), set())
+        publishers, _, services = self._master.getSystemState()
+        for manager, loaders in loaders_by_manager(publishers, services).items():
+            self._known.update((manager, loader) for loader in loaders)
+            try:
+                nodelets = nodelets_of(manager)
+            except rospy.ServiceException:  # dead, or about to be restarted
+                continue
+            left.loaders.update(loaders - nodelets)
+            left.nodelets.update(self._known & {(manager, nodelet) for nodelet in nodelets - loaders})
+        return left
 
     def _end(self, loader: str) -> None:
         rospy.logwarn("%s is not loaded in its manager: its loader is ended, to be started again", loader)
@@ -86,3 +111,12 @@ class NodeletWatch:
             ServerProxy(self._master.lookupNode(loader)).shutdown(rospy.get_name(), "nodelet is not loaded")
         except (OSError, rosgraph.MasterException) as error:
             rospy.logwarn("%s cannot be ended: %s", loader, error)
+
+    def _unload(self, manager: str, nodelet: str) -> None:
+        rospy.logwarn(
+            "%s has no loader any more: it is unloaded from %s, to be loaded again", nodelet, manager
+        )
+        try:
+            rospy.ServiceProxy(manager + UNLOAD, NodeletUnload)(nodelet)
+        except rospy.ServiceException as error:
+            rospy.logwarn("%s cannot be unloaded: %s", nodelet, error)
