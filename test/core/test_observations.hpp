@@ -30,7 +30,7 @@ inline std::vector<MarkerObservation> seenFrom(const Pose& T_map_base, const Cam
     const Pose T_camera_marker = (T_map_base * mount).inverse() * T_map_marker;
     for (int k = 0; k < 4; ++k)
       observation.corners[k] = *camera.project(T_camera_marker * markerCorners(size)[k]) +
-                               sigma * Eigen::Vector2d(noise(random), noise(random));
+                               sigma * Eigen::Vector2d{noise(random), noise(random)};
     observation.sigmas.fill(sigma > 0 ? sigma : 0.3);
     all.push_back(observation);
   }

@@ -36,7 +36,7 @@ inline MarkerView look(const MarkerMap& map, const CameraModel& camera, const Po
     const Pose T_camera_marker = (T_map_base * kMount).inverse() * marker.T_map_marker;
     for (int k = 0; k < 4; ++k)
       detection.corners[k] = *camera.project(T_camera_marker * markerCorners(marker.size)[k]) +
-                             sigma * Eigen::Vector2d(noise(random), noise(random));
+                             sigma * Eigen::Vector2d{noise(random), noise(random)};
     view.detections.push_back(detection);
   }
   return view;

@@ -67,9 +67,9 @@ TEST(CornerRefiner, TellsTheNoiseThatItHas) {
   for (int k = 0; k < 100; ++k) {
     const double h = half(random);
     Corners truth = {Eigen::Vector2d(80 - h, 60 - h), {80 + h, 60 - h}, {80 + h, 60 + h}, {80 - h, 60 + h}};
-    for (auto& corner : truth) corner += Eigen::Vector2d(jitter(random), jitter(random));
+    for (auto& corner : truth) corner += Eigen::Vector2d{jitter(random), jitter(random)};
     Corners raw = truth;
-    for (auto& corner : raw) corner += Eigen::Vector2d(start(random), start(random));
+    for (auto& corner : raw) corner += Eigen::Vector2d{start(random), start(random)};
     const auto found = refineCorners(
         photograph(printScene(truth), {{160, 120}, noise(random), blur(random), k + 1}), raw, kSquare);
     for (int i = 0; i < 4; ++i, ++all) {

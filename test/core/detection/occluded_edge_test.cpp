@@ -73,7 +73,7 @@ TEST(ReconstructEdge, TellsHowFarItIsOff) {
         curve->c[1] += 0.5 * (end - begin);
       }
       Corners corners = truth;
-      for (const int k : {0, 3}) corners[k] += Eigen::Vector2d(noise(random), noise(random));
+      for (const int k : {0, 3}) corners[k] += Eigen::Vector2d{noise(random), noise(random)};
       const auto found = reconstructEdge(camera, corners, occluded);
       if (!found) continue;
       ++count;

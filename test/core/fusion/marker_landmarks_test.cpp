@@ -71,7 +71,7 @@ Matrix3d drawnCovariance(const Pose& T_base_camera, const Pose& T_camera_marker,
   for (int i = 0; i < count; ++i) {
     const Vector6d drawn = root * Vector6d::NullaryExpr(unit);
     Pose tilted = Pose::Identity();
-    tilted.linear() = expSO3(tilt * Vector3d(noise(random), noise(random), 0));
+    tilted.linear() = expSO3(tilt * Vector3d{noise(random), noise(random), 0});
     const Pose seen = tilted * T_base_camera * perturbed(T_camera_marker, drawn);
     Vector3d off;
     off << (seen.translation() - mean.translation()).head<2>(),

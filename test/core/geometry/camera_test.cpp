@@ -36,8 +36,10 @@ std::vector<Eigen::Vector3d> pointsInView() {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> side(-0.7, 0.7), depth(0.3, 8);
   std::vector<Eigen::Vector3d> points = {{0, 0, 2}};
-  for (int i = 0; i < 200; ++i)
-    points.push_back(depth(random) * Eigen::Vector3d(side(random), 0.8 * side(random), 1));
+  for (int i = 0; i < 200; ++i) {
+    const double z = depth(random);
+    points.push_back(z * Eigen::Vector3d{side(random), 0.8 * side(random), 1});
+  }
   return points;
 }
 

@@ -64,7 +64,7 @@ Case randomCase(std::mt19937& random) {
   for (int j = 0; j < count; ++j) {
     drawn.landmarks.push_back({{anywhere(random), anywhere(random)}, coin(random) ? kRed : kBlue});
     const Vector2d where =
-        drawn.landmarks[j].position + off.segment<2>(2 * j) + 0.1 * Vector2d(noise(random), noise(random));
+        drawn.landmarks[j].position + off.segment<2>(2 * j) + 0.1 * Vector2d{noise(random), noise(random)};
     if (coin(random)) drawn.observations.push_back(seen(where, drawn.landmarks[j].label));
     if (coin(random)) drawn.observations.push_back(seen({anywhere(random), anywhere(random)}));
   }

@@ -44,7 +44,7 @@ LandmarkFilter driven() {
     std::vector<AssociatedObservation> seen;
     for (size_t k = 0; k < truth.size(); ++k) {
       Observation2D z =
-          observation(robot.inverse() * truth[k].position + Vector2d(noise(random), noise(random)));
+          observation(robot.inverse() * truth[k].position + Vector2d{noise(random), noise(random)});
       if (truth[k].heading) z.heading = wrapped(*truth[k].heading - robot.heading + noise(random));
       if (k < filter.landmarks().size() && (i + k) % 3 != 0) seen.push_back({k, z});
       if (k == filter.landmarks().size()) filter.add(z);
@@ -119,7 +119,7 @@ TEST(LandmarkFilter, ANewLandmarkIsCorrelatedWithTheRobot) {
   std::mt19937 random(2);
   std::normal_distribution<double> noise(0, 1);
   const auto drawn = [&](const Matrix3d& covariance) {
-    return Vector3d(covariance.llt().matrixL() * Vector3d(noise(random), noise(random), noise(random)));
+    return Vector3d(covariance.llt().matrixL() * Vector3d{noise(random), noise(random), noise(random)});
   };
   const int count = 100000;
   MatrixXd errors(6, count);
@@ -266,7 +266,7 @@ TEST(LandmarkFilter, LargeUpdatesAreConsistent) {
       const Eigen::Matrix2d axes = rotation2(std::atan2(z.y(), z.x()));
       const Vector2d sigmas(0.08, 0.01);
       Observation2D observation{
-          z + axes * sigmas.cwiseProduct(Vector2d(normal(random), normal(random))), {}, Matrix3d::Zero()};
+          z + axes * sigmas.cwiseProduct(Vector2d{normal(random), normal(random)}), {}, Matrix3d::Zero()};
       observation.covariance.topLeftCorner<2, 2>() =
           axes * sigmas.cwiseAbs2().asDiagonal() * axes.transpose();
       seen.push_back({k, observation});

@@ -59,7 +59,7 @@ Drive drive(int seed) {
     drawn.scans.push_back({10 + i * kTick, {}});
     for (size_t k = 0; k < drawn.landmarks.size(); ++k) {
       const Vector2d at = toRobotFrame(robot, drawn.landmarks[k]).position;
-      const Vector2d seen = at + 0.1 * Vector2d(noise(random), noise(random));
+      const Vector2d seen = at + 0.1 * Vector2d{noise(random), noise(random)};
       drawn.scans.back().observations.push_back({drawn.labels[k], {seen, {}, 0.01 * Matrix3d::Identity()}});
     }
   }

@@ -46,7 +46,7 @@ TEST(OdometrySteps, CompositionHasTheCovarianceOfSampledSteps) {
   for (int i = 0; i < count; ++i) {
     Pose2 drawn;
     for (const OdometryStep& step : steps) {
-      const Vector3d unit(noise(random), noise(random), noise(random));
+      const Vector3d unit{noise(random), noise(random), noise(random)};
       drawn = drawn * expSE2(step.noise.llt().matrixL() * unit) * step.step;
     }
     const Vector3d w = logSE2(drawn * whole.step.inverse());

@@ -53,7 +53,7 @@ TEST(CornerNoise, FindsWhatAllCornersHaveInCommon) {
   for (int i = 0; i < 400; ++i) {
     MarkerView view = look(room(), camera, kTruth, 0.1, i);
     view.detections[1].corner_sigmas.fill(0.5);
-    for (auto& corner : view.detections[1].corners) corner += Eigen::Vector2d(own(random), own(random));
+    for (auto& corner : view.detections[1].corners) corner += Eigen::Vector2d{own(random), own(random)};
     view.noise_scale = noise.scale(0);
     const auto result = locator.locate(room(), {view});
     ASSERT_TRUE(result.pose) << result.reason;

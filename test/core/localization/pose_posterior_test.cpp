@@ -47,10 +47,11 @@ Consistency simulate(const std::vector<Pose>& markers, double farthest, int fram
   while (sum.frames < frames) {
     const double r = range(random), a = bearing(random);
     Pose truth = poseFromXyzRpy({3 - r * std::cos(a), -r * std::sin(a), 0}, {0, 0, a + aside(random)});
-    if (floor)
-      truth =
-          truth * poseFromXyzRpy({0, 0, floor->height_sigma * noise(random)},
-                                 {floor->tilt_sigma * noise(random), floor->tilt_sigma * noise(random), 0});
+    if (floor) {
+      const double height = floor->height_sigma * noise(random);
+      truth = truth * poseFromXyzRpy({0, 0, height}, {floor->tilt_sigma * noise(random),
+                                                      floor->tilt_sigma * noise(random), 0});
+    }
     const auto observations = seenFrom(truth, camera, kMount, markers, 0.2, 0.3, random);
     std::vector<InitialPose> initial_poses;
     for (size_t i = 0; i < observations.size(); ++i) {

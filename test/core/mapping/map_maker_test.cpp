@@ -74,7 +74,7 @@ TEST(MapMaker, NamesTheWrongEntriesOfATapedMapAndNoOthers) {
   std::normal_distribution<double> tape(0, 0.005);
   MarkerMap taped;
   for (auto [marker_key, marker] : simulated.truth.markers()) {
-    marker.T_map_marker.translation() += Eigen::Vector3d(tape(random), tape(random), tape(random));
+    marker.T_map_marker.translation() += Eigen::Vector3d{tape(random), tape(random), tape(random)};
     if (marker_key.id == 3) marker.T_map_marker.translation().x() += 0.1;
     if (marker_key.id == 9) marker.T_map_marker.translation().z() -= 0.1;
     marker.covariance = tapeCovariance(0.01, 0.02);
@@ -97,7 +97,7 @@ TEST(MapMaker, MeasuresHowFarKnownMarkersCanBeBelieved) {
   std::normal_distribution<double> tape(0, 0.02);
   MarkerMap taped;
   for (auto [marker_key, marker] : simulated.truth.markers()) {
-    marker.T_map_marker.translation() += Eigen::Vector3d(tape(random), tape(random), tape(random));
+    marker.T_map_marker.translation() += Eigen::Vector3d{tape(random), tape(random), tape(random)};
     marker.covariance = tapeCovariance(0.001, 0.01);
     taped.add(marker);
   }

@@ -35,8 +35,8 @@ inline MarkerMap roomWithMarkers(int count) {
   for (int id = 0; id < count; ++id) {
     const double side = (id / 4 + 0.5) / a_wall * 4 - 2;
     const Pose T_map_wall = poseFromXyzRpy({0, 0, 0}, {0, 0, M_PI_2 * (id % 4)});
-    const Eigen::Vector3d tilt(M_PI_2 + 0.05 * uniform(random), 0.05 * uniform(random),
-                               0.05 * uniform(random));
+    const Eigen::Vector3d tilt{M_PI_2 + 0.05 * uniform(random), 0.05 * uniform(random),
+                               0.05 * uniform(random)};
     const Pose T_wall_marker = poseFromXyzRpy({side, 2.5, 1 + 0.5 * uniform(random)}, tilt);
     map.add({key(id), 0.2, "", T_map_wall * T_wall_marker, Matrix6d::Zero()});
   }
@@ -68,7 +68,7 @@ inline MarkerView recordedView(const MarkerMap& truth, const CameraModel& camera
     const Pose T_camera_marker = (T_map_base * kRecordingMount).inverse() * marker.T_map_marker;
     auto corners = visibleCorners(camera, T_camera_marker, marker.size);
     if (!corners) continue;
-    for (auto& corner : *corners) corner += sigma * Eigen::Vector2d(noise(random), noise(random));
+    for (auto& corner : *corners) corner += sigma * Eigen::Vector2d{noise(random), noise(random)};
     Detection detection;
     detection.key = marker_key;
     detection.corners = *corners;

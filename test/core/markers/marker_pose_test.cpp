@@ -35,8 +35,8 @@ TEST(MarkerPose, ExactCornersGiveTheExactPose) {
       const CameraModel camera(calibration, image);
       for (int i = 0; i < 50; ++i) {
         const double z = depth(random);
-        const Pose truth = facing({z * place(random), z * place(random), z}, angle(random), angle(random),
-                                  3 * angle(random));
+        const double tilt = angle(random), pan = angle(random), spin = 3 * angle(random);
+        const Pose truth = facing({z * place(random), z * place(random), z}, tilt, pan, spin);
         const auto poses = solveMarkerPose(camera, projected(camera, truth), kSize);
         ASSERT_TRUE(poses);
         EXPECT_LT(poseError(truth, poses->best.T_camera_marker).norm(), 1e-5 * z)
@@ -72,7 +72,7 @@ TEST(MarkerPose, CovarianceIsThatOfManyNoisyTries) {
   double nees = 0;
   for (int i = 0; i < n; ++i) {
     Corners corners = exact;
-    for (auto& corner : corners) corner += Eigen::Vector2d(noise(random), noise(random));
+    for (auto& corner : corners) corner += Eigen::Vector2d{noise(random), noise(random)};
     const auto poses = solveMarkerPose(camera, corners, kSize);
     ASSERT_TRUE(poses);
     const Vector6d error = poseError(truth, poses->best.T_camera_marker);
