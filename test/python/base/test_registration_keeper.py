@@ -3,7 +3,12 @@
 import rosgraph
 import rospy
 
-from sextant.nodes.base.registration_keeper import RegistrationKeeper, newest_at_each_uri, read_registrations
+from sextant.nodes.base.registration_keeper import (
+    RegistrationKeeper,
+    Registrations,
+    newest_at_each_uri,
+    read_registrations,
+)
 
 PARAMETERS = {"robot": {"name": "a"}}
 
@@ -74,7 +79,7 @@ class GrowingMaster(Master):
 
 def test_a_dead_node_is_not_registered_at_the_port_of_another_one():
     master = GrowingMaster()
-    known = read_registrations(master, None)
+    known = read_registrations(master, Registrations({}, {}, {}))
     assert newest_at_each_uri(known.nodes) == master.nodes
     master.nodes["/a_new"] = "http://localhost:1"
     for _ in range(2):

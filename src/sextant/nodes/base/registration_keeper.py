@@ -52,27 +52,21 @@ class NodeTopics(NamedTuple):
     subscribed: Pairs  # likewise
 
 
-def read_registrations(master: rosgraph.Master, known: Optional[Registrations]) -> Registrations:
+def read_registrations(master: rosgraph.Master, known: Registrations) -> Registrations:
     """Asks the master for its registrations.
 
     :param known: the last answer; URIs of services are asked for again when that of their node is another
     :raises ERRORS: the master does not answer
     """
     state = [dict(each) for each in master.getSystemState()]  # publishers, subscribers, services
-    nodes = _uris(
-        {node for each in state for names in each.values() for node in names}, {}, master.lookupNode
-    )
-    if known is not None:
-        earlier = {name: uri for name, uri in known.nodes.items() if nodes.get(name) == uri}
-        nodes = {**earlier, **nodes}
-    services = state[2]
-    same: Dict[str, str] = {}
-    if known is not None:  # a node that was started again has the old name, but another URI
-        kept = {node for node, uri in nodes.items() if known.nodes.get(node) == uri}
-        same = {
-            name: uri for name, uri in known.service_uris.items() if kept.issuperset(known.services[name])
-        }
-    return Registrations(services, _uris(services, same, master.lookupService), nodes)
+    names = {node for each in state for names in each.values() for node in names}
+    nodes = _uris(names, {}, master.lookupNode)
+    # A node that was started again has the old name, but another URI.
+    same = {name: uri for name, uri in known.nodes.items() if nodes.get(name) == uri}
+    services = {
+        name: uri for name, uri in known.service_uris.items() if same.keys() >= set(known.services[name])
+    }
+    return Registrations(state[2], _uris(state[2], services, master.lookupService), {**same, **nodes})
 
 
 def _uris(names: Iterable[str], known: Dict[str, str], look_up: Callable[[str], str]) -> Dict[str, str]:
@@ -163,7 +157,7 @@ class RegistrationKeeper:
     def __init__(self):
         self._name = rospy.get_name()
         self._master = rosgraph.Master(self._name)
-        self._known: Optional[Registrations] = None
+        self._known = Registrations({}, {}, {})
         self._parameters: Dict[str, Any] = {}
         self._is_reachable = True
 
@@ -183,7 +177,7 @@ class RegistrationKeeper:
         process = self._master.getPid()
         found = read_registrations(self._master, self._known)
         parameters = self._master.getParam("/")
-        if self._known is not None and self._name not in found.nodes:
+        if self._name in self._known.nodes and self._name not in found.nodes:
             self._restore()  # what the master then knows is read at the next look
         elif self._master.getPid() == process:  # else the answers are those of two masters
             self._known, self._parameters = found, parameters
