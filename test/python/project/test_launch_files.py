@@ -38,6 +38,7 @@ BRANCHES = {
     "robot.launch": [
         ["map:=" + ROOM, "start_camera:=true", "camera_info:=calibration"],
         ["start_manager:=false"],
+        ["start_camera:=true", "camera_exposure:=0.005", "camera_automatic:=[focus]"],
     ],
     "markers.launch": [
         ["map:=" + ROOM, "camera_info:=calibration"],
@@ -61,7 +62,11 @@ BRANCHES = {
     "places.launch": [["start_camera:=true", "rviz:=true"], ["visualizer:=false"]],
     "places_demo.launch": [["rviz:=true", "season:=[dusk]"]],
     "teleop.launch": [["joystick:=/dev/input/js0", "bag:=drive.bag", "topics:=/odom"]],
-    "webcam.launch": [["rviz:=true"], ["map:=" + ROOM, "rviz:=true"]],
+    "webcam.launch": [
+        ["rviz:=true"],
+        ["map:=" + ROOM, "rviz:=true"],
+        ["exposure:=0.005", "gain:=4", "focus:=0", "white_balance:=4600"],
+    ],
     "view.launch": [["hostname:=laptop", "master:=http://robot:11311"], ["rviz:=false"]],
 }
 RUNS = [
