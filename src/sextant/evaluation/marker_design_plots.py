@@ -88,7 +88,7 @@ def plot_setup(path: Path, results: Results, setup: Setup, title: str, target: T
     """
     own = [each for each in results if each.cell.setup == setup]
     columns = [*_errors(own, target), Column("", own, DETECTED), Column("", own, cpu_of(own))]
-    rows = [("all angles", SIZE, lambda part: part)]
+    rows = [("worst angle", SIZE, lambda part: part)]
     for size in values_of(own, "size"):
         rows.append((f"{size:g} m", ANGLE, lambda part, size=size: [r for r in part if r.cell.size == size]))
     heights = [len({axis.value(each) for each in own}) for _, axis, _ in rows]
@@ -134,6 +134,7 @@ def _figure(title: str, columns: int, heights: List[int], fields: int):
     :param heights: number of fields of each row of panels
     :param fields: number of fields across a panel
     """
+    heights = [max(each, 2) for each in heights]  # for the label of the axis
     width = columns * (max(fields, 4) * FIELD[0] + 0.9)
     height = sum(heights) * FIELD[1] + 0.85 * len(heights) + 0.5
     figure = Figure(figsize=(width, height), constrained_layout=True)
