@@ -96,8 +96,8 @@ def plot_setup(path: Path, results: Results, setup: Setup, title: str, target: T
     for row, (name, y, chosen) in zip(panels, rows):
         for axes, column in zip(row, columns):
             _draw(axes, chosen(column.results), (DISTANCE, y), column.quantity)
-            parts = [column.quantity.title, column.name, name]
-            axes.set_title(", ".join(filter(None, parts)), fontsize="small")
+            below = ", ".join(filter(None, [column.name, name]))
+            axes.set_title(f"{column.quantity.title}\n{below}", fontsize="small")
     _save(path, figure)
 
 
@@ -136,7 +136,7 @@ def _figure(title: str, columns: int, heights: List[int], fields: int):
     """
     heights = [max(each, 2) for each in heights]  # for the label of the axis
     width = columns * (max(fields, 4) * FIELD[0] + 0.9)
-    height = sum(heights) * FIELD[1] + 0.85 * len(heights) + 0.5
+    height = sum(heights) * FIELD[1] + 1.0 * len(heights) + 0.5
     figure = Figure(figsize=(width, height), constrained_layout=True)
     FigureCanvasAgg(figure)  # not pyplot, which needs a window system and has global state
     figure.suptitle(title, fontsize="medium")
