@@ -152,6 +152,9 @@ void bindMarkerMap(py::module_& module) {
                             "Properties of the markers that the plain text format does not contain.");
   module.def("read_marker_map", &readMarkerMap, "path"_a, "text"_a = TextMapParams(),
              "Reads YAML or the plain text format; RuntimeError 'file:line: reason'.");
+  module.def("parse_marker_map", &parseMarkerMap, "content"_a, "path"_a, "text"_a = TextMapParams(),
+             "Parses the content of a file as read_marker_map(); path: selects the format, and is named in "
+             "errors.");
   module.def("write_marker_map", &writeMarkerMap, "map"_a, "path"_a, "text"_a = TextMapParams(),
              "Writes a map atomically, in the format of the file extension. text: parameters with which a "
              "plain text "

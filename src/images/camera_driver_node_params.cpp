@@ -19,6 +19,13 @@ void requireCameraName(const Param& param) {
     throw std::invalid_argument("camera_name is '" + name + "', it must consist of letters, digits and _");
 }
 
+void requireAutomatic(const Param& param) {
+  for (const std::string& name : *std::get<std::vector<std::string>*>(param.value))
+    if (name != "exposure" && name != "focus" && name != "white_balance")
+      throw std::invalid_argument("automatic contains '" + name +
+                                  "', allowed are exposure, focus, white_balance");
+}
+
 void requireFourcc(const Param& param) {
   const std::string& letters = *std::get<std::string*>(param.value);
   if (!letters.empty() && letters.size() != 4)
@@ -27,9 +34,23 @@ void requireFourcc(const Param& param) {
 
 }  // namespace
 
+ParamList CameraControlParams::fields() {
+  return {
+      {"exposure", &exposure, Range::closed(-1, 10), "s",
+       "exposure time of a device, without its automatic control; negative: unchanged"},
+      {"gain", &gain, Range::closed(-1, 1e6), "", "gain of a device in its own unit; negative: unchanged"},
+      {"focus", &focus, Range::closed(-1, 1e6), "",
+       "focus of a device in its own unit, without autofocus; often 0 is infinity; negative: unchanged"},
+      {"white_balance", &white_balance, Range::closed(-1, 20000), "K",
+       "colour temperature of a device's white balance, without its automatic control; negative: unchanged"},
+      {"automatic", &automatic, Allowed("exposure, focus, white_balance", requireAutomatic), "",
+       "controls that the device sets by itself; other controls without a value are unchanged"},
+  };
+}
+
 ParamList ImageSourceParams::fields() {
   const Range side = Range::closed(0, kMaxSide);
-  return {
+  const ParamList own = {
       {"source", &source, notEmpty(), "",
        "device (`0`, `/dev/video0`, `/dev/v4l/by-id/...`), video file, image, or folder of images, played in "
        "the order of their names",
@@ -47,6 +68,7 @@ ParamList ImageSourceParams::fields() {
       {"preload", &preload, Allowed("false for a device", nullptr), "",
        "decode a whole file or folder before the first image is published"},
   };
+  return joined({own, controls.fields()});
 }
 
 ParamList ImageFeedParams::fields() {

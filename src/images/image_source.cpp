@@ -15,6 +15,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "camera_controls.hpp"
+
 namespace sextant {
 namespace {
 
@@ -59,6 +61,9 @@ class DeviceSource : public ImageSource {
     if (params_.rate > 0) capture_.set(cv::CAP_PROP_FPS, params_.rate);
     capture_.set(cv::CAP_PROP_BUFFERSIZE,
                  2);  // a longer queue has old images, which grab() would stamp as new
+    refused_ = applyControls(params_.controls,
+                             {[this](int property, double value) { return capture_.set(property, value); },
+                              [this](int property) { return capture_.get(property); }});
   }
 
   bool grab() override { return capture_.grab(); }
@@ -69,6 +74,7 @@ class DeviceSource : public ImageSource {
     return encoded(frame, isGrey(params_), path_);
   }
 
+  std::vector<std::string> refusedSettings() const override { return refused_; }
   bool isLive() const override { return true; }
   double recordedRate() const override { return 0.0; }
 
@@ -85,6 +91,7 @@ class DeviceSource : public ImageSource {
   ImageSourceParams params_;
   std::string path_;
   cv::VideoCapture capture_;
+  std::vector<std::string> refused_;
 };
 
 // ---- video file -----------------------------------------------------------------------------------------
@@ -228,6 +235,17 @@ struct Kind {
 constexpr Kind kKinds[] = {
     {isDevice, make<DeviceSource>}, {isImages, make<FolderSource>}, {isAny, make<VideoSource>}};
 
+/// Checks that a path exists, and that nothing is set that only a device has.
+void requireFile(const ImageSourceParams& params) {
+  if (!fs::exists(params.source))
+    throw std::invalid_argument(
+        params.source + " does not exist: source must be a device, a video file, an image or a folder");
+  if (hasControls(params.controls))
+    throw std::invalid_argument(
+        "exposure, gain, focus, white_balance and automatic are for devices; the source " + params.source +
+        " is a file");
+}
+
 /// Checks that at least one image can be decoded, and its size.
 void requireImage(ImageSource& source, const ImageSourceParams& params) {
   source.open();
@@ -254,12 +272,11 @@ void requireImage(ImageSource& source, const ImageSourceParams& params) {
 
 std::unique_ptr<ImageSource> makeImageSource(const ImageSourceParams& params) {
   validate(params);
+  requireOneMode(params.controls);
   ImageSourceParams found = params;
   if (!isDevice(params.source)) {
     found.source = fs::absolute(params.source).lexically_normal().string();
-    if (!fs::exists(found.source))
-      throw std::invalid_argument(
-          found.source + " does not exist: source must be a device, a video file, an image or a folder");
+    requireFile(found);
   } else if (params.preload) {
     throw std::invalid_argument("preload is for files; the source " + params.source + " is a device");
   }

@@ -28,11 +28,17 @@ bool isYaml(const std::string& path) {
 
 MarkerMap readMarkerMap(const std::string& path, const TextMapParams& text) {
   std::ifstream file(path);
-  std::stringstream content;
-  if (file) content << std::string(std::istreambuf_iterator<char>(file), {});
+  std::string content;
+  if (file) content.assign(std::istreambuf_iterator<char>(file), {});
   if (!file.is_open() || file.bad())
     throw std::runtime_error(path + ": cannot be read: " + std::strerror(errno));
-  return isYaml(path) ? parseYamlMap(content.str(), path) : parseTextMap(content, path, text);
+  return parseMarkerMap(content, path, text);
+}
+
+MarkerMap parseMarkerMap(const std::string& content, const std::string& path, const TextMapParams& text) {
+  if (isYaml(path)) return parseYamlMap(content, path);
+  std::istringstream lines(content);
+  return parseTextMap(lines, path, text);
 }
 
 void writeMarkerMap(const MarkerMap& map, const std::string& path, const TextMapParams& text) {

@@ -99,6 +99,8 @@ class CameraDriverNodelet : public nodelet::Nodelet {
       status.summary(diagnostic_msgs::DiagnosticStatus::OK, "finished");
     else if (counts.opened == 0 && status.level == diagnostic_msgs::DiagnosticStatus::OK)
       status.message = "waiting for a subscriber";
+    const std::string refused = feed_->refusedSettings();
+    if (!refused.empty()) status.mergeSummary(diagnostic_msgs::DiagnosticStatus::WARN, refused);
     status.add("source", params_.source.source);
     status.addf("rate", "%.1f Hz", (counts.published - published_) / (now - diagnosed_).toSec());
     status.add("published", counts.published);

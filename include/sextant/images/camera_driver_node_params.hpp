@@ -3,10 +3,22 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "sextant/base/params.hpp"
 
 namespace sextant {
+
+/// Manual values of a camera's controls; negative: unchanged.
+struct CameraControlParams {
+  double exposure = -1.0;
+  double gain = -1.0;
+  double focus = -1.0;
+  double white_balance = -1.0;
+  std::vector<std::string> automatic;
+
+  ParamList fields();
+};
 
 /// A device, a file or a folder, and how it is opened.
 struct ImageSourceParams {
@@ -17,6 +29,7 @@ struct ImageSourceParams {
   double rate = 0.0;
   std::string fourcc = "MJPG";
   bool preload = false;
+  CameraControlParams controls;  ///< of a device
 
   ParamList fields();
 };

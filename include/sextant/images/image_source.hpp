@@ -5,6 +5,7 @@
 #include <memory>
 #include <opencv2/core/mat.hpp>
 #include <string>
+#include <vector>
 
 #include "sextant/images/camera_driver_node_params.hpp"
 
@@ -24,6 +25,8 @@ class ImageSource {
   /// the source until the next grab().
   /// @throws std::runtime_error with the name of the image that cannot be decoded
   virtual cv::Mat retrieve() = 0;
+  /// Settings that the device refused in the last open(), each as a text for the user.
+  virtual std::vector<std::string> refusedSettings() const { return {}; }
   /// Whether the source is a device, which sets the rate itself and may be reconnected.
   virtual bool isLive() const = 0;
   /// Rate of the recording, Hz; 0 for a device.

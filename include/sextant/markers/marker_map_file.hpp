@@ -29,6 +29,11 @@ struct TextMapParams {
 /// twice
 MarkerMap readMarkerMap(const std::string& path, const TextMapParams& text = {});
 
+/// Parses the content of a marker map file.
+/// @param path selects the format as in readMarkerMap(), and is named in errors
+/// @throws std::runtime_error as readMarkerMap()
+MarkerMap parseMarkerMap(const std::string& content, const std::string& path, const TextMapParams& text = {});
+
 /// Writes a marker map atomically: ".yaml" and ".yml" as YAML, any other file in the plain text format.
 /// @param text properties with which a plain text file will be read
 /// @throws std::runtime_error if the file cannot be written or the plain text format cannot represent the map

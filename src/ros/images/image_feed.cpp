@@ -40,6 +40,11 @@ ImageFeed::Counts ImageFeed::counts() const {
   return counts_;
 }
 
+std::string ImageFeed::refusedSettings() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return refused_;
+}
+
 void ImageFeed::run() {
   bool running = awaitSubscriber();
   while (running) running = step();
@@ -71,8 +76,17 @@ bool ImageFeed::openSource() {
     return false;
   }
   open_ = true;
+  noteRefusedSettings();
   if (count(&Counts::opened) > 1 && source_->isLive()) ROS_INFO("the camera is back");
   return true;
+}
+
+void ImageFeed::noteRefusedSettings() {
+  std::string refused;
+  for (const std::string& text : source_->refusedSettings()) refused += (refused.empty() ? "" : "; ") + text;
+  if (!refused.empty()) trouble_.report("setting", refused);
+  const std::lock_guard<std::mutex> lock(mutex_);
+  refused_ = refused;
 }
 
 bool ImageFeed::grab() {

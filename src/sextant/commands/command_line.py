@@ -5,7 +5,7 @@
 import argparse
 import sys
 from pathlib import Path
-from typing import Callable, List, NamedTuple, Optional, Sequence
+from typing import Callable, List, NamedTuple, Optional, Sequence, Tuple
 
 INTERRUPTED = 130  # exit code after Ctrl-C, by convention of the shell
 
@@ -54,6 +54,18 @@ def run(
         return exit_code
     print(f"{parser.prog}: {reason}", file=sys.stderr)
     return 2
+
+
+def whole_pair(text: str, form: str) -> Tuple[int, int]:
+    """Parses two whole numbers with an x between them.
+
+    :param form: the expected form, for the error
+    :raises argparse.ArgumentTypeError: another form
+    """
+    first, cross, second = text.partition("x")
+    if not (cross and first.isdecimal() and second.isdecimal()):
+        raise argparse.ArgumentTypeError(f"'{text}' is not of the form {form}")
+    return int(first), int(second)
 
 
 def check_output(path: Path, force: bool) -> None:

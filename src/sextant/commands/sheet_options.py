@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 from typing import Tuple
 
+from sextant.commands.command_line import whole_pair
 from sextant.printing.print_layout import PAGES, Paper
 
 
@@ -33,7 +34,4 @@ def columns_and_rows(text: str) -> Tuple[int, int]:
 
     :raises argparse.ArgumentTypeError: another form
     """
-    columns, cross, rows = text.partition("x")
-    if not (cross and columns.isdecimal() and rows.isdecimal()):
-        raise argparse.ArgumentTypeError(f"'{text}' is not of the form COLUMNSxROWS, e.g. 4x3")
-    return int(columns), int(rows)
+    return whole_pair(text, "COLUMNSxROWS, e.g. 4x3")

@@ -10,8 +10,16 @@ from sextant.base.atomic_file import atomic_file
 from sextant.markers.formats.apriltag_ros import format_apriltag_ros, read_apriltag_ros
 from sextant.markers.formats.fiducial_slam import FIELDS as FIDUCIAL_SLAM_FIELDS
 from sextant.markers.formats.fiducial_slam import format_fiducial_slam, read_fiducial_slam
-from sextant.markers.formats.format_types import MapFileError, MapFormatParams, ReadMap, WrittenMap, read_text
+from sextant.markers.formats.format_types import (
+    MapFileError,
+    MapFormatParams,
+    ReadMap,
+    WrittenMap,
+    fields_of,
+    read_text,
+)
 from sextant.markers.formats.sextant_map import (
+    TEXT_FIELDS,
     has_yaml_ending,
     read_text_map,
     read_yaml_map,
@@ -65,7 +73,6 @@ YAML_KEYS = {
     "tagslam": {"bodies"},
 }
 FORMAT_OF_FILE_NAME = {"tags.yaml": "apriltag_ros", "tagslam.yaml": "tagslam", "poses.yaml": "tagslam"}
-TEXT_FIELDS = 7  # name Tx Ty Tz Rx Ry Rz
 
 
 def read_map(path: str, name: str, params: MapFormatParams) -> ReadMap:
@@ -131,10 +138,9 @@ def _guess_yaml(path: str) -> List[str]:
 
 
 def _guess_lines(path: str) -> List[str]:
-    lines = [line.partition("#")[0].split() for line in read_text(path).split("\n")]
-    lengths = [len(words) for words in lines if words]
+    lengths = [len(words) for words in map(fields_of, read_text(path).split("\n")) if words]
     fits = {
-        "text": all(length == TEXT_FIELDS for length in lengths),
+        "text": all(length in (TEXT_FIELDS, TEXT_FIELDS + 1) for length in lengths),
         "fiducial_slam": all(length >= FIDUCIAL_SLAM_FIELDS for length in lengths),
     }
     return [name for name, fit in fits.items() if fit and lengths]

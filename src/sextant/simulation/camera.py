@@ -45,6 +45,33 @@ def camera_calibration(
     return calibration
 
 
+def resized_calibration(
+    calibration: "sextant.CameraCalibration", width: int, height: int
+) -> "sextant.CameraCalibration":
+    """Calibration of the same camera with images reduced or enlarged to another resolution.
+
+    Pixel (0, 0) is the centre of the first pixel, so u' = s (u + 0.5) - 0.5.
+
+    :raises ValueError: the aspect ratio is another
+    """
+    if abs(width * calibration.height - height * calibration.width) > max(calibration.width, width):
+        raise ValueError(
+            f"{width} x {height} is not the aspect ratio of the calibration, "
+            f"{calibration.width} x {calibration.height}"
+        )
+    x, y = width / calibration.width, height / calibration.height
+    scaling = np.array([[x, 0.0, 0.5 * (x - 1.0)], [0.0, y, 0.5 * (y - 1.0)], [0.0, 0.0, 1.0]])
+    resized = sextant.CameraCalibration()
+    resized.width, resized.height = width, height
+    resized.distortion_model, resized.D, resized.R = (
+        calibration.distortion_model,
+        calibration.D,
+        calibration.R,
+    )
+    resized.K, resized.P = scaling @ calibration.K, scaling @ calibration.P
+    return resized
+
+
 def camera_mount(xyz: Sequence[float], rpy: Sequence[float]) -> np.ndarray:
     """T_base_camera (4, 4) of a camera at xyz (metres) that faces along the x axis rotated by rpy."""
     T_mount_optical = np.eye(4)

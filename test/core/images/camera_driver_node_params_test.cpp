@@ -26,6 +26,10 @@ TEST(CameraDriverNodeParams, RefusesNamesThatNoFileAndNoDeviceHas) {
             "camera_name is 'my camera', it must consist of letters, digits and _");
   EXPECT_EQ(refused([](auto& params) { params.source.fourcc = "JPG"; }),
             "fourcc is 'JPG', it must be empty or four letters such as MJPG");
+  EXPECT_EQ(refused([](auto& params) { params.source.controls.automatic = {"gain"}; }),
+            "automatic contains 'gain', allowed are exposure, focus, white_balance");
+  EXPECT_NE(refused([](auto& params) { params.source.controls.exposure = 11.0; }).find("exposure"),
+            std::string::npos);
 }
 
 }  // namespace

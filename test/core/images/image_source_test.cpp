@@ -158,6 +158,20 @@ TEST_F(Source, WhatCannotBePlayedIsNamed) {
                                  "for a file");
 }
 
+TEST_F(Source, OnlyADeviceHasControls) {
+  ImageSourceParams params = of(write("image.png", noise(1)));
+  params.controls.gain = 2.0;
+  EXPECT_EQ(refusal(params),
+            "exposure, gain, focus, white_balance and automatic are for devices; the source " +
+                params.source + " is a file");
+  params.source = "/dev/video987";
+  EXPECT_EQ(refusal(params), "not refused");
+  params.controls.automatic = {"focus"};
+  EXPECT_EQ(refusal(params), "not refused");
+  params.controls.focus = 10.0;
+  EXPECT_EQ(refusal(params), "focus is 10, so it must not be in automatic");
+}
+
 TEST_F(Source, ADeviceMayBeMissingUntilItIsOpened) {
   for (const char* name : {"/dev/video987", "987"}) {
     const auto source = makeImageSource(of(name));

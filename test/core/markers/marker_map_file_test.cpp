@@ -42,6 +42,15 @@ TEST_F(MarkerMapFile, ItsEndingTellsTheFormat) {
   }
 }
 
+TEST_F(MarkerMapFile, ParsesContentAsIfItWasInTheFile) {
+  const std::string line = "7 1 2 3 0 0 0\n";
+  std::ofstream(path("map.txt")) << line;
+  expectSameMap(parseMarkerMap(line, path("map.txt")), readMarkerMap(path("map.txt")));
+  EXPECT_EQ(refusal<std::runtime_error>([] { parseMarkerMap("7 1 2 3 0 0 0 0.1\n", "hall.txt"); }),
+            "hall.txt:1: has 8 fields, needs 'name Tx Ty Tz Rx Ry Rz'");
+  EXPECT_EQ(parseMarkerMap("frame: hall\nmarkers: []\n", "hall.yaml").frame(), "hall");
+}
+
 TEST_F(MarkerMapFile, AMapThatItsFormatCannotHoldLeavesTheFileAsItWas) {
   std::ofstream(path("map.txt")) << "7 1 2 3 0 0 0\n";
   MarkerMap large;  // would come back with another size

@@ -71,6 +71,19 @@ def test_to_another_format_and_back(tmp_path, capsys, target, out):
     assert len(ours.markers) == 3
 
 
+def test_additions_to_plain_text_are_reported(tmp_path, capsys):
+    source, target = tmp_path / "frames.txt", tmp_path / "map.yaml"
+    source.write_text("map 0 0 0 0 0 0\nId7 1 3 1.5 1.5708 0 0 0.2\n")
+    status, out, err = run(capsys, source, target, "--family", "tag36h11", "--size", "0.2")
+    assert (status, err) == (0, "")
+    assert out.splitlines()[1:3] == [
+        "lost: line 1, the frame of the map: it has no pose in itself",
+        "lost: the eighth field, '0.2' in line 2: the format has 7, it is ignored",
+    ]
+    (marker,) = sextant.read_marker_map(str(target)).markers
+    assert (marker.id, marker.name) == (7, "Id7")
+
+
 def test_losses_of_writing_are_reported(tmp_path, capsys):
     status, out, _ = run(capsys, DATA / "tagslam.yaml", tmp_path / "map.txt", "--to", "text")
     assert status == 0

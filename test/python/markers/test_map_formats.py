@@ -234,6 +234,7 @@ def test_half_a_file_is_read_as_such_or_refused(tmp_path, name):
     "file, text, name",
     [
         ("m.txt", "# a map\n7 1 2 3 0 0 0\n", "text"),
+        ("m.txt", "map 0 0 0 0 0 0\n7 1 2 3 0 0 0 0.2\n", "text"),
         ("m", "7 1 2 3 0 0 0 0.01 4\n", "fiducial_slam"),
         ("m.yml", "frame: map\nmarkers: []\n", "yaml"),
         ("m.yaml", "standalone_tags: []\n", "apriltag_ros"),
@@ -249,7 +250,7 @@ def test_format_is_seen(tmp_path, file, text, name):
     "file, text",
     [
         ("m.txt", "7 1 2 3 0 0 0\n8 1 2 3 0 0 0 0.01 4\n"),
-        ("m.txt", "7 1 2 3 0 0 0 0.01\n"),
+        ("m.txt", "7 1 2 3 0 0\n"),
         ("m.txt", "# nothing\n"),
         ("m.yaml", "cam0: {pose: 1}\n"),
         ("m.yaml", "bodies: []\nmarkers: []\n"),

@@ -23,6 +23,7 @@ from sextant.simulation.room_markers import default_map
 
 ROOT = Path(__file__).resolve().parents[3]
 sys.path.insert(0, str(ROOT / "tools"))
+from launch_pages import resolved  # noqa: E402
 from parameter_tables import records, snake_case  # noqa: E402
 
 LAUNCH_FILES = sorted((ROOT / "launch").glob("*.launch"))
@@ -37,6 +38,7 @@ BRANCHES = {
     "robot.launch": [
         ["map:=" + ROOM, "start_camera:=true", "camera_info:=calibration"],
         ["start_manager:=false"],
+        ["start_camera:=true", "camera_exposure:=0.005", "camera_automatic:=[focus]"],
     ],
     "markers.launch": [
         ["map:=" + ROOM, "camera_info:=calibration"],
@@ -60,6 +62,11 @@ BRANCHES = {
     "places.launch": [["start_camera:=true", "rviz:=true"], ["visualizer:=false"]],
     "places_demo.launch": [["rviz:=true", "season:=[dusk]"]],
     "teleop.launch": [["joystick:=/dev/input/js0", "bag:=drive.bag", "topics:=/odom"]],
+    "webcam.launch": [
+        ["rviz:=true"],
+        ["map:=" + ROOM, "rviz:=true"],
+        ["exposure:=0.005", "gain:=4", "focus:=0", "white_balance:=4600"],
+    ],
     "view.launch": [["hostname:=laptop", "master:=http://robot:11311"], ["rviz:=false"]],
 }
 RUNS = [
@@ -134,7 +141,7 @@ def own_declared(path):
 
 
 def test_there_are_launch_files():
-    assert {*BRANCHES, "webcam.launch"} == {path.name for path in LAUNCH_FILES}
+    assert set(BRANCHES) == {path.name for path in LAUNCH_FILES}
 
 
 @pytest.mark.slow
@@ -188,6 +195,15 @@ def test_the_word_none_switches_off(path):
 def test_robot_launch_passes_every_argument_of_markers_launch():
     robot, markers = own_declared(ROOT / "launch/robot.launch"), own_declared(ROOT / "launch/markers.launch")
     assert {name: robot.get(name) for name in markers} == markers
+
+
+@pytest.mark.parametrize("name", ["markers.launch", "robot.launch", "webcam.launch"])
+@pytest.mark.parametrize("topic", ["pose", "markers/pose"])
+def test_the_locator_publishes_its_pose_on_the_topic_of_the_argument(name, topic):
+    shown = ["rviz:=true"] if name == "webcam.launch" else []
+    config = load(ROOT / "launch" / name, ["map:=" + ROOM, f"pose:={topic}", *shown])
+    nodes = [node for node in config.nodes if node.name in ("marker_locator", "rviz")]
+    assert [resolved(node, "pose") for node in nodes] == [topic] * (1 + len(shown))
 
 
 @pytest.mark.parametrize("path", LAUNCH_FILES, ids=lambda path: path.name)

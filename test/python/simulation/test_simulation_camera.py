@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import sextant
-from sextant.simulation.camera import camera_calibration, camera_mount
+from sextant.simulation.camera import camera_calibration, camera_mount, resized_calibration
 
 
 @pytest.mark.parametrize("size", [(640, 480), (1280, 720), (1920, 1080)])
@@ -35,6 +35,30 @@ def test_fisheye_sees_more_than_half_of_the_world():
 def test_what_no_camera_has_is_refused(arguments):
     with pytest.raises(ValueError):
         camera_calibration(*arguments)
+
+
+@pytest.mark.parametrize("model", ["plumb_bob", "rational_polynomial", "equidistant"])
+def test_resized_images_show_a_point_at_the_same_fraction_of_the_image(model):
+    count = {"plumb_bob": 5, "rational_polynomial": 8, "equidistant": 4}[model]
+    whole = camera_calibration(
+        640, 480, 1.1, model, [0.02, -0.01, 0.001, 0.002, 0.003, 0.0, 0.0, 0.0][:count]
+    )
+    whole.R = np.eye(3)
+    large = resized_calibration(whole, 1600, 1200)
+    for point in ([0.0, 0.0, 1.0], [0.3, -0.2, 1.0], [-1.0, 0.7, 2.0]):
+        small_pixel = sextant.CameraModel(whole).project(point)
+        large_pixel = sextant.CameraModel(large).project(point)
+        np.testing.assert_allclose((large_pixel + 0.5) / 2.5, small_pixel + 0.5)
+        u, v, w = large.P @ [*point, 1.0]
+        x, y, z = whole.P @ [*point, 1.0]
+        np.testing.assert_allclose([(u / w + 0.5) / 2.5, (v / w + 0.5) / 2.5], [x / z + 0.5, y / z + 0.5])
+    np.testing.assert_array_equal(large.R, whole.R)
+
+
+def test_an_image_of_another_shape_is_of_another_camera():
+    with pytest.raises(ValueError, match="1280 x 720 is not the aspect ratio of the calibration, 640 x 480"):
+        resized_calibration(camera_calibration(640, 480), 1280, 720)
+    assert resized_calibration(camera_calibration(1366, 768), 683, 384).width == 683
 
 
 def test_mounted_camera_looks_ahead_or_where_it_is_turned():

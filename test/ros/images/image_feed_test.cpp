@@ -19,10 +19,11 @@ constexpr milliseconds kWait{10000};
 
 /// Behaviour of a camera in successive calls of open() or grab(), one letter each: o opens, x does not open,
 /// p has an image, b has one that cannot be decoded, - has none. After the last letter there are images
-/// forever.
+/// forever. When it is opened, it refuses the settings.
 class ScriptedSource : public ImageSource {
  public:
-  ScriptedSource(std::string script, bool live) : script_(std::move(script)), live_(live) {}
+  ScriptedSource(std::string script, bool live, std::vector<std::string> refused)
+      : script_(std::move(script)), live_(live), refused_(std::move(refused)) {}
 
   void open() override {
     if (next() != 'o') throw std::runtime_error("does not open");
@@ -36,6 +37,7 @@ class ScriptedSource : public ImageSource {
     if (letter_ == 'b') throw std::runtime_error("cannot be decoded");
     return cv::Mat(2, 3, CV_8UC1, cv::Scalar(++decoded_));
   }
+  std::vector<std::string> refusedSettings() const override { return refused_; }
   bool isLive() const override { return live_; }
   double recordedRate() const override { return live_ ? 0.0 : 50.0; }
 
@@ -44,6 +46,7 @@ class ScriptedSource : public ImageSource {
 
   std::string script_;
   bool live_;
+  std::vector<std::string> refused_;
   size_t at_ = 0;
   char letter_ = '-';
   int decoded_ = 0;
@@ -53,9 +56,10 @@ class Feed : public ::testing::Test {
  protected:
   void SetUp() override { ros::Time::init(); }
 
-  void play(const std::string& script, bool live, const ImageFeedParams& params) {
+  void play(const std::string& script, bool live, const ImageFeedParams& params,
+            const std::vector<std::string>& refused = {}) {
     feed_ = std::make_unique<ImageFeed>(
-        std::make_unique<ScriptedSource>(script, live), params,
+        std::make_unique<ScriptedSource>(script, live, refused), params,
         ImageFeed::Outlet{[this] { return subscribed_.load(); }, [this] { return subscribed_.load(); },
                           [this](const cv::Mat& picture, const ros::Time& stamp) {
                             const std::lock_guard<std::mutex> lock(mutex_);
@@ -106,6 +110,14 @@ TEST_F(Feed, ALostCameraIsOpenedAgainAndGoesOn) {
   EXPECT_GT(stamps_[2] - stamps_[1], 1.9);  // a second after the loss, another after it did not open
   EXPECT_EQ(feed_->counts().opened, 2u);
   EXPECT_EQ(summary(), "working; not used: camera lost=1; not used: source=1");
+}
+
+TEST_F(Feed, SettingsThatTheCameraRefusesAreReportedWhileImagesAreUsed) {
+  play("op", true, frames(1), {"the camera refuses gain of 3", "the camera refuses automatic focus"});
+  ASSERT_TRUE(waitForEnd());
+  EXPECT_EQ(values_.size(), 1u);
+  EXPECT_EQ(feed_->refusedSettings(), "the camera refuses gain of 3; the camera refuses automatic focus");
+  EXPECT_EQ(summary(), "working; not used: setting=1");
 }
 
 TEST_F(Feed, ACameraThatIsNotThereYetIsWaitedFor) {

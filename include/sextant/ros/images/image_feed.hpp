@@ -44,6 +44,9 @@ class ImageFeed {
   ~ImageFeed();
 
   Counts counts() const;  ///< may be called from any thread
+  /// Settings that the device refused when it was last opened, for the user; empty: none. May be called from
+  /// any thread.
+  std::string refusedSettings() const;
 
  private:
   using Clock = RateLimit::Clock;
@@ -52,6 +55,7 @@ class ImageFeed {
   bool step();
   bool awaitSubscriber();
   bool openSource();
+  void noteRefusedSettings();
   bool grab();
   bool afterLast();
   void take(const ros::Time& stamp);
@@ -68,7 +72,8 @@ class ImageFeed {
   bool open_ = false;
   RateLimit pace_;
   Counts counts_;
-  mutable std::mutex mutex_;  // guards counts_ and stop_
+  std::string refused_;
+  mutable std::mutex mutex_;  // guards counts_, refused_ and stop_
   std::condition_variable wake_;
   bool stop_ = false;
   std::thread thread_;

@@ -32,6 +32,7 @@ from sextant.markers.formats.format_types import (
     WrittenMap,
     decimal,
     errors_located_at,
+    fields_of,
     finite,
     read_text,
 )
@@ -61,7 +62,7 @@ def read_fiducial_slam(path: str, params: MapFormatParams) -> ReadMap:
         raise MapFileError(f"{path}: aruco_detect does not know {family}, only {', '.join(DICTIONARIES)}")
     marker_map = params.empty_map()
     for number, line in enumerate(read_text(path).split("\n"), 1):
-        words = line.partition("#")[0].split()
+        words = fields_of(line)
         if words:
             with errors_located_at(f"{path}:{number}"):
                 marker_map.add(_marker(words, family, params.size))

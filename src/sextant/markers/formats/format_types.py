@@ -66,6 +66,11 @@ def read_text(path: str) -> str:
         raise MapFileError(f"{path}: is no UTF-8 text (byte {error.start})") from None
 
 
+def fields_of(line: str) -> List[str]:
+    """Returns the fields of a line of text, without its comment."""
+    return line.partition("#")[0].split()
+
+
 @contextmanager
 def errors_located_at(place: str) -> Iterator[None]:
     """Raises a ValueError of the block, e.g. of MarkerMap.add (unknown or duplicate id, invalid size), as
