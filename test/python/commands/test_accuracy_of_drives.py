@@ -12,7 +12,7 @@ from geometry_msgs.msg import PoseWithCovarianceStamped
 from written_bags import WrittenBag, header
 
 import sextant
-from sextant.nodes.base.pose_messages import pose_to_message
+from sextant.messages.pose_messages import pose_to_message
 
 
 def write_drive(path, bias, seed, count=200):

@@ -20,7 +20,7 @@ from written_bags import WrittenBag, header, small_drive
 
 import sextant
 from sextant.commands.accuracy_statistics import main
-from sextant.nodes.base.pose_messages import pose_to_message
+from sextant.messages.pose_messages import pose_to_message
 from sextant.simulation.drive import DriveParams, SimulatedDrive
 
 SIGMA = 0.2  # pixels
