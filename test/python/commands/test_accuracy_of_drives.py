@@ -50,7 +50,9 @@ def test_a_drive_against_its_truth(tmp_path, monkeypatch, capsys):
         assert rmse_of(out) == [pytest.approx(0.02 * np.sqrt(3.0), rel=0.1)]
         assert re.search(r"NEES +mean ([\d.]+) of 6, within", out)
         assert "RPE over 2 seconds, m" in out
-        assert sorted(path.name for path in tmp_path.glob(f"{name}*")) == [f"{name}.csv", f"{name}.png"]
+        assert sorted(path.name for path in tmp_path.glob(f"{name}*")) == [
+            *(f"{name}.csv", f"{name}.png", f"{name}_bands.png")
+        ]
     assert Path("file.csv").read_text() == Path("frame.csv").read_text()
 
 
@@ -65,7 +67,8 @@ def test_several_drives_of_one_name_and_time(tmp_path, monkeypatch, capsys):
     assert code == 0 and rmse_of(out) == pytest.approx([small, np.hypot(small, 0.3)], rel=0.1)
     assert "a/run.bag: 200 poses" in out and "b/run.bag: 200 poses" in out
     assert sorted(path.name for path in tmp_path.glob("acc*")) == [
-        *("accuracy.csv", "accuracy_1.png", "accuracy_2.png")
+        "accuracy.csv",
+        *(f"accuracy_{number}{end}" for number in (1, 2) for end in (".png", "_bands.png")),
     ]
     assert "run.bag: is given twice" in refused(capsys, *arguments, "./a/run.bag", "-o", "other")
 
@@ -80,9 +83,9 @@ def test_a_drive_that_cannot_be_compared_is_refused_or_skipped(tmp_path, monkeyp
     assert "blind.bag: tf does not connect" in refused(capsys, *arguments)
     code, out, _ = called(capsys, *arguments, "--skip")
     assert code == 0 and "skipped: blind.bag: tf does not" in out and len(rmse_of(out)) == 1
-    assert [path.name for path in tmp_path.glob("*.png")] == ["accuracy_1.png"]
+    assert [path.name for path in tmp_path.glob("*[12].png")] == ["accuracy_1.png"]
     assert called(capsys, *reversed(arguments[:2]), *arguments[2:], "--skip", "-o", "other")[0] == 0
-    assert [path.name for path in tmp_path.glob("other*.png")] == ["other_2.png"]  # the second is drawn
+    assert [path.name for path in tmp_path.glob("other*[12].png")] == ["other_2.png"]  # the second is drawn
 
 
 @pytest.mark.parametrize(

@@ -25,7 +25,7 @@ from sextant.simulation.drive import DriveParams, SimulatedDrive
 
 SIGMA = 0.2  # pixels
 COUNT = 300
-ENDINGS = (".xlsx", ".yaml", "_constant.yaml", "_errors.png", "_spread.png")
+ENDINGS = (".html", ".xlsx", ".yaml", "_constant.yaml", "_errors.png", "_spread.png")
 FILES = ["accuracy" + ending for ending in ENDINGS]
 ROOT = Path(__file__).resolve().parents[3]
 PAGE = (ROOT / "doc/how_to/accuracy.md").read_text()
@@ -63,7 +63,7 @@ def test_what_is_published_is_what_is_measured(series, capsys):
     with open("accuracy_constant.yaml") as file:
         assert len(yaml.safe_load(file)["constant_covariance"]) == 36
     book = openpyxl.load_workbook("accuracy.xlsx")
-    assert book.sheetnames == ["summary", "covariance", "bags", "0.757 m", "2 m", "2.5 m"]
+    assert book.sheetnames == ["errors", "summary", "covariance", "bags", "0.757 m", "2 m", "2.5 m"]
     assert book["2 m"].max_row > 600
 
 
