@@ -38,6 +38,7 @@ table { border-collapse: collapse; }
 th, td { padding: 0.2rem 0.7rem; border-bottom: 1px solid #ddd; text-align: right; }
 th { background: #f2f2f2; vertical-align: bottom; }
 td.text, th.text { text-align: left; }
+td:not(.text), td:first-child { white-space: nowrap; }
 tr.highlighted td { background: #fdebdc; }
 p.note { color: #555; max-width: 60rem; }
 summary { cursor: pointer; margin: 0.5rem 0; }

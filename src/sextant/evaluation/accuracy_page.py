@@ -9,6 +9,7 @@ import numpy as np
 
 from sextant.base.html_report import Row, Table, embedded, write_report
 from sextant.evaluation.error_statistics import (
+    ALL,
     QUANTITIES,
     QUANTITY_UNITS,
     ErrorStatistics,
@@ -90,7 +91,7 @@ def write_page(
         "place": place,
         "places": f"{place}s",
         "together": _position_table(overall(errors)),
-        "together_axes": _axis_table(overall(errors)),
+        "together_axes": _axis_table(overall(errors), with_place=False),
         "plots": [PagePlot(plot.stem.rpartition("_")[2], embedded(plot.read_bytes())) for plot in plots],
         "by_place": _side_by_side(errors),
         "by_place_axes": _axis_table(errors),
@@ -112,7 +113,7 @@ def _verdict(of: ErrorStatistics) -> str:
 
 
 def _position_table(errors: Sequence[ErrorStatistics]) -> Table:
-    rows = [Row((each.label, share_text(each), *_cells(each, 0))) for each in errors]
+    rows = [Row((each.method or ALL, share_text(each), *_cells(each, 0))) for each in errors]
     return Table(("", "images with a pose", *POSITION_HEADS), rows)
 
 
@@ -120,20 +121,23 @@ def _side_by_side(errors: Sequence[ErrorStatistics]) -> Table:
     """One row per place, the methods beside one another."""
     heads = [""]
     for method in dict.fromkeys(each.method for each in errors):
-        heads += [f"{method} {name}".strip() for name in ("images with a pose", *POSITION_HEADS)]
+        heads += [f"{method} {name}".strip() for name in ("with a pose, %", *POSITION_HEADS)]
     cells: Dict[str, List[str]] = {each.place: [each.place] for each in errors}
     for each in errors:
-        cells[each.place] += [share_text(each), *_cells(each, 0)]
+        cells[each.place] += [_number(100.0 * each.share, 1), *_cells(each, 0)]
     return Table(tuple(heads), [Row(tuple(row)) for row in cells.values()])
 
 
-def _axis_table(errors: Sequence[ErrorStatistics]) -> Table:
+def _axis_table(errors: Sequence[ErrorStatistics], with_place: bool = True) -> Table:
+    """One row per axis whose true value is known."""
     rows = []
     for each in errors:
-        for axis in AXES:
-            index = QUANTITIES.index(axis)
+        for index in range(1, len(QUANTITIES)):
+            if each.poses and np.isnan(each.mean[index]):
+                continue
             unit = SHOWN[QUANTITY_UNITS[index]][1]
-            rows.append(Row((each.label, axis, unit, *_cells(each, index))))
+            name = each.label if with_place else each.method or ALL
+            rows.append(Row((name, QUANTITIES[index], unit, *_cells(each, index))))
     return Table(("", "axis", "unit", *HEADS), rows, (0, 1, 2))
 
 
@@ -166,4 +170,4 @@ def _bag_table(series: Sequence[PoseSeries], statistics: Sequence[SeriesStatisti
 
 
 def _number(value: float, digits: int) -> str:
-    return MISSING if np.isnan(value) else f"{value:.{digits}f}"
+    return MISSING if np.isnan(value) else f"{round(value, digits) + 0.0:.{digits}f}"  # without -0.00

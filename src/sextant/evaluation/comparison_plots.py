@@ -20,6 +20,7 @@ from sextant.evaluation.pose_series import AXES, SeriesStatistics
 SHOWN_QUANTITIES = ("position", "x", "y", "z", "yaw")  # one panel each
 QUANTITY_SCALES, QUANTITIES_SHOWN = (SCALES[0], *SCALES), (SHOWN[0], *SHOWN)
 WIDTH = 0.8  # of all methods at one place, places
+OUTLIER = 15.0  # ratio of the worst error to the median 95 %, above which the errors' axis is logarithmic
 MARGIN = 0.5  # around the points and markers of the top view, metres
 DOTS = 1000  # maximum number of poses drawn per point and method
 HEADING = 0.3  # length of the arrow of the true heading, metres
@@ -41,37 +42,51 @@ def plot_comparison(path: Union[str, Path], errors: Sequence[ErrorStatistics]) -
     _draw_shares(panels[-1], errors)
     handles, labels = panels[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="lower center", ncol=len(labels), frameon=False)
-    figure.suptitle("dot: absolute mean error; thick line: to 95 %; thin line: to the worst", fontsize=11)
+    figure.suptitle(
+        "bar: 95 % of the absolute errors; dot: absolute mean error; line: to the worst error", fontsize=11
+    )
     figure.subplots_adjust(left=0.06, right=0.985, bottom=0.15, top=0.9, wspace=0.2, hspace=0.42)
     save_figure(path, figure)
 
 
 def _draw_quantity(axes: Axes, errors: Sequence[ErrorStatistics], index: int) -> None:
     scale = QUANTITY_SCALES[index]
-    known = False
+    drawn = []
     for of_method, shift, colour in _by_method(errors):
         values = np.array([[abs(each.mean[index]), each.p95[index], each.worst[index]] for each in of_method])
-        mean, p95, worst = np.maximum(scale * values.T, 1e-4)  # a logarithmic axis has no zero
+        mean, p95, worst = scale * values.T
         x = np.arange(len(of_method)) + shift
-        known = known or bool(np.isfinite(mean).any())
+        axes.bar(x, p95, _bar_width(errors), color=colour, alpha=0.4)
         axes.vlines(x, p95, worst, color=colour, linewidth=1)
-        axes.vlines(x, mean, p95, color=colour, linewidth=4, alpha=0.6)
         axes.plot(x, worst, "_", color=colour, markersize=6)
         axes.plot(x, mean, "o", color=colour, markersize=4, label=of_method[0].method or "error")
+        drawn.append(values[np.isfinite(mean)] * scale)
     _finish(axes, errors, f"{QUANTITIES[index]} error, {QUANTITIES_SHOWN[index]}")
-    if not known:
+    _limit(axes, np.concatenate(drawn))
+
+
+def _limit(axes: Axes, values: np.ndarray) -> None:
+    """:param values: (N, 3) absolute mean, 95 % and worst error"""
+    if len(values) == 0:
         axes.text(0.5, 0.5, "true value unknown", transform=axes.transAxes, ha="center")
         return
-    axes.set_yscale("log")
-    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    axes.yaxis.set_minor_formatter(NullFormatter())
+    _, p95, worst = values.T
+    axes.set_ylim(0.0, max(1.1 * worst.max(), 1e-6))
+    if worst.max() > OUTLIER * np.median(p95):
+        axes.set_yscale("log")
+        axes.set_ylim(0.1 * max(float(p95.min()), 1e-3), 2.0 * worst.max())
+        axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axes.yaxis.set_minor_formatter(NullFormatter())
+
+
+def _bar_width(errors: Sequence[ErrorStatistics]) -> float:
+    return 0.9 * WIDTH / len({each.method for each in errors})
 
 
 def _draw_shares(axes: Axes, errors: Sequence[ErrorStatistics]) -> None:
     for of_method, shift, colour in _by_method(errors):
         shares = np.array([100.0 * each.share for each in of_method])
-        width = WIDTH / len({each.method for each in errors})
-        axes.bar(np.arange(len(shares)) + shift, shares, 0.9 * width, color=colour)
+        axes.bar(np.arange(len(shares)) + shift, shares, _bar_width(errors), color=colour, alpha=0.7)
     _finish(axes, errors, "images with a pose, %")
     axes.set_ylim(0.0, 105.0)
     if not any(np.isfinite(each.share) for each in errors):
@@ -113,7 +128,7 @@ def plot_points(
     methods = dict(zip(dict.fromkeys(each.method for each in statistics), cycle(COLOURS)))
     _draw_top_view(above, known, methods, markers)
     _draw_horizontal_errors(errors, known, methods)
-    figure.subplots_adjust(left=0.05, right=0.985, bottom=0.09, top=0.93, wspace=0.14)
+    figure.subplots_adjust(left=0.05, right=0.985, bottom=0.13, top=0.93, wspace=0.14)
     save_figure(path, figure)
 
 
@@ -122,11 +137,8 @@ def _draw_top_view(
 ) -> None:
     for each in statistics:
         axes.plot(*_some(each)[:, :2].T, ".", color=colours[each.method], markersize=3, alpha=0.6)
-        (x, y), yaw = each.truth[:2], each.truth[AXES.index("yaw")]
-        axes.plot(x, y, "+", color="black", markersize=10)
-        axes.annotate(f"{each.distance:g}", (x, y), xytext=(5, 5), textcoords="offset points", clip_on=True)
-        if np.isfinite(yaw):
-            axes.plot([x, x + HEADING * np.cos(yaw)], [y, y + HEADING * np.sin(yaw)], color="black", lw=1)
+    for number, truth in {each.distance: each.truth for each in statistics}.items():
+        _draw_point(axes, f"{number:g}", truth)
     for marker in markers:
         draw_marker(axes, marker)
     # Limits from truth and map only: outliers must not enlarge them.
@@ -135,6 +147,17 @@ def _draw_top_view(
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), xlabel="x, m", ylabel="y, m", aspect="equal")
     axes.set_title("true points (+, with the heading) and poses (dots), from above")
     axes.grid(alpha=0.3)
+
+
+def _draw_point(axes: Axes, name: str, truth: np.ndarray) -> None:
+    """Draws a true pose: a cross, its heading, and its name behind it."""
+    position, yaw = truth[:2], truth[AXES.index("yaw")]
+    axes.plot(*position, "+", color="black", markersize=8)
+    ahead = HEADING * np.array([np.cos(yaw), np.sin(yaw)])
+    if np.isfinite(yaw):
+        axes.plot(*np.transpose([position, position + ahead]), color="black", linewidth=1)
+    behind = position - 0.6 * np.nan_to_num(ahead, nan=-0.5 * HEADING)
+    axes.text(*behind, name, ha="center", va="center", clip_on=True)
 
 
 def _draw_horizontal_errors(
@@ -154,7 +177,8 @@ def _draw_horizontal_errors(
     axes.axhline(0.0, color="black", linewidth=1)
     axes.axvline(0.0, color="black", linewidth=1)
     axes.grid(alpha=0.3)
-    axes.legend(loc="lower right", markerscale=3)
+    below = dict(loc="upper center", bbox_to_anchor=(0.5, -0.09), ncol=len(colours), frameon=False)
+    axes.legend(**below, markerscale=3)
 
 
 def _some(of: SeriesStatistics) -> np.ndarray:

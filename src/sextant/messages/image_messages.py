@@ -11,7 +11,7 @@ import cv2
 import numpy as np
 from cv_bridge import CvBridge
 from cv_bridge.boost.cv_bridge_boost import cvtColor2
-from sensor_msgs.msg import Image
+from sensor_msgs.msg import CompressedImage, Image
 from std_msgs.msg import Header
 
 from sextant.messages.damaged_message import DamagedMessage
@@ -130,3 +130,9 @@ def image_to_message(image: np.ndarray, header: Header) -> Image:
     height, width = image.shape[:2]
     encoding, channels = ("mono8", 1) if image.ndim == 2 else ("rgb8", 3)
     return Image(header, height, width, encoding, 0, channels * width, image.tobytes())
+
+
+def image_to_png_message(image: np.ndarray, header: Header) -> CompressedImage:
+    """Converts a uint8 array (height, width) to sensor_msgs/CompressedImage, without loss."""
+    _, data = cv2.imencode(".png", image, [cv2.IMWRITE_PNG_COMPRESSION, 1])
+    return CompressedImage(header, "png", data.tobytes())

@@ -129,13 +129,21 @@ class SimulatedDrive:
 
     EXPOSURE_STEPS = 5  # number of images averaged to simulate motion blur
 
-    def __init__(self, params: DriveParams, marker_map: Optional["sextant.MarkerMap"] = None):
+    def __init__(
+        self,
+        params: DriveParams,
+        marker_map: Optional["sextant.MarkerMap"] = None,
+        calibration: Optional["sextant.CameraCalibration"] = None,
+        first: int = 0,
+    ):
         """:param marker_map: None: default_map()
+        :param calibration: of a real camera; None: that of the parameters
+        :param first: index of the first frame; frames with different indices have different image noise
         :raises ValueError: an invalid calibration or room
         """
         self.params = params
         self.map = default_map() if marker_map is None else marker_map
-        self.calibration = params.calibration()
+        self.calibration = calibration or params.calibration()
         self.T_base_camera = camera_mount(params.camera_xyz, params.camera_rpy)
         self.room = params.scene_params(self.map)
         self.path = replace(params.eight, center=tuple(self.room.floor_center))
@@ -145,7 +153,7 @@ class SimulatedDrive:
             params.renderer_params(), scene, sextant.CameraModel(self.calibration)
         )
         self._odometry = WheelOdometry(params.odometry, params.seed)
-        self._next = 0
+        self._next = first
 
     def frames(self, count: int) -> Iterator[Frame]:
         """Renders the next frames along the figure of eight.
