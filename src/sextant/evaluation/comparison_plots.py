@@ -57,10 +57,11 @@ def _draw_quantity(axes: Axes, errors: Sequence[ErrorStatistics], index: int) ->
         mean, p95, worst = scale * values.T
         x = np.arange(len(of_method)) + shift
         axes.bar(x, p95, _bar_width(errors), color=colour, alpha=0.4)
-        axes.vlines(x, p95, worst, color=colour, linewidth=1)
+        known = np.isfinite(worst)
+        axes.vlines(x[known], p95[known], worst[known], color=colour, linewidth=1)
         axes.plot(x, worst, "_", color=colour, markersize=6)
         axes.plot(x, mean, "o", color=colour, markersize=4, label=of_method[0].method or "error")
-        drawn.append(values[np.isfinite(mean)] * scale)
+        drawn.append(scale * values[known])
     _finish(axes, errors, f"{QUANTITIES[index]} error, {QUANTITIES_SHOWN[index]}")
     _limit(axes, np.concatenate(drawn))
 

@@ -100,7 +100,7 @@ def _value(axis: str, text: str) -> Optional[float]:
     except ValueError:
         raise ValueError(f"{axis} is '{text}', not a number; write {unit}, or {UNKNOWN}") from None
     if not abs(value) <= LIMITS[unit]:
-        raise ValueError(f"{axis} is {text}, allowed is at most {LIMITS[unit]:.4g} {unit}; is it in {unit}?")
+        raise ValueError(f"{axis} is {text}, allowed is at most {LIMITS[unit]:g} {unit}; is it in {unit}?")
     return value
 
 
