@@ -19,6 +19,7 @@ from still_series import CALIBRATION, ID, SIZE, facing, noisy_corners, write_ser
 from written_bags import WrittenBag, header, small_drive
 
 import sextant
+from sextant.commands import simulate_series
 from sextant.commands.accuracy_statistics import main
 from sextant.messages.pose_messages import pose_to_message
 from sextant.simulation.drive import DriveParams, SimulatedDrive
@@ -268,7 +269,9 @@ def test_a_bag_of_pictures_without_markers(tmp_path, monkeypatch, capsys):
 
 
 def test_options_are_those_of_the_page(capsys):
-    with pytest.raises(SystemExit):
-        main(["--help"])
-    options = set(re.findall(r"^  .*?(--[a-z-]+)", capsys.readouterr().out, re.M)) - {"--help"}
+    options = set()
+    for command in (main, simulate_series.main):
+        with pytest.raises(SystemExit):
+            command(["--help"])
+        options |= set(re.findall(r"^  .*?(--[a-z-]+)", capsys.readouterr().out, re.M)) - {"--help"}
     assert set(re.findall(r"(--[a-z][a-z-]+)", PAGE)) == options
