@@ -76,13 +76,9 @@ def _simulate(options: argparse.Namespace) -> Answer:
     if options.images < 1:
         raise ValueError(f"--images is {options.images}, allowed is a whole number from 1 on")
     points = read_points(options.points) if options.points else default_points()
-    stations = [_station(number, point, options.folder) for number, point in enumerate(points, 1)]
-    _simulated(options)  # fail before writing
+    stations = _stations(points, options)
     table, map_file = options.folder / "points.csv", options.folder / "map.yaml"
-    for folder in (options.folder, *(station.path.parent for station in stations)):
-        folder.mkdir(parents=True, exist_ok=True)
-    for path in (table, map_file, *(station.path for station in stations)):
-        check_output(path, options.force)
+    _prepare([table, map_file, *(station.path for station in stations)], options.force)
     names = [point.where or point.bag for point in points]
     written = list(run_jobs(functools.partial(_write, options=options), stations, options.jobs, names=names))
     sextant.write_marker_map(_marker_map(options), str(map_file))
@@ -90,6 +86,18 @@ def _simulate(options: argparse.Namespace) -> Answer:
     lines = [f"{path}: {options.images} images" for path in written]
     following = f"accuracy_statistics --points {table} --map {map_file}"
     return Answer([*lines, f"{table}, {map_file}: points and map. Next: {following}"])
+
+
+def _prepare(paths: Sequence[Path], force: bool) -> None:
+    """Creates the folders of files to write.
+
+    :raises ValueError: a file exists; no folder was created
+    """
+    for path in paths:
+        if path.parent.is_dir():
+            check_output(path, force)
+    for path in paths:
+        path.parent.mkdir(parents=True, exist_ok=True)
 
 
 def default_points() -> List[SurveyedPoint]:
@@ -101,8 +109,21 @@ def default_points() -> List[SurveyedPoint]:
     ]
 
 
+def _stations(points: Sequence[SurveyedPoint], options: argparse.Namespace) -> List[_Station]:
+    """Checks everything before the first bag is written.
+
+    :raises ValueError: a coordinate is unknown, the camera is outside of the room, or a bag of the folder
+    """
+    stations = [_station(number, point, options.folder) for number, point in enumerate(points, 1)]
+    drive = _simulated(options)
+    for station in stations:
+        if not drive.is_camera_inside(_motion(station.point)):
+            what = "the camera is outside of the room, which encloses the markers of the map"
+            raise ValueError(f"{station.point.where}: {what}; correct the point or --camera")
+    return stations
+
+
 def _station(number: int, point: SurveyedPoint, folder: Path) -> _Station:
-    """:raises ValueError: a coordinate is unknown, or the bag would be outside of the folder"""
     unknown = [axis for axis, value in point.truth.items() if value is None]
     if unknown:
         raise ValueError(f"{point.where}: {unknown[0]} is unknown; a simulated robot needs a number")
@@ -110,6 +131,10 @@ def _station(number: int, point: SurveyedPoint, folder: Path) -> _Station:
     if name.is_absolute() or ".." in name.parts:
         raise ValueError(f"{point.where}: {point.bag} is not in {folder}; name a file in it, e.g. p1.bag")
     return _Station(number, point, folder / (name if name.suffix == ".bag" else name / "1.bag"))
+
+
+def _motion(point: SurveyedPoint) -> Motion:
+    return Motion(*(float(point.truth[axis]) for axis in SURVEYED))
 
 
 def _marker_map(options: argparse.Namespace) -> "sextant.MarkerMap":
@@ -124,13 +149,9 @@ def _simulated(options: argparse.Namespace, first: int = 0) -> SimulatedDrive:
 
 
 def _write(station: _Station, options: argparse.Namespace) -> Path:
-    """Renders and writes the images of one point.
-
-    :raises ValueError: the camera is outside of the room
-    """
+    """Renders and writes the images of one point."""
     drive = _simulated(options, station.number * options.images)
-    motion = Motion(*(float(station.point.truth[axis]) for axis in SURVEYED))
-    images = _images(drive, motion, START + station.number * PAUSE, options.images)
+    images = _images(drive, _motion(station.point), START + station.number * PAUSE, options.images)
     write_camera_bag(station.path, images, drive.calibration, drive.T_base_camera)
     return station.path
 

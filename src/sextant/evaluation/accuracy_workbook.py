@@ -86,9 +86,9 @@ def write_workbook(
 ) -> None:
     """Writes summary, covariances, bags and raw poses of every distance atomically.
 
-    :param path: must end in .xlsx
     If there are several methods, each has sheets of its own.
 
+    :param path: must end in .xlsx
     :param series: the result of by_distance()
     :param statistics: those of each series, in the same order
     :raises OSError: the file cannot be written

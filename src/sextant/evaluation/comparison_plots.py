@@ -121,6 +121,7 @@ def plot_points(
 
     :param statistics: of surveyed points; those without a known x and y are not drawn
     :param markers: sextant.MappedMarker of the map
+
     Other parameters and errors as plot_comparison().
     """
     figure = new_figure(path, 13, 6.5)

@@ -44,6 +44,7 @@ def draw_top_view(
     """Draws trajectories and the markers of the map.
 
     :param truth: empty: unknown
+
     Other parameters as plot_drive().
     """
     for colour, (name, estimate) in zip(cycle(COLOURS), estimates.items()):

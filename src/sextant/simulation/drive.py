@@ -148,9 +148,9 @@ class SimulatedDrive:
         self.room = params.scene_params(self.map)
         self.path = replace(params.eight, center=tuple(self.room.floor_center))
         self.is_free = free_floor(self.room, params.robot_radius)
-        scene = sextant.RoomScene(self.room, self.map)
+        self._scene = sextant.RoomScene(self.room, self.map)
         self._renderer = sextant.RoomRenderer(
-            params.renderer_params(), scene, sextant.CameraModel(self.calibration)
+            params.renderer_params(), self._scene, sextant.CameraModel(self.calibration)
         )
         self._odometry = WheelOdometry(params.odometry, params.seed)
         self._next = first
@@ -176,6 +176,10 @@ class SimulatedDrive:
                     "eight_half_length, eight_half_width: the path leads through a wall or an obstacle "
                     f"near x = {motion.x:.2f}, y = {motion.y:.2f}"
                 )
+
+    def is_camera_inside(self, motion: Motion) -> bool:
+        """Returns whether the camera of a robot with this motion is in the room."""
+        return self._scene.contains((motion.pose @ self.T_base_camera)[:3, 3])
 
     def frame(self, motion: Motion) -> Frame:
         """Renders the next frame of a robot with this motion."""

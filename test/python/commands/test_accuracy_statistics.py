@@ -69,6 +69,18 @@ def test_what_is_published_is_what_is_measured(series, capsys):
 
 
 @pytest.mark.slow
+def test_modes_at_distances(series, capsys):
+    """One marker: nearest and average have the same pose."""
+    code, out, _ = called(capsys, series, "--mode", "nearest,average")
+    rows = re.findall(r"^ *(nearest|average) ([\d.]+ m .*)$", out, re.M)
+    assert code == 0 and len(rows) == 6 and [row for _, row in rows[:3]] == [row for _, row in rows[3:]]
+    assert Path("accuracy_comparison.png").exists() and not Path("accuracy_errors.png").exists()
+    assert "no constant covariance: several methods were compared" in out
+    sheets = openpyxl.load_workbook("accuracy.xlsx").sheetnames
+    assert sheets[:2] == ["errors", "nearest summary"] and sheets[-1] == "average 2.5 m"
+
+
+@pytest.mark.slow
 def test_two_processes_print_the_same(series, capsys):
     one = called(capsys, series, "-o", "run_1")[1].replace("run_1", "")
     two = called(capsys, series, "-o", "run_2", "--jobs", "2")[1].replace("run_2", "")
