@@ -23,8 +23,8 @@ from tables import Row, Table, Value
 import sextant
 from mapping.simulated_series import DISTANCES, rendered_marker
 from sextant.base.jobs import package_folder
-from sextant.nodes.images.image_message import image_to_message
-from sextant.nodes.simulation.simulator_messages import calibration_to_message
+from sextant.messages.camera_messages import calibration_to_message
+from sextant.messages.image_messages import image_to_message
 from sextant.simulation.camera import camera_calibration
 
 FAMILY = "tag36h11"  # searched for in 30 ms of an image

@@ -22,7 +22,7 @@ from tf2_ros import StaticTransformBroadcaster
 from markers.chain_frames import ROUND, PlayedDrive, play_of
 from markers.detector_speed import APRILTAG, ARUCO, PLAIN
 from sextant.evaluation.trajectory_metrics import summarize, trajectory_errors
-from sextant.nodes.base.pose_messages import pose_from_message, transform_to_message
+from sextant.messages.pose_messages import pose_from_message, transform_to_message
 
 RATE = 30.0  # Hz
 ROUNDS, QUICK_FRAMES = 3, 90

@@ -28,9 +28,9 @@ import sextant
 from landmarks.landmark_fusion import CORRIDOR, EVERY, RATE, ROOM, Drive, drive, noise_params
 from peers.shown_drive import BASE, CAMERA
 from sextant.geometry.plane_poses import planar, relative
+from sextant.messages.camera_messages import calibration_to_message
+from sextant.messages.pose_messages import pose_from_message, pose_to_message, pose_to_transform
 from sextant.msg import Marker, MarkerArray
-from sextant.nodes.base.pose_messages import pose_from_message, pose_to_message
-from sextant.nodes.simulation.simulator_messages import calibration_to_message, pose_to_transform
 from sextant.simulation.room_markers import default_map
 
 PACKAGE = "robot_localization"

@@ -10,7 +10,7 @@ from typing import Any, Callable, Dict, List, NamedTuple, Optional, Tuple
 import numpy as np
 
 from peers.shown_drive import ShownDrive
-from sextant.nodes.base.pose_messages import pose_from_message
+from sextant.messages.pose_messages import pose_from_message
 
 MANAGER, ADAPTER = "/sextant_manager", "/marker_adapter"
 Reading = Tuple[int, np.ndarray]  # stamp in nanoseconds, T_map_base (4, 4)

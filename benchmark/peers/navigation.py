@@ -20,7 +20,7 @@ from tables import Table, Value
 
 import sextant
 from sextant.geometry.plane_poses import in_frame, planar, relative
-from sextant.nodes.base.pose_messages import pose_from_message, pose_to_message
+from sextant.messages.pose_messages import pose_from_message, pose_to_message
 from sextant.simulation.landmark_world import LandmarkWorld, LandmarkWorldParams
 
 REQUIRED = {"move_base", "map_server"}

@@ -11,8 +11,9 @@ from std_msgs.msg import Header
 from tf2_ros import StaticTransformBroadcaster
 
 import sextant
-from sextant.nodes.images.image_message import image_to_message
-from sextant.nodes.simulation.simulator_messages import calibration_to_message, pose_to_transform
+from sextant.messages.camera_messages import calibration_to_message
+from sextant.messages.image_messages import image_to_message
+from sextant.messages.pose_messages import pose_to_transform
 from sextant.simulation.drive import DriveParams, SimulatedDrive
 from sextant.simulation.room_markers import default_map
 

@@ -12,10 +12,10 @@ from std_msgs.msg import Header
 from tf2_msgs.msg import TFMessage
 
 import sextant
+from sextant.messages.camera_messages import calibration_to_message
+from sextant.messages.image_messages import image_to_message
+from sextant.messages.pose_messages import pose_to_message, pose_to_transform
 from sextant.msg import Marker, MarkerArray
-from sextant.nodes.base.pose_messages import pose_to_message
-from sextant.nodes.images.image_message import image_to_message
-from sextant.nodes.simulation.simulator_messages import calibration_to_message, pose_to_transform
 from sextant.simulation.camera import camera_calibration
 
 START = 1_600_000_000 * 10**9  # nanoseconds

@@ -16,11 +16,11 @@ from ros_probe import matrix, transform
 from sensor_msgs.msg import CameraInfo, Image
 from std_msgs.msg import Header
 
+from sextant.messages.camera_messages import calibration_to_message
+from sextant.messages.image_messages import image_to_message
 from sextant.msg import LandmarkObservation, LandmarkObservations
 from sextant.msg import Places as PlacesMessage
-from sextant.nodes.images.image_message import image_to_message
 from sextant.nodes.simulation.ball_messages import depth_to_message
-from sextant.nodes.simulation.simulator_messages import calibration_to_message
 from sextant.simulation.ball_ground import Pillar
 from sextant.simulation.ball_simulation import BallSimulation, BallSimulationParams
 from sextant.simulation.ball_world import BallWorld

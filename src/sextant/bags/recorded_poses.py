@@ -29,6 +29,7 @@ class RecordedPoses:
     covariances: np.ndarray  # (N, 6, 6) as published, NaN where the message has none
     start: Optional[int] = None  # of the bag, nanoseconds; None: the poses are computed from its images
     warnings: Tuple[str, ...] = ()  # notes on the reading
+    images: Optional[int] = None  # number of images, with and without a pose; None: unknown
 
 
 def read_poses(path: str, topic: str) -> RecordedPoses:

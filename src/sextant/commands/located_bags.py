@@ -4,7 +4,7 @@
 
 import argparse
 from collections import Counter
-from typing import List, Optional, Sequence, Tuple
+from typing import Dict, List, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -32,12 +32,47 @@ def read_map(options: argparse.Namespace) -> Optional["sextant.MarkerMap"]:
     return sextant.read_marker_map(options.map, text)
 
 
-def localization_params(corner_sigma: Optional[float]) -> "sextant.LocalizationParams":
+def mapped_markers(options: argparse.Namespace) -> Sequence["sextant.MappedMarker"]:
+    """Returns the markers of --map; none without. Errors as read_map()."""
+    marker_map = read_map(options)
+    return marker_map.markers if marker_map else ()
+
+
+def chosen_modes(options: argparse.Namespace) -> Dict[str, str]:
+    """Returns the modes of --mode by the names under which they are compared; one alone has no name.
+
+    :raises ValueError: a mode is unknown
+    """
+    modes = listed_names(options.mode)
+    unknown = sorted(set(modes) - set(sextant.locator_modes()))
+    if unknown or not modes:
+        allowed = ", ".join(sextant.locator_modes())
+        raise ValueError(f"--mode {options.mode}: allowed are {allowed}, or several, separated by commas")
+    return _named_methods(modes)
+
+
+def chosen_topics(options: argparse.Namespace) -> Dict[str, str]:
+    """Returns the topics of --pose by the names under which they are compared; one alone has no name."""
+    return _named_methods(listed_names(options.pose))
+
+
+def listed_names(text: str) -> List[str]:
+    """Splits at commas, without repetitions and blanks."""
+    return list(dict.fromkeys(word.strip() for word in text.split(",") if word.strip()))
+
+
+def _named_methods(methods: Sequence[str]) -> Dict[str, str]:
+    return {method: method for method in methods} if len(methods) > 1 else {"": methods[0]}
+
+
+def localization_params(corner_sigma: Optional[float], mode: str = "") -> "sextant.LocalizationParams":
     """Returns the defaults of marker_locator with this corner noise in pixels.
 
+    :param mode: of the locator; empty: its default
     :raises ValueError: the noise is out of range
     """
     params = sextant.LocalizationParams()
+    params.locator.mode = mode or params.locator.mode
     if corner_sigma is not None:
         params.locator.corner_sigma = corner_sigma
     params.validate()
@@ -104,9 +139,11 @@ def located_poses(
     return RecordedPoses(
         drive.name, marker_map.frame, located.stamps, located.poses, located.covariances,
         warnings=tuple(f"{count} images have no pose: {reason}" for reason, count in failures),
+        images=located.instants,
     )  # fmt: skip
 
 
-def noted(poses: Sequence[RecordedPoses]) -> List[str]:
-    """Returns the warnings with their bags."""
-    return [f"{each.bag}: {warning}" for each in poses for warning in each.warnings]
+def noted(poses: Sequence[RecordedPoses], method: str = "") -> List[str]:
+    """Returns the warnings with their bags, and the name of the method."""
+    prefix = f"{method}: " if method else ""
+    return [f"{each.bag}: {prefix}{warning}" for each in poses for warning in each.warnings]

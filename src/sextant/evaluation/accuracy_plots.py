@@ -11,13 +11,12 @@ from typing import Callable, Sequence, Tuple, Union
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, NullFormatter
 
-from sextant.base.atomic_file import atomic_file
 from sextant.base.plot_colours import COLOURS
-from sextant.evaluation.pose_series import AXES, UNITS, SeriesStatistics
+from sextant.base.plot_file import new_figure, save_figure
+from sextant.evaluation.pose_series import AXES, POINT, UNIT_OF, SeriesStatistics
 
 BLUE, RED, GREEN, GREY = COLOURS[0], COLOURS[1], COLOURS[2], "#999999"
 SCALES = (100.0,) * 3 + (180.0 / np.pi,) * 3  # to the plotted units
@@ -51,19 +50,14 @@ def plot_spread(path: Union[str, Path], statistics: Sequence[SeriesStatistics]) 
 def _plot(path: Union[str, Path], statistics: Sequence[SeriesStatistics], draw: Panel, title: str) -> None:
     if not statistics:
         raise ValueError("there are no statistics to plot")
-    figure = Figure(figsize=(13, 7.5))
-    canvas = FigureCanvasAgg(figure)  # not pyplot, which has global state and may need a window system
-    kind = Path(path).suffix.lstrip(".").lower()
-    if kind not in canvas.get_supported_filetypes():
-        raise ValueError(f"{path}: '{kind}' is not an image format")
+    figure = new_figure(path, 13, 7.5)
     statistics = sorted(statistics, key=lambda each: each.distance)
     panels = figure.subplots(2, 3)
     for axis, axes in enumerate(panels.flat):
         draw(axes, statistics, axis)
         _finish(axes, statistics, axis)
     _add_legend(figure, panels.flat, title)
-    with atomic_file(path, "wb") as file:
-        figure.savefig(file, format=kind, dpi=110)
+    save_figure(path, figure)
 
 
 def _draw_errors(axes: Axes, statistics: Sequence[SeriesStatistics], axis: int) -> None:
@@ -116,7 +110,7 @@ def _jitter(distances: np.ndarray) -> float:
 
 def _finish(axes: Axes, statistics: Sequence[SeriesStatistics], axis: int) -> None:
     measured = statistics[0].axis
-    xlabel = f"true {measured}, {UNITS[AXES.index(measured)]}"
+    xlabel = POINT if measured == POINT else f"true {measured}, {UNIT_OF[measured]}"
     axes.set(yscale="log", title=AXES[axis], ylabel=SHOWN[axis], xlabel=xlabel)
     axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axes.yaxis.set_minor_formatter(NullFormatter())

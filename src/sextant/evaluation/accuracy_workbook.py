@@ -5,6 +5,7 @@
 Its statistics are formulas over the raw poses, so that rows of outliers can be deleted.
 """
 
+import re
 from dataclasses import dataclass
 from pathlib import Path
 from typing import List, Optional, Sequence, Union
@@ -17,12 +18,28 @@ from openpyxl.utils import get_column_letter
 from openpyxl.worksheet.worksheet import Worksheet
 
 from sextant.base.atomic_file import atomic_file
-from sextant.evaluation.pose_series import AXES, UNITS, PoseSeries, SeriesStatistics, published_sigmas
+from sextant.evaluation.error_statistics import (
+    QUANTITIES,
+    QUANTITY_UNITS,
+    ErrorStatistics,
+    error_statistics,
+)
+from sextant.evaluation.pose_series import (
+    AXES,
+    POINT,
+    UNIT_OF,
+    UNITS,
+    PoseSeries,
+    SeriesStatistics,
+    published_sigmas,
+)
 from sextant.evaluation.trajectory import seconds_text
 
 FIRST_ROW = 2  # of the data, below the headings
 FIRST_AXIS = 4  # column of x in a sheet of raw poses
-TEXT, DECIMAL, SCIENTIFIC, INTEGER = "General", "0.00000", "0.00E+00", "0"  # number formats of cells
+TEXT, DECIMAL, SCIENTIFIC, INTEGER, PERCENT = "General", "0.00000", "0.00E+00", "0", "0.0 %"  # of cells
+NOT_IN_A_NAME = re.compile(r"[\[\]:*?/\\]")  # characters that the name of a sheet must not have
+MAX_NAME = 31  # characters of the name of a sheet
 UNDEFINED = "undefined"  # for instance the standard deviation of a single pose
 UNKNOWN = "unknown"  # the axis has no true value
 
@@ -35,6 +52,10 @@ HEADING = dict(
 LEFT, RIGHT = Alignment(horizontal="left", indent=1), Alignment(horizontal="right")
 TOP_LINE = Border(top=Side(style="thin", color="808080"))
 
+ERRORS_NOTES = (
+    "Errors of all poses: mean of estimate - truth, standard deviation (N - 1), 95th percentile and maximum"
+    " of the absolute errors. position: distance from the true position. These are values, not formulas.",
+)
 SUMMARY_NOTES = (
     "All values but truth and published are formulas over the raw poses: delete the row of an outlier there,"
     " and they are updated. std is divided by N - 1, RMSE by N; bias = mean - truth.",
@@ -65,28 +86,75 @@ def write_workbook(
 ) -> None:
     """Writes summary, covariances, bags and raw poses of every distance atomically.
 
+    If there are several methods, each has sheets of its own.
+
     :param path: must end in .xlsx
     :param series: the result of by_distance()
     :param statistics: those of each series, in the same order
     :raises OSError: the file cannot be written
-    :raises ValueError: another ending, no series, statistics of other series, or a duplicate distance
+    :raises ValueError: another ending, no series, statistics of other series, a duplicate distance, or two
+        methods with the same end of the name
     """
+    _check(path, series, statistics)
+    book = Workbook()
+    book.remove(book.active)
+    book.properties.creator = "sextant"
+    _write_errors(book.create_sheet("errors"), error_statistics(statistics))
+    for method in dict.fromkeys(each.method for each in statistics):
+        pairs = [pair for pair in zip(series, statistics) if pair[1].method == method]
+        _write_method(book, method, *map(list, zip(*pairs)))
+    with atomic_file(path, "wb") as file:
+        book.save(file)
+
+
+def _check(
+    path: Union[str, Path], series: Sequence[PoseSeries], statistics: Sequence[SeriesStatistics]
+) -> None:
     if not str(path).lower().endswith(".xlsx"):
         raise ValueError(f"{path}: the file name of a workbook must end in .xlsx")
     if not series or [each.distance for each in series] != [each.distance for each in statistics]:
         raise ValueError("a workbook needs series, and the statistics of each of them in the same order")
-    if len({each.label for each in statistics}) < len(statistics):
-        raise ValueError("two series have the same distance: join them with by_distance()")
-    book = Workbook()
-    book.remove(book.active)
-    book.properties.creator = "sextant"
-    _write_summary(book.create_sheet("summary"), statistics)
-    _write_covariances(book.create_sheet("covariance"), statistics)
-    _write_bags(book.create_sheet("bags"), series, statistics)
+    names = [_sheet_name(each.label).lower() for each in statistics]
+    if len(set(names)) < len(names):
+        raise ValueError(
+            "two series have the same distance: join them with by_distance(); or two topics have names with"
+            " the same end: evaluate them one by one"
+        )
+
+
+def _write_method(
+    book: Workbook, method: str, series: Sequence[PoseSeries], statistics: Sequence[SeriesStatistics]
+) -> None:
+    def sheet(name: str) -> Worksheet:
+        return book.create_sheet(_sheet_name(f"{method} {name}".strip()))
+
+    _write_summary(sheet("summary"), statistics)
+    _write_covariances(sheet("covariance"), statistics)
+    _write_bags(sheet("bags"), series, statistics)
     for one_series, its_statistics in zip(series, statistics):
-        _write_poses(book.create_sheet(its_statistics.label), one_series, its_statistics)
-    with atomic_file(path, "wb") as file:
-        book.save(file)
+        _write_poses(sheet(its_statistics.place), one_series, its_statistics)
+
+
+def _sheet_name(label: str) -> str:
+    return NOT_IN_A_NAME.sub(".", label)[-MAX_NAME:]
+
+
+def _write_errors(sheet: Worksheet, errors: Sequence[ErrorStatistics]) -> None:
+    columns = [_Column("method", 16), _Column("place", 12), _Column("poses", 8, INTEGER)]
+    columns += [_Column("images", 8, INTEGER), _Column("with a pose", 9, PERCENT)]
+    columns += [_Column("error of", 10), _Column("unit", 7)]
+    columns += [_Column(name, 13, DECIMAL) for name in ("mean", "std", "95 %", "worst")]
+    _set_up_sheet(sheet, columns, "C2")
+    row = FIRST_ROW
+    for each in errors:
+        images = UNKNOWN if each.images is None else each.images
+        for i, quantity in enumerate(QUANTITIES):
+            numbers = [_number(values[i], UNKNOWN) for values in (each.mean, each.std, each.p95, each.worst)]
+            values = [each.method, each.place, each.poses, images, _number(each.share, UNKNOWN), quantity]
+            _write_row(sheet, row, [*values, QUANTITY_UNITS[i], *numbers], columns, line_above=i == 0)
+            row += 1
+    sheet.auto_filter.ref = f"A1:{get_column_letter(len(columns))}{row - 1}"
+    _write_notes(sheet, ERRORS_NOTES, row + 1, len(columns))
 
 
 def _write_summary(sheet: Worksheet, statistics: Sequence[SeriesStatistics]) -> None:
@@ -122,15 +190,23 @@ def _summary(statistics: SeriesStatistics, axis: int, row: int) -> List[object]:
 
 def _distance_column(statistics: Sequence[SeriesStatistics]) -> _Column:
     """Returns the column of distances: numbers with a unit, which can be sorted and plotted."""
-    unit = UNITS[AXES.index(statistics[0].axis)]
-    return _Column("distance", 12, f'General" {unit}"')
+    axis = statistics[0].axis
+    return (
+        _Column(POINT, 12, INTEGER)
+        if axis == POINT
+        else _Column("distance", 12, f'General" {UNIT_OF[axis]}"')
+    )
 
 
 def _raw_cells(statistics: SeriesStatistics, axis: int) -> Optional[str]:
     """Returns the cells of an axis in the sheet of a distance, None without poses."""
     column = get_column_letter(FIRST_AXIS + axis)
     last = FIRST_ROW + statistics.count - 1
-    return f"'{statistics.label}'!${column}${FIRST_ROW}:${column}${last}" if statistics.count else None
+    return (
+        f"'{_sheet_name(statistics.label)}'!${column}${FIRST_ROW}:${column}${last}"
+        if statistics.count
+        else None
+    )
 
 
 def _write_covariances(sheet: Worksheet, statistics: Sequence[SeriesStatistics]) -> None:
@@ -159,11 +235,13 @@ def _write_bags(
     sheet: Worksheet, series: Sequence[PoseSeries], statistics: Sequence[SeriesStatistics]
 ) -> None:
     columns = [_distance_column(statistics), _Column("bag", 60)]
-    columns += [_Column(name, 12, INTEGER) for name in ("poses", "stale", "invalid")]
+    columns += [_Column(name, 12, INTEGER) for name in ("poses", "stale", "invalid", "images")]
     _set_up_sheet(sheet, columns, "A2")
     counts = [(each.distance, count) for each in series for count in each.counts]
     for row, (distance, count) in enumerate(counts, FIRST_ROW):
-        _write_row(sheet, row, [distance, count.bag, count.poses, count.stale, count.invalid], columns)
+        images = UNKNOWN if count.images is None else count.images
+        numbers = [count.poses, count.stale, count.invalid, images]
+        _write_row(sheet, row, [distance, count.bag, *numbers], columns)
     _write_notes(sheet, BAGS_NOTES, FIRST_ROW + len(counts) + 1, len(columns))
 
 

@@ -11,7 +11,7 @@ from sextant.evaluation.pose_series import distance_of_folder
 class DistanceBag(NamedTuple):
     """A bag and its true distance."""
 
-    distance: float  # name of the folder: metres, or radians for an angle
+    distance: float  # name of the folder: metres, or radians for an angle; or number of the surveyed point
     path: str  # of the bag
 
 
@@ -38,7 +38,7 @@ def distance_bags(folder: Path, axis: str = "z") -> DistanceBags:
                 bags += _bags_of(each, axis, problems)
             except ValueError as error:
                 problems.append(f"{folder}: {error}")
-        elif _is_bag(each):
+        elif is_bag(each):
             problems.append(f"{each}: is not in a folder named by its distance")
     if not bags:
         reasons = "; ".join(problems) or "it has no folders"
@@ -50,7 +50,7 @@ def _seen(folder: Path) -> List[Path]:
     return sorted(path for path in folder.iterdir() if not path.name.startswith("."))
 
 
-def _is_bag(path: Path) -> bool:
+def is_bag(path: Path) -> bool:
     """Returns whether a file is a bag, but not the backup copy of `rosbag reindex`."""
     name = path.name
     reindexed = name.endswith(".orig.bag") and path.with_name(name[: -len(".orig.bag")] + ".bag").exists()
@@ -59,12 +59,20 @@ def _is_bag(path: Path) -> bool:
 
 def _bags_of(folder: Path, axis: str, problems: List[str]) -> List[DistanceBag]:
     distance = distance_of_folder(folder.name, axis)
-    bags = [each for each in _seen(folder) if _is_bag(each)]
+    return [DistanceBag(distance, str(bag)) for bag in bags_in(folder, problems)]
+
+
+def bags_in(folder: Path, problems: List[str]) -> List[Path]:
+    """Returns the bags of a folder by name, and appends one sentence per unfinished bag or inner folder.
+
+    :raises ValueError: there is none
+    """
+    bags = [each for each in _seen(folder) if is_bag(each)]
     for each in _seen(folder):
         if each.name.endswith(".bag.active"):
             problems.append(f"{each}: the recording was not finished; remove .active and `rosbag reindex` it")
-        elif each.is_dir() and any(map(_is_bag, each.iterdir())):
-            problems.append(f"{each}: folders in the folder of a distance are not searched")
+        elif each.is_dir() and any(map(is_bag, each.iterdir())):
+            problems.append(f"{each}: folders in a folder of bags are not searched")
     if not bags:
         raise ValueError(f"folder '{folder.name}': there is no bag in it")
-    return [DistanceBag(distance, str(bag)) for bag in bags]
+    return bags

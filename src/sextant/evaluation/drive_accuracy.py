@@ -18,9 +18,6 @@ from sextant.evaluation.trajectory_metrics import (
     ErrorSummary,
     RelativeErrors,
     TrajectoryErrors,
-    aligned,
-    aligned_covariances,
-    alignment,
     interpolated_truth,
     relative_errors,
     summarize,
@@ -50,16 +47,14 @@ def compare(
     poses: np.ndarray,
     covariances: np.ndarray,
     rpe: Tuple[float, str] = RPE,
-    align: bool = False,
 ) -> DriveAccuracy:
-    """Compares poses with ground truth, interpolated at their stamps.
+    """Compares poses with ground truth in the same frame, interpolated at their stamps.
 
     :param stamps: (N,) nanoseconds
     :param poses: (N, 4, 4)
     :param covariances: (N, 6, 6), NaN or zero: none
     :param rpe: delta and unit of relative_errors()
-    :param align: align the poses with the truth first; False: they are in its frame
-    :raises ValueError: no pose has ground truth; as alignment(), relative_errors() and nees()
+    :raises ValueError: no pose has ground truth; as relative_errors() and nees()
     """
     estimate = {int(stamp): T for stamp, T in zip(stamps, poses)}
     known, singular = _known(stamps, covariances)
@@ -67,9 +62,6 @@ def compare(
     if not at:
         raise ValueError(f"none of {len(estimate)} poses has ground truth at its time: check the clocks")
     shared = {stamp: T for stamp, T in estimate.items() if stamp in at}
-    if align:
-        T_truth_estimate = alignment(at, shared)
-        shared, known = aligned(T_truth_estimate, shared), aligned_covariances(T_truth_estimate, known)
     return DriveAccuracy(
         at, shared, {stamp: P for stamp, P in known.items() if stamp in at},
         len(estimate) - len(shared), singular,

@@ -3,16 +3,13 @@
 """Plot of a drive: top view, and errors over time."""
 
 from itertools import cycle
-from pathlib import Path
 from typing import Mapping, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 
-from sextant.base.atomic_file import atomic_file
 from sextant.base.plot_colours import COLOURS
+from sextant.base.plot_file import new_figure, save_figure
 from sextant.evaluation.trajectory import Trajectory
 from sextant.evaluation.trajectory_metrics import TrajectoryErrors, trajectory_errors
 
@@ -30,36 +27,43 @@ def plot_drive(
     :raises ValueError: as trajectory_errors(), or the ending is not an image format
     """
     errors = {name: trajectory_errors(truth, estimate) for name, estimate in estimates.items()}
-    figure = Figure(figsize=(13, 6.5))
-    FigureCanvasAgg(figure)  # not pyplot, which needs a window system and has global state
+    figure = new_figure(path, 13, 6.5)
     grid = figure.add_gridspec(2, 2, left=0.05, right=0.98, bottom=0.08, top=0.94, wspace=0.16, hspace=0.22)
-    _draw_top_view(figure.add_subplot(grid[:, 0]), truth, estimates, markers)
+    draw_top_view(figure.add_subplot(grid[:, 0]), truth, estimates, markers)
     start = min(truth)
     _draw_errors(figure.add_subplot(grid[0, 1]), errors, start, "position", 100.0, "position error, cm")
     _draw_errors(
         figure.add_subplot(grid[1, 1]), errors, start, "angle", 180.0 / np.pi, "angle error, degrees"
     )
-    with atomic_file(path, "wb") as file:
-        figure.savefig(file, format=Path(path).suffix.lstrip("."), dpi=110)
+    save_figure(path, figure)
 
 
-def _draw_top_view(
+def draw_top_view(
     axes: Axes, truth: Trajectory, estimates: Mapping[str, Trajectory], markers: Sequence
 ) -> None:
+    """Draws trajectories and the markers of the map.
+
+    :param truth: empty: unknown
+
+    Other parameters as plot_drive().
+    """
     for colour, (name, estimate) in zip(cycle(COLOURS), estimates.items()):
         axes.plot(*_positions(estimate), ".", color=colour, markersize=3, label=name)
-    axes.plot(*_positions(truth), "-", color="black", linewidth=1.0, label="truth")
+    if truth:
+        axes.plot(*_positions(truth), "-", color="black", linewidth=1.0, label="truth")
     for marker in markers:
-        _draw_marker(axes, marker)
+        draw_marker(axes, marker)
     # Limits from truth and map only: outliers must not enlarge them.
-    shown = np.hstack([_positions(truth), *(marker.T_map_marker[:2, 3:] for marker in markers)])
+    paths = [truth] if truth else list(estimates.values())
+    shown = np.hstack([*map(_positions, paths), *(marker.T_map_marker[:2, 3:] for marker in markers)])
     xlim, ylim = np.transpose([shown.min(axis=1) - 0.5, shown.max(axis=1) + 0.5])
     axes.set(xlim=xlim, ylim=ylim, title="top view", xlabel="x, m", ylabel="y, m", aspect="equal")
     axes.legend(loc="lower right", markerscale=3)
     axes.grid(alpha=0.3)
 
 
-def _draw_marker(axes: Axes, marker) -> None:
+def draw_marker(axes: Axes, marker) -> None:
+    """Draws a sextant.MappedMarker from above, with its id."""
     T = np.asarray(marker.T_map_marker)
     half = 0.5 * marker.size * T[:2, 0]
     centre = T[:2, 3]

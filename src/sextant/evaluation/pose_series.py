@@ -1,15 +1,16 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Series of poses of a static camera at a measured distance, and their statistics.
+"""Series of poses of a static camera at a measured distance or a surveyed point, and their statistics.
 
-Poses are T_reference_camera; the reference is usually the marker to which the distance was measured.
+Poses are T_reference_camera; the reference is usually the marker to which the distance was measured. At
+surveyed points they are T_map_base, and the number of the point, from 1, takes the place of the distance.
 Rotations are roll, pitch, yaw about the fixed axes of the reference, R = Rz(yaw) Ry(pitch) Rx(roll), in
 radians. At a pitch of 90 degrees, roll and yaw are undefined (gimbal lock).
 """
 
 import re
 from dataclasses import dataclass, field
-from typing import List, Mapping, Optional, Sequence, Tuple
+from typing import Dict, List, Mapping, Optional, Protocol, Sequence, Tuple
 
 import numpy as np
 
@@ -17,6 +18,8 @@ import sextant
 
 AXES = ("x", "y", "z", "roll", "pitch", "yaw")
 UNITS = ("m", "m", "m", "rad", "rad", "rad")
+POINT = "point"  # in place of the measured axis: the distances are numbers of surveyed points
+UNIT_OF = {**dict(zip(AXES, UNITS)), POINT: ""}  # unit of the distances by axis
 SAME_DISTANCE = 6  # decimals; folders "1" and "1.0" are one distance
 MAX_DISTANCE = {"m": 100.0, "rad": np.pi}  # by unit
 TURN = 2.0 * np.pi
@@ -30,19 +33,30 @@ class BagCount:
     poses: int  # in the series
     stale: int = 0  # left out: stamped before the bag began
     invalid: int = 0  # left out: not finite, or not a rotation
+    images: Optional[int] = None  # number of images, with and without a pose; None: unknown
 
 
 @dataclass(frozen=True)
 class PoseSeries:
     """Poses at one distance, of one or more bags; N may be 0."""
 
-    distance: float  # true value of the measured axis, metres (radians for an angle)
+    distance: float  # true value of the measured axis, metres (radians for an angle); or number of the point
     stamps: np.ndarray  # (N,) int64, nanoseconds
     bags: np.ndarray  # (N,) name of each pose's bag
     poses: np.ndarray  # (N, 6) x y z in metres, roll pitch yaw in radians
     covariances: np.ndarray  # (N, 6, 6) published, order of PoseWithCovariance; NaN: none
     counts: Tuple[BagCount, ...] = ()  # of all bags, also of those without poses
     frame: str = ""  # reference frame; empty: unknown
+    method: str = ""  # mode of the locator or topic, if several are compared
+
+
+class TruePoses(Protocol):
+    """True poses of series: GroundTruth or SurveyedPoints."""
+
+    axis: str  # measured axis, or POINT
+
+    def at(self, distance: float) -> np.ndarray:
+        """Returns the true pose (6,) of a series, in metres and radians; NaN: unknown."""
 
 
 @dataclass(frozen=True)
@@ -78,8 +92,8 @@ class SeriesStatistics:
     std and covariance are divided by N - 1, rmse by N: rmse^2 = bias^2 + std^2 (N - 1) / N.
     """
 
-    distance: float  # metres, or radians for an angle
-    axis: str  # measured axis
+    distance: float  # metres, or radians for an angle; or number of the point
+    axis: str  # measured axis, or POINT
     count: int  # number of poses
     truth: np.ndarray  # true values
     mean: np.ndarray  # angles within half a turn of the truth; of 0 if that is unknown
@@ -89,12 +103,19 @@ class SeriesStatistics:
     covariance: np.ndarray  # (6, 6) about the mean
     published: np.ndarray  # root of the mean published variance
     poses: np.ndarray  # (N, 6) of the series, angles unwrapped to their mean
+    method: str = ""  # mode of the locator or topic, if several are compared
+    images: Optional[int] = None  # number of images, with and without a pose; None: unknown
+
+    @property
+    def place(self) -> str:
+        """The distance with its unit, without trailing zeros; or the number of the point."""
+        digits = f"{self.distance + 0.0:.{SAME_DISTANCE}f}".rstrip("0").rstrip(".")
+        return f"point {digits}" if self.axis == POINT else f"{digits} {UNIT_OF[self.axis]}"
 
     @property
     def label(self) -> str:
-        """The distance with its unit, without trailing zeros."""
-        digits = f"{self.distance + 0.0:.{SAME_DISTANCE}f}".rstrip("0").rstrip(".")
-        return f"{digits} {UNITS[AXES.index(self.axis)]}"
+        """The method, if several are compared, and the place."""
+        return f"{self.method} {self.place}".strip()
 
 
 def distance_of_folder(name: str, axis: str = "z") -> float:
@@ -106,7 +127,7 @@ def distance_of_folder(name: str, axis: str = "z") -> float:
     """
     if not re.fullmatch(r"[+-]?(\d+\.?\d*|\.\d+)", name, re.ASCII):
         raise ValueError(f"folder '{name}': its name is not a distance, expected a number like 0.757")
-    unit = UNITS[AXES.index(axis)]
+    unit = UNIT_OF[axis]
     if abs(float(name)) > MAX_DISTANCE[unit]:
         raise ValueError(f"folder '{name}': more than {MAX_DISTANCE[unit]:.4g} {unit}; is it in {unit}?")
     return float(name)
@@ -120,6 +141,7 @@ def pose_series(
     covariances: Optional[np.ndarray] = None,
     start: Optional[int] = None,
     frame: str = "",
+    images: Optional[int] = None,
 ) -> PoseSeries:
     """Builds the series of one bag, without invalid poses.
 
@@ -130,6 +152,7 @@ def pose_series(
     :param covariances: (N, 6, 6) published, or None; all zeros: unknown, by the convention of ROS
     :param start: of the bag, nanoseconds; earlier poses are stale
     :param frame: reference frame
+    :param images: number of images, with and without a pose; None: unknown
     :raises ValueError: inconsistent shapes
     """
     stamps = np.asarray(stamps, dtype=np.int64).reshape(-1)
@@ -145,7 +168,7 @@ def pose_series(
         bags=np.full(int(valid.sum()), bag, dtype=object),
         poses=np.array([_xyz_rpy(pose) for pose in poses[valid]]).reshape(-1, 6),
         covariances=_covariances(covariances, count)[valid],
-        counts=(BagCount(bag, int(valid.sum()), int((~fresh).sum()), int((fresh & ~valid).sum())),),
+        counts=(BagCount(bag, int(valid.sum()), int((~fresh).sum()), int((fresh & ~valid).sum()), images),),
         frame=frame,
     )
 
@@ -173,7 +196,8 @@ def _covariances(covariances: Optional[np.ndarray], count: int) -> np.ndarray:
 
 
 def by_distance(series: Sequence[PoseSeries]) -> List[PoseSeries]:
-    """Joins series of the same distance, keeping the order of their bags; sorts by distance.
+    """Joins series of the same method and distance, keeping the order of methods and of bags; sorts by
+    distance.
 
     :raises ValueError: they have different frames
     """
@@ -181,8 +205,11 @@ def by_distance(series: Sequence[PoseSeries]) -> List[PoseSeries]:
     if len(frames) > 1:
         listed = ", ".join(f"'{frame}' in {bag}" for frame, bag in frames.items())
         raise ValueError(f"the poses are not all in one frame: {listed}")
-    at = [round(each.distance, SAME_DISTANCE) + 0.0 for each in series]  # + 0.0: turns -0.0 into 0.0
-    return [_joined(here, [s for s, d in zip(series, at) if d == here]) for here in sorted(set(at))]
+    groups: Dict[str, Dict[float, List[PoseSeries]]] = {}
+    for each in series:
+        distance = round(each.distance, SAME_DISTANCE) + 0.0  # + 0.0: turns -0.0 into 0.0
+        groups.setdefault(each.method, {}).setdefault(distance, []).append(each)
+    return [_joined(distance, of[distance]) for of in groups.values() for distance in sorted(of)]
 
 
 def _joined(distance: float, series: Sequence[PoseSeries]) -> PoseSeries:
@@ -192,10 +219,11 @@ def _joined(distance: float, series: Sequence[PoseSeries]) -> PoseSeries:
         **{name: np.concatenate([getattr(each, name) for each in series]) for name in arrays},
         counts=tuple(count for each in series for count in each.counts),
         frame=series[0].frame,
+        method=series[0].method,
     )
 
 
-def series_statistics(series: PoseSeries, ground_truth: GroundTruth) -> SeriesStatistics:
+def series_statistics(series: PoseSeries, ground_truth: TruePoses) -> SeriesStatistics:
     """Computes mean, deviation, bias, RMSE and covariance of a series.
 
     :raises ValueError: as GroundTruth.at()
@@ -220,7 +248,14 @@ def series_statistics(series: PoseSeries, ground_truth: GroundTruth) -> SeriesSt
         covariance=covariance,
         published=_root_mean_square(published_sigmas(series)),
         poses=poses,
+        method=series.method,
+        images=_images(series.counts),
     )
+
+
+def _images(counts: Sequence[BagCount]) -> Optional[int]:
+    known = [count.images for count in counts if count.images is not None]
+    return sum(known) if known and len(known) == len(counts) else None
 
 
 def _without_turns(poses: np.ndarray, truth: np.ndarray) -> np.ndarray:

@@ -87,6 +87,18 @@ def alignment(truth: Trajectory, estimate: Trajectory) -> np.ndarray:
     return T
 
 
+def start_alignment(reference: Trajectory, estimate: Trajectory) -> np.ndarray:
+    """Computes T_reference_estimate, (4, 4), that puts the first pose with a reference at its time on it.
+
+    :raises ValueError: there is none
+    """
+    at = interpolated_truth(reference, estimate)
+    if not at:
+        raise ValueError("no pose can be aligned: there is no other pose at its time")
+    first = min(at)
+    return at[first] @ np.linalg.inv(estimate[first])
+
+
 def aligned(T_truth_estimate: np.ndarray, estimate: Trajectory) -> Trajectory:
     """Transforms a trajectory to the frame of the truth."""
     return {stamp: T_truth_estimate @ T for stamp, T in estimate.items()}

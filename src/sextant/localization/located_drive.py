@@ -10,7 +10,7 @@ import numpy as np
 
 import sextant
 from sextant.localization.drive_observations import DriveObservations
-from sextant.localization.recorded_instants import recorded_instants
+from sextant.localization.recorded_instants import count_instants, recorded_instants
 
 
 @dataclass(frozen=True)
@@ -21,6 +21,7 @@ class LocatedDrive:
     poses: np.ndarray  # (N, 4, 4) T_map_base, metres
     covariances: np.ndarray  # (N, 6, 6) order of PoseWithCovariance, m and rad
     failures: Dict[str, int]  # number of instants with markers but without a pose, by reason
+    instants: int  # number of instants, with and without markers
 
 
 def locate_drive(
@@ -48,4 +49,5 @@ def locate_drive(
         np.array(poses).reshape(-1, 4, 4),
         np.array(covariances).reshape(-1, 6, 6),
         dict(failures),
+        count_instants(drive),
     )

@@ -51,6 +51,14 @@ def recorded_instants(drives: Sequence[DriveObservations]) -> RecordedInstants:
     return RecordedInstants([instant for _, instant in found], names, stamps)
 
 
+def count_instants(drive: DriveObservations) -> int:
+    """Returns the number of instants of a drive, with and without markers and odometry.
+
+    :raises ValueError: as recorded_instants()
+    """
+    return sum(1 for _ in _groups(drive, sorted({camera_name(name) for name in drive.cameras})))
+
+
 def _drive_instants(
     drive: DriveObservations, number: int, names: List[str]
 ) -> Iterator[Tuple[int, "sextant.RecordedInstant"]]:

@@ -2,15 +2,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Report on a new marker map: one self-contained HTML file."""
 
-import base64
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Dict, List, Mapping, Sequence, Tuple, Union
+from typing import Dict, List, Mapping, Sequence, Union
 
 import numpy as np
-from jinja2 import Environment, StrictUndefined
 
-from sextant.base.atomic_file import atomic_file
+from sextant.base.html_report import Row, Table, embedded, write_report
 from sextant.mapping.map_findings import count_text, list_findings, verdict
 from sextant.mapping.map_links import Key
 from sextant.mapping.map_plots import plan_view, residual_boxes
@@ -45,19 +43,6 @@ class MapOrigin:
     options: Mapping[str, object]  # of the command, by name
 
 
-@dataclass(frozen=True)
-class _Row:
-    cells: Tuple[str, ...]
-    highlighted: bool = False
-
-
-@dataclass(frozen=True)
-class _Table:
-    heads: Tuple[str, ...]
-    rows: List[_Row]
-    text_columns: Tuple[int, ...] = (0,)  # indices, aligned to the left
-
-
 def write_map_report(path: Union[str, Path], result, quality: MapQuality, origin: MapOrigin) -> None:
     """Writes the report atomically.
 
@@ -66,30 +51,27 @@ def write_map_report(path: Union[str, Path], result, quality: MapQuality, origin
     :raises OSError: the file cannot be written
     :raises ValueError: the map has no marker
     """
-    environment = Environment(autoescape=True, undefined=StrictUndefined)
-    page = environment.from_string(TEMPLATE).render(_content(result, quality, origin))
-    with atomic_file(path, "wb") as file:
-        # File names need not be UTF-8: Python represents other bytes as surrogates.
-        file.write(page.encode("utf-8", "backslashreplace"))
+    write_report(path, TEMPLATE, _content(result, quality, origin))
 
 
 def _content(result, quality: MapQuality, origin: MapOrigin) -> Dict[str, object]:
     return {
+        "title": "Marker map",
         "verdict": verdict(quality),
         "findings": list_findings(quality),
-        "plan": base64.b64encode(plan_view(result, quality)).decode(),
+        "plan": embedded(plan_view(result, quality)),
         "markers": _marker_table(quality),
         "wrong": _wrong_entries_table(quality),
         "links": _link_table(quality),
         "links_note": _links_note(quality),
-        "residuals": base64.b64encode(residual_boxes(quality)).decode(),
+        "residuals": embedded(residual_boxes(quality)),
         "cameras": _camera_table(result, origin),
         "notes": _noise_notes(result),
         "origin": _origin_table(origin),
     }
 
 
-def _marker_table(quality: MapQuality) -> _Table:
+def _marker_table(quality: MapQuality) -> Table:
     remarks: Dict[Key, List[str]] = {}
     for finding in list_findings(quality):
         for key in finding.keys:
@@ -98,11 +80,11 @@ def _marker_table(quality: MapQuality) -> _Table:
     rows = [_marker_row(quality, marker, remarks.get(marker.key, [])) for marker in quality.markers]
     for key in sorted(set(remarks) - set(mapped)):
         cells = (quality.name(key), "; ".join(["not in the map", *remarks[key]]), *[""] * (len(HEADS) - 2))
-        rows.append(_Row(cells, highlighted=True))
-    return _Table(HEADS, rows, text_columns=(0, 1))
+        rows.append(Row(cells, highlighted=True))
+    return Table(HEADS, rows, text_columns=(0, 1))
 
 
-def _marker_row(quality: MapQuality, marker: MarkerQuality, remarks: Sequence[str]) -> _Row:
+def _marker_row(quality: MapQuality, marker: MarkerQuality, remarks: Sequence[str]) -> Row:
     role = "defines the frame" if marker.is_anchor else "from --known" if marker.known else ""
     cells = (
         quality.name(marker.key),
@@ -117,18 +99,18 @@ def _marker_row(quality: MapQuality, marker: MarkerQuality, remarks: Sequence[st
         count_text(len(marker.neighbours), "other"),
         "" if marker.images is None else str(marker.images),
     )
-    return _Row(cells, highlighted=bool(remarks))
+    return Row(cells, highlighted=bool(remarks))
 
 
 def _number(value: float, digits: int) -> str:
     return "" if np.isnan(value) else f"{value:.{digits}f}"
 
 
-def _wrong_entries_table(quality: MapQuality) -> _Table:
+def _wrong_entries_table(quality: MapQuality) -> Table:
     """Known markers that are not at their known poses."""
     swapped = {a: b for pair in quality.swapped for a, b in (pair, pair[::-1])}
     rows = [
-        _Row(
+        Row(
             (
                 quality.name(each.key),
                 *(f"{100 * value:+.1f}" for value in each.offset),
@@ -139,23 +121,21 @@ def _wrong_entries_table(quality: MapQuality) -> _Table:
         )
         for each in quality.wrong
     ]
-    return _Table(
-        ("marker", "x, cm", "y, cm", "z, cm", "total, cm", "rotation, deg", "remarks"), rows, (0, 6)
-    )
+    return Table(("marker", "x, cm", "y, cm", "z, cm", "total, cm", "rotation, deg", "remarks"), rows, (0, 6))
 
 
-def _link_table(quality: MapQuality) -> _Table:
+def _link_table(quality: MapQuality) -> Table:
     weak = {frozenset(pair) for cut in quality.weak for pair in cut.links}
     # Weak links first, then those with the fewest images.
     order = sorted(quality.links.items(), key=lambda link: (frozenset(link[0]) not in weak, link[1], link[0]))
     rows = [
-        _Row(
+        Row(
             (" and ".join(map(quality.name, pair)), str(images), "weak" if frozenset(pair) in weak else ""),
             highlighted=frozenset(pair) in weak,
         )
         for pair, images in order[:MAX_LINKS]
     ]
-    return _Table(("markers", "images with both", "remarks"), rows, (0, 2))
+    return Table(("markers", "images with both", "remarks"), rows, (0, 2))
 
 
 def _links_note(quality: MapQuality) -> str:
@@ -165,13 +145,13 @@ def _links_note(quality: MapQuality) -> str:
     return f"{pairs}{shown}.{weak}"
 
 
-def _camera_table(result, origin: MapOrigin) -> _Table:
+def _camera_table(result, origin: MapOrigin) -> Table:
     names = [*origin.cameras, *(f"camera {i}" for i in range(len(origin.cameras), len(result.noise_scales)))]
     rows = [
-        _Row((name, f"{scale * origin.corner_sigma:.2f}", f"{scale:.2f}"))
+        Row((name, f"{scale * origin.corner_sigma:.2f}", f"{scale:.2f}"))
         for name, scale in zip(names, result.noise_scales)
     ]
-    return _Table(("camera", "corner noise, px", f"ratio to the assumed {origin.corner_sigma:g} px"), rows)
+    return Table(("camera", "corner noise, px", f"ratio to the assumed {origin.corner_sigma:g} px"), rows)
 
 
 def _noise_notes(result) -> List[str]:
@@ -188,7 +168,7 @@ def _noise_notes(result) -> List[str]:
     return notes
 
 
-def _origin_table(origin: MapOrigin) -> _Table:
-    rows = [_Row(("recording", str(bag))) for bag in origin.bags]
-    rows += [_Row((str(name), str(value))) for name, value in origin.options.items()]
-    return _Table(("what", "value"), rows, (0, 1))
+def _origin_table(origin: MapOrigin) -> Table:
+    rows = [Row(("recording", str(bag))) for bag in origin.bags]
+    rows += [Row((str(name), str(value))) for name, value in origin.options.items()]
+    return Table(("what", "value"), rows, (0, 1))

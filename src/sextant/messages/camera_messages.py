@@ -1,10 +1,12 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Converts sensor_msgs/CameraInfo."""
+"""Converts sensor_msgs/CameraInfo to calibrations and back."""
 
 from typing import Any
 
 import numpy as np
+from sensor_msgs.msg import CameraInfo
+from std_msgs.msg import Header
 
 import sextant
 from sextant.localization.drive_observations import DriveCamera
@@ -51,3 +53,13 @@ def _published(matrix: np.ndarray, binning: np.ndarray, offset: np.ndarray) -> n
     adapted[:2] /= binning[:, None]
     adapted[:2, 2] = (matrix[:2, 2] - offset + 0.5) / binning - 0.5
     return adapted
+
+
+def calibration_to_message(calibration: "sextant.CameraCalibration", header: Header) -> CameraInfo:
+    """Convert a calibration to sensor_msgs/CameraInfo."""
+    info = CameraInfo(header=header, height=calibration.height, width=calibration.width)
+    info.distortion_model, info.D = calibration.distortion_model, list(calibration.D)
+    info.K, info.R, info.P = (
+        list(np.ravel(matrix)) for matrix in (calibration.K, calibration.R, calibration.P)
+    )
+    return info

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Converts image messages to arrays.
+"""Converts image messages to arrays and back.
 
 Grey images have the same bytes as in the nodes (src/ros/detection/image_conversions.cpp).
 """
@@ -11,6 +11,8 @@ import cv2
 import numpy as np
 from cv_bridge import CvBridge
 from cv_bridge.boost.cv_bridge_boost import cvtColor2
+from sensor_msgs.msg import CompressedImage, Image
+from std_msgs.msg import Header
 
 from sextant.messages.damaged_message import DamagedMessage
 from sextant.objects.depth_encodings import metres_of
@@ -121,3 +123,16 @@ def _decoded(message: Any, flag: int) -> np.ndarray:
     if image is None:
         raise DamagedMessage(f"the compressed image ({message.format}) cannot be decoded")
     return image
+
+
+def image_to_message(image: np.ndarray, header: Header) -> Image:
+    """Converts a uint8 array to sensor_msgs/Image: (height, width) to mono8, (height, width, 3) to rgb8."""
+    height, width = image.shape[:2]
+    encoding, channels = ("mono8", 1) if image.ndim == 2 else ("rgb8", 3)
+    return Image(header, height, width, encoding, 0, channels * width, image.tobytes())
+
+
+def image_to_png_message(image: np.ndarray, header: Header) -> CompressedImage:
+    """Converts a uint8 array (height, width) to sensor_msgs/CompressedImage, without loss."""
+    _, data = cv2.imencode(".png", image, [cv2.IMWRITE_PNG_COMPRESSION, 1])
+    return CompressedImage(header, "png", data.tobytes())

@@ -129,23 +129,31 @@ class SimulatedDrive:
 
     EXPOSURE_STEPS = 5  # number of images averaged to simulate motion blur
 
-    def __init__(self, params: DriveParams, marker_map: Optional["sextant.MarkerMap"] = None):
+    def __init__(
+        self,
+        params: DriveParams,
+        marker_map: Optional["sextant.MarkerMap"] = None,
+        calibration: Optional["sextant.CameraCalibration"] = None,
+        first: int = 0,
+    ):
         """:param marker_map: None: default_map()
+        :param calibration: of a real camera; None: that of the parameters
+        :param first: index of the first frame; frames with different indices have different image noise
         :raises ValueError: an invalid calibration or room
         """
         self.params = params
         self.map = default_map() if marker_map is None else marker_map
-        self.calibration = params.calibration()
+        self.calibration = calibration or params.calibration()
         self.T_base_camera = camera_mount(params.camera_xyz, params.camera_rpy)
         self.room = params.scene_params(self.map)
         self.path = replace(params.eight, center=tuple(self.room.floor_center))
         self.is_free = free_floor(self.room, params.robot_radius)
-        scene = sextant.RoomScene(self.room, self.map)
+        self._scene = sextant.RoomScene(self.room, self.map)
         self._renderer = sextant.RoomRenderer(
-            params.renderer_params(), scene, sextant.CameraModel(self.calibration)
+            params.renderer_params(), self._scene, sextant.CameraModel(self.calibration)
         )
         self._odometry = WheelOdometry(params.odometry, params.seed)
-        self._next = 0
+        self._next = first
 
     def frames(self, count: int) -> Iterator[Frame]:
         """Renders the next frames along the figure of eight.
@@ -168,6 +176,10 @@ class SimulatedDrive:
                     "eight_half_length, eight_half_width: the path leads through a wall or an obstacle "
                     f"near x = {motion.x:.2f}, y = {motion.y:.2f}"
                 )
+
+    def is_camera_inside(self, motion: Motion) -> bool:
+        """Returns whether the camera of a robot with this motion is in the room."""
+        return self._scene.contains((motion.pose @ self.T_base_camera)[:3, 3])
 
     def frame(self, motion: Motion) -> Frame:
         """Renders the next frame of a robot with this motion."""

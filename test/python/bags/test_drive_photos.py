@@ -12,7 +12,7 @@ from written_bags import SMALL, START, WrittenBag, header
 
 from sextant.bags.bag_file import BagError
 from sextant.bags.drive_photos import PhotoParams, read_drive_photos
-from sextant.nodes.base.pose_messages import pose_to_message
+from sextant.messages.pose_messages import pose_to_message
 
 OPTIONS = PhotoParams(distance=0.999)  # so that rounding does not decide
 

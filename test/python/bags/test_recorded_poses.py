@@ -8,7 +8,7 @@ from written_bags import WrittenBag, flat, header, nanoseconds
 import sextant
 from sextant.bags.bag_file import BagError
 from sextant.bags.recorded_poses import read_frame, read_poses
-from sextant.nodes.base.pose_messages import pose_to_message
+from sextant.messages.pose_messages import pose_to_message
 
 COVARIANCE = np.diag([1.0, 2.0, 3.0, 4.0, 5.0, 6.0]) + 0.1
 

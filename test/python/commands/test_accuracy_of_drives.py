@@ -12,7 +12,7 @@ from geometry_msgs.msg import PoseWithCovarianceStamped
 from written_bags import WrittenBag, header
 
 import sextant
-from sextant.nodes.base.pose_messages import pose_to_message
+from sextant.messages.pose_messages import pose_to_message
 
 
 def write_drive(path, bias, seed, count=200):
@@ -34,6 +34,60 @@ def write_drive(path, bias, seed, count=200):
     return lines
 
 
+def write_topics(path, count=100):
+    """A bag of a robot on a circle: poses in map without error, and odometry from its start that drifts."""
+    T_map_odom = sextant.pose_from_xyz_rpy([1.0, 2.0, 0.0], [0.0, 0.0, 0.7])
+    lines = []
+    with WrittenBag(path) as bag:
+        for k in range(count):
+            second, angle = 0.1 * k, 0.05 * k
+            motion = [np.sin(angle), 1.0 - np.cos(angle), 0.0]
+            T = T_map_odom @ sextant.pose_from_xyz_rpy(motion, [0.0, 0.0, angle])
+            message = PoseWithCovarianceStamped(header=header(second, "map"))
+            message.pose.pose = pose_to_message(T)
+            message.pose.covariance = (1e-4 * np.eye(6)).ravel()
+            bag.write("/pose", message, second)
+            drifted = np.array([motion[0] + 0.001 * k, motion[1], 0.0])
+            bag.odometry("/odom", sextant.pose_from_xyz_rpy(drifted, [0.0, 0.0, angle]), second)
+            place, q = message.pose.pose.position, message.pose.pose.orientation
+            lines.append(f"{1600000000 + second:.3f} {place.x} {place.y} 0 0 0 {q.z} {q.w}")
+    Path("truth.tum").write_text("\n".join(lines))
+
+
+@pytest.mark.slow
+def test_several_topics_in_one_plot(tmp_path, monkeypatch, capsys):
+    """Odometry is put on the first true pose: its error is the drift, 1 mm per pose."""
+    monkeypatch.chdir(tmp_path)
+    write_topics(tmp_path / "drive.bag")
+    topics = ["drive.bag", "--pose", "/odom,/pose", "--align-start", "/odom"]
+    code, out, _ = called(capsys, *topics, "--truth", "truth.tum", "-o", "true")
+    drift = 0.001 * np.arange(100)
+    assert code == 0 and rmse_of(out) == pytest.approx([np.sqrt(np.mean(drift**2)), 0.0], abs=1e-4)
+    assert "drive.bag /odom: 100 poses" in out and "drive.bag /pose: 100 poses" in out
+    names = {line.split(",")[0] for line in Path("true.csv").read_text().splitlines()[1:]}
+    assert names == {"drive.bag /odom", "drive.bag /pose"}
+    code, out, _ = called(capsys, *topics, "-o", "free")
+    assert code == 0 and "drive.bag /odom: 100 poses in 9.9 s" in out
+    written = sorted(path.name for path in tmp_path.glob("*.[pc]*"))
+    assert written == ["free_bands.png", "true.csv", "true.png", "true_bands.png"]
+
+
+@pytest.mark.parametrize(
+    "arguments, reason",
+    [
+        ([], "not all in one frame: /odom in 'odom', /pose in 'map'; align odometry with --align-start"),
+        (["--align-start", "/wheels"], "--align-start /wheels: is not a topic of --pose"),
+        (["--align"], "--align has no effect without ground truth"),
+        (["--rpe", "2", "metres"], "--rpe has no effect without ground truth"),
+        (["--mode", "nearest"], "--mode has no effect with --pose"),
+    ],
+)
+def test_topics_that_cannot_be_compared(tmp_path, monkeypatch, capsys, arguments, reason):
+    monkeypatch.chdir(tmp_path)
+    write_topics(tmp_path / "drive.bag", 10)
+    assert reason in refused(capsys, "drive.bag", "--pose", "/odom,/pose", *arguments)
+
+
 def rmse_of(out):
     """Metres, of every drive."""
     return [float(each) for each in re.findall(r"ATE, m +RMSE ([\d.]+)", out)]
@@ -50,7 +104,9 @@ def test_a_drive_against_its_truth(tmp_path, monkeypatch, capsys):
         assert rmse_of(out) == [pytest.approx(0.02 * np.sqrt(3.0), rel=0.1)]
         assert re.search(r"NEES +mean ([\d.]+) of 6, within", out)
         assert "RPE over 2 seconds, m" in out
-        assert sorted(path.name for path in tmp_path.glob(f"{name}*")) == [f"{name}.csv", f"{name}.png"]
+        assert sorted(path.name for path in tmp_path.glob(f"{name}*")) == [
+            *(f"{name}.csv", f"{name}.png", f"{name}_bands.png")
+        ]
     assert Path("file.csv").read_text() == Path("frame.csv").read_text()
 
 
@@ -65,7 +121,8 @@ def test_several_drives_of_one_name_and_time(tmp_path, monkeypatch, capsys):
     assert code == 0 and rmse_of(out) == pytest.approx([small, np.hypot(small, 0.3)], rel=0.1)
     assert "a/run.bag: 200 poses" in out and "b/run.bag: 200 poses" in out
     assert sorted(path.name for path in tmp_path.glob("acc*")) == [
-        *("accuracy.csv", "accuracy_1.png", "accuracy_2.png")
+        "accuracy.csv",
+        *(f"accuracy_{number}{end}" for number in (1, 2) for end in (".png", "_bands.png")),
     ]
     assert "run.bag: is given twice" in refused(capsys, *arguments, "./a/run.bag", "-o", "other")
 
@@ -80,9 +137,9 @@ def test_a_drive_that_cannot_be_compared_is_refused_or_skipped(tmp_path, monkeyp
     assert "blind.bag: tf does not connect" in refused(capsys, *arguments)
     code, out, _ = called(capsys, *arguments, "--skip")
     assert code == 0 and "skipped: blind.bag: tf does not" in out and len(rmse_of(out)) == 1
-    assert [path.name for path in tmp_path.glob("*.png")] == ["accuracy_1.png"]
+    assert [path.name for path in tmp_path.glob("*[12].png")] == ["accuracy_1.png"]
     assert called(capsys, *reversed(arguments[:2]), *arguments[2:], "--skip", "-o", "other")[0] == 0
-    assert [path.name for path in tmp_path.glob("other*.png")] == ["other_2.png"]  # the second is drawn
+    assert [path.name for path in tmp_path.glob("other*[12].png")] == ["other_2.png"]  # the second is drawn
 
 
 @pytest.mark.parametrize(

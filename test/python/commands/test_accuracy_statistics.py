@@ -19,13 +19,14 @@ from still_series import CALIBRATION, ID, SIZE, facing, noisy_corners, write_ser
 from written_bags import WrittenBag, header, small_drive
 
 import sextant
+from sextant.commands import simulate_series
 from sextant.commands.accuracy_statistics import main
-from sextant.nodes.base.pose_messages import pose_to_message
+from sextant.messages.pose_messages import pose_to_message
 from sextant.simulation.drive import DriveParams, SimulatedDrive
 
 SIGMA = 0.2  # pixels
 COUNT = 300
-ENDINGS = (".xlsx", ".yaml", "_constant.yaml", "_errors.png", "_spread.png")
+ENDINGS = (".html", ".xlsx", ".yaml", "_constant.yaml", "_errors.png", "_spread.png")
 FILES = ["accuracy" + ending for ending in ENDINGS]
 ROOT = Path(__file__).resolve().parents[3]
 PAGE = (ROOT / "doc/how_to/accuracy.md").read_text()
@@ -63,8 +64,20 @@ def test_what_is_published_is_what_is_measured(series, capsys):
     with open("accuracy_constant.yaml") as file:
         assert len(yaml.safe_load(file)["constant_covariance"]) == 36
     book = openpyxl.load_workbook("accuracy.xlsx")
-    assert book.sheetnames == ["summary", "covariance", "bags", "0.757 m", "2 m", "2.5 m"]
+    assert book.sheetnames == ["errors", "summary", "covariance", "bags", "0.757 m", "2 m", "2.5 m"]
     assert book["2 m"].max_row > 600
+
+
+@pytest.mark.slow
+def test_modes_at_distances(series, capsys):
+    """One marker: nearest and average have the same pose."""
+    code, out, _ = called(capsys, series, "--mode", "nearest,average")
+    rows = re.findall(r"^ *(nearest|average) ([\d.]+ m .*)$", out, re.M)
+    assert code == 0 and len(rows) == 6 and [row for _, row in rows[:3]] == [row for _, row in rows[3:]]
+    assert Path("accuracy_comparison.png").exists() and not Path("accuracy_errors.png").exists()
+    assert "no constant covariance: several methods were compared" in out
+    sheets = openpyxl.load_workbook("accuracy.xlsx").sheetnames
+    assert sheets[:2] == ["errors", "nearest summary"] and sheets[-1] == "average 2.5 m"
 
 
 @pytest.mark.slow
@@ -268,7 +281,9 @@ def test_a_bag_of_pictures_without_markers(tmp_path, monkeypatch, capsys):
 
 
 def test_options_are_those_of_the_page(capsys):
-    with pytest.raises(SystemExit):
-        main(["--help"])
-    options = set(re.findall(r"^  .*?(--[a-z-]+)", capsys.readouterr().out, re.M)) - {"--help"}
+    options = set()
+    for command in (main, simulate_series.main):
+        with pytest.raises(SystemExit):
+            command(["--help"])
+        options |= set(re.findall(r"^  .*?(--[a-z-]+)", capsys.readouterr().out, re.M)) - {"--help"}
     assert set(re.findall(r"(--[a-z][a-z-]+)", PAGE)) == options

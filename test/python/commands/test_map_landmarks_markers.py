@@ -11,8 +11,8 @@ from written_bags import WrittenBag, header, nanoseconds
 import sextant
 from sextant.commands.map_landmarks import main
 from sextant.evaluation.trajectory_files import read_trajectory
+from sextant.messages.pose_messages import pose_to_message
 from sextant.msg import Marker, MarkerArray
-from sextant.nodes.base.pose_messages import pose_to_message
 
 TAGS = {0: [4.0, 1.0, 0.3, np.pi], 1: [3.0, -2.0, 0.3, np.pi / 2]}  # x, y, z, where the print looks
 

@@ -58,7 +58,7 @@ def rows(sheet, first=2):
 
 
 def test_sheets(book):
-    assert book.sheetnames == ["summary", "covariance", "bags", "0.757 m", "2.5 m", "4 m", "7 m"]
+    assert book.sheetnames == ["errors", "summary", "covariance", "bags", "0.757 m", "2.5 m", "4 m", "7 m"]
     for sheet in book:
         assert sheet.freeze_panes is not None
         assert sheet.print_title_rows == "$1:$1"
@@ -89,11 +89,11 @@ def test_a_name_is_a_text_whatever_it_looks_like(book):
 
 def test_bags(book):
     assert rows(book["bags"])[:5] == [
-        [0.757, "a.bag", 20, 1, 0],
-        [0.757, "=1+1??.bag", 10, 1, 0],
-        [2.5, "b.bag", 30, 1, 0],
-        [4, "one pose.bag", 1, 1, 0],
-        [7, "nothing.bag", 0, 0, 0],
+        [0.757, "a.bag", 20, 1, 0, "unknown"],
+        [0.757, "=1+1??.bag", 10, 1, 0, "unknown"],
+        [2.5, "b.bag", 30, 1, 0, "unknown"],
+        [4, "one pose.bag", 1, 1, 0, "unknown"],
+        [7, "nothing.bag", 0, 0, 0, "unknown"],
     ]
 
 

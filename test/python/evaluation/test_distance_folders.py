@@ -50,4 +50,4 @@ def test_what_else_lies_beside_bags(tmp_path):
     assert [each.path.rpartition("/")[2] for each in found.bags] == ["B.BAG", "a.bag", "lost.orig.bag"]
     assert len(found.problems) == 2
     assert any("c.bag.active: the recording was not finished" in each for each in found.problems)
-    assert any("more: folders in the folder of a distance" in each for each in found.problems)
+    assert any("more: folders in a folder of bags" in each for each in found.problems)

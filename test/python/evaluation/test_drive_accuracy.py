@@ -7,6 +7,7 @@ import pytest
 
 import sextant
 from sextant.evaluation.drive_accuracy import compare, drive_table, write_errors
+from sextant.evaluation.trajectory_metrics import aligned, aligned_covariances, alignment
 
 SECOND = 10**9
 OFFSET = sextant.pose_from_xyz_rpy([5.0, -2.0, 0.5], [0.0, 0.0, 1.0])
@@ -62,13 +63,15 @@ def test_honest_covariances_are_reported_as_honest():
 
 def test_alignment_takes_another_frame_away_and_turns_covariances():
     truth = path(1000)
-    poses = np.array([OFFSET @ T for T in noisy(truth, 5)])
-    turn = np.kron(np.eye(2), OFFSET[:3, :3])
-    P = turn @ covariances(len(truth)) @ turn.T
-    of = compare(truth, list(truth), poses, P, align=True)
+    elsewhere = {stamp: OFFSET @ T for stamp, T in zip(truth, noisy(truth, 5))}
+    turned = aligned_covariances(OFFSET, dict(zip(truth, covariances(len(truth)))))
+    T = alignment(truth, elsewhere)
+    back = np.array(list(aligned_covariances(T, turned).values()))
+    of = compare(truth, list(truth), np.array(list(aligned(T, elsewhere).values())), back)
     assert np.sqrt(np.mean(of.absolute.position**2)) == pytest.approx(np.linalg.norm(SIGMA[:3]), rel=0.05)
     assert of.nees.mean == pytest.approx(6.0, rel=0.05)
-    assert np.median(compare(truth, list(truth), poses, P).absolute.position) > 1.0
+    away = compare(truth, list(truth), np.array(list(elsewhere.values())), back)
+    assert np.median(away.absolute.position) > 1.0
 
 
 def test_truth_at_other_times_is_interpolated_and_poses_outside_are_reported():

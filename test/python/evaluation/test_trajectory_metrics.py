@@ -16,6 +16,7 @@ from sextant.evaluation.trajectory_metrics import (
     alignment,
     interpolated_truth,
     relative_errors,
+    start_alignment,
     summarize,
     trajectory_errors,
 )
@@ -210,3 +211,13 @@ def test_a_drive_that_is_too_short_has_no_relative_errors(unit, count):
 def test_relative_errors_of_nothing_that_is_known(arguments, reason):
     with pytest.raises(ValueError, match=reason):
         relative_errors({0: pose()}, {0: pose()}, *arguments)
+
+
+def test_the_first_pose_with_a_reference_is_put_on_it():
+    T_map_odom = pose(1.0, 2.0, 3.0, (0.1, 0.2, 0.3))
+    truth = {k * SECOND // 10: pose(0.1 * k) for k in range(30)}
+    reference = {stamp: T for stamp, T in truth.items() if stamp >= SECOND}
+    estimate = {stamp: np.linalg.inv(T_map_odom) @ T for stamp, T in truth.items()}
+    assert start_alignment(reference, estimate) == pytest.approx(T_map_odom)
+    with pytest.raises(ValueError, match="no pose can be aligned"):
+        start_alignment(reference, {0: np.eye(4)})

@@ -9,7 +9,12 @@ from scipy.spatial.transform import Rotation, Slerp
 import sextant
 from sextant.geometry.poses import interpolated_poses
 from sextant.localization.drive_observations import DriveCamera, DriveObservations, ImageDetections
-from sextant.localization.recorded_instants import camera_name, mounted_camera_name, recorded_instants
+from sextant.localization.recorded_instants import (
+    camera_name,
+    count_instants,
+    mounted_camera_name,
+    recorded_instants,
+)
 from sextant.simulation.camera import camera_calibration
 
 LENS = camera_calibration(640, 480)
@@ -164,3 +169,9 @@ def test_a_drive_can_be_pickled_bit_for_bit():
     [detection] = copy.images[0].markers
     for name in ("family", "id", "corners", "corner_sigmas", "hamming", "decision_margin"):
         assert np.array_equal(getattr(detection, name), getattr(marker(), name)), name
+
+
+def test_instants_without_markers_are_counted():
+    images = [(0, "a", True), (8, "b", False), (100, "b", False), (111, "a", False), (200, "a", True)]
+    assert len(recorded_instants([drive(images)]).instants) == 2
+    assert count_instants(drive(images)) == 4

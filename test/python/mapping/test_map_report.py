@@ -3,9 +3,9 @@
 import base64
 import html
 import re
-from html.parser import HTMLParser
 
 import pytest
+from html_page import Page
 from made_maps import WEAK, WRONG, faulty_quality, key, made_of, map_of, marker_quality, simulated_drive
 
 from sextant.mapping.map_findings import findings, list_findings, verdict
@@ -15,37 +15,6 @@ from sextant.mapping.map_report import MapOrigin, write_map_report
 
 ORIGIN = MapOrigin(["drive.bag"], ["front"], 0.3, {"size": "0.2 m"})
 HOSTILE = "<script>alert(1)</script>\" onload='x' &amp; {{ 7 * 7 }}\n\udcff.bag"
-
-
-class Page(HTMLParser):
-    """Checks that tags match; keeps the tables as rows of cells, and every attribute."""
-
-    def __init__(self, text):
-        super().__init__()
-        self.open, self.attributes, self.rows, self.text = [], [], [], ""
-        self.feed(text)
-        assert self.open == []
-
-    def handle_starttag(self, tag, attrs):
-        self.attributes += attrs
-        if tag not in ("meta", "img"):
-            self.open.append(tag)
-        if tag == "tr":
-            self.rows.append([])
-        if tag in ("td", "th"):
-            self.rows[-1].append("")
-
-    def handle_endtag(self, tag):
-        assert self.open.pop() == tag
-
-    def handle_data(self, data):
-        self.text += data
-        if self.open and self.open[-1] in ("td", "th"):
-            self.rows[-1][-1] += data
-
-    def row(self, first):
-        (found,) = (row for row in self.rows if row and row[0] == first)
-        return found
 
 
 @pytest.fixture

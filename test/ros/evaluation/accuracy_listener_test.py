@@ -96,7 +96,7 @@ class AccuracyListenerTest(unittest.TestCase):
         self.assertIn("x = 1.5 m", answer.message)
         written = write()
         self.assertTrue(written.success, written.message)
-        files = ["run.xlsx", "run.yaml", "run_errors.png", "run_spread.png"]
+        files = ["run.html", "run.xlsx", "run.yaml", "run_errors.png", "run_spread.png"]
         self.assertEqual(sorted(os.listdir(folder)), files)
         self.assertIn("run.yaml: left from an earlier run", written.message)
         self.assertIn("roll, pitch, yaw have no variance", written.message)

@@ -14,9 +14,9 @@ from start_up import assert_refused
 from std_msgs.msg import Header
 from visualization_msgs.msg import Marker, MarkerArray
 
+from sextant.messages.camera_messages import calibration_to_message
+from sextant.messages.pose_messages import pose_to_message
 from sextant.msg import LandmarkObservations, ObjectBox, Objects
-from sextant.nodes.base.pose_messages import pose_to_message
-from sextant.nodes.simulation.simulator_messages import calibration_to_message
 from sextant.simulation.ball_ground import Pillar
 from sextant.simulation.ball_simulation import BallSimulation, BallSimulationParams
 from sextant.simulation.ball_world import BallWorld

@@ -16,7 +16,7 @@ from start_up import assert_refused
 from std_msgs.msg import Bool
 from tf2_msgs.msg import TFMessage
 
-from sextant.nodes.base.pose_messages import pose_from_message
+from sextant.messages.pose_messages import pose_from_message
 from sextant.simulation.drive import DriveParams, SimulatedDrive
 
 FRAMES = 45

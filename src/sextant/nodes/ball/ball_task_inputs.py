@@ -10,8 +10,8 @@ from nav_msgs.msg import Odometry
 from sextant.ball.floor_grid import FloorGrid
 from sextant.ball.task_view import SeenBall, SeenPillar, TaskView
 from sextant.geometry.plane_poses import planar
+from sextant.messages.pose_messages import pose_from_message
 from sextant.msg import LandmarkMapEntries, Objects
-from sextant.nodes.base.pose_messages import pose_from_message
 from sextant.nodes.base.stamp_pairs import Pair, StampPairs
 from sextant.nodes.objects.pose_buffer import PoseBuffer
 from sextant.objects.ball_filter import roll

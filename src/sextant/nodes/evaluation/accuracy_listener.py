@@ -31,10 +31,10 @@ from sextant.evaluation.pose_series import (
 )
 from sextant.evaluation.trajectory_metrics import RPE
 from sextant.geometry.poses import pose_of_fields
+from sextant.messages.pose_messages import pose_from_message
 from sextant.nodes.base.exits import fatal
 from sextant.nodes.base.init_node import init_node
 from sextant.nodes.base.params import read_params
-from sextant.nodes.base.pose_messages import pose_from_message
 from sextant.srv import MeasureAccuracy, MeasureAccuracyResponse
 
 TF_TIMEOUT = 5 * 10**9  # nanoseconds after the stamp of a pose until which its true transform may arrive

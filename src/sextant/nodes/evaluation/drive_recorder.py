@@ -20,11 +20,11 @@ from sextant.base.strict_params import not_empty, param, within
 from sextant.evaluation.drive_plot import plot_drive
 from sextant.evaluation.error_table import error_table
 from sextant.evaluation.trajectory_metrics import trajectory_errors
+from sextant.messages.pose_messages import pose_from_message
 from sextant.msg import MarkerMapEntries
 from sextant.nodes.base.exits import fatal
 from sextant.nodes.base.init_node import init_node
 from sextant.nodes.base.params import read_params
-from sextant.nodes.base.pose_messages import pose_from_message
 from sextant.nodes.markers.marker_map_messages import marker_from_entry
 
 SETTLE = 1.0  # seconds without a new pose, after which the last image is considered processed

@@ -10,7 +10,7 @@ import rospy
 from sensor_msgs.msg import CompressedImage, Image
 from std_msgs.msg import Header
 
-from sextant.nodes.images.image_message import image_to_message
+from sextant.messages.image_messages import image_to_message
 
 JPEG_QUALITY = 80
 

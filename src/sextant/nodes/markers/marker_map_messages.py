@@ -11,8 +11,8 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 import sextant
 from sextant.markers.marker_mesh import board_triangles
+from sextant.messages.pose_messages import pose_from_message, pose_to_message, transform_to_message
 from sextant.msg import MarkerMapEntries, MarkerMapEntry
-from sextant.nodes.base.pose_messages import pose_from_message, pose_to_message, transform_to_message
 
 
 def map_to_message(marker_map: sextant.MarkerMap, stamp) -> MarkerMapEntries:

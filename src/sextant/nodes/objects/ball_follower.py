@@ -7,7 +7,7 @@ from typing import Iterator, NamedTuple, Optional
 from nav_msgs.msg import Odometry
 
 from sextant.geometry.plane_poses import planar
-from sextant.nodes.base.pose_messages import pose_from_message
+from sextant.messages.pose_messages import pose_from_message
 from sextant.nodes.objects.pose_buffer import PoseBuffer
 from sextant.objects.ball_observations import BallObservations
 from sextant.objects.ball_tracker import BallEstimate, BallTracker

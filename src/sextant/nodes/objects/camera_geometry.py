@@ -12,7 +12,7 @@ from sensor_msgs.msg import CameraInfo
 import sextant
 from sextant.messages.camera_messages import camera_from_info, same_calibration
 from sextant.messages.frame_name import frame_name
-from sextant.nodes.base.pose_messages import pose_from_transform
+from sextant.messages.pose_messages import pose_from_transform
 
 SAME = 1e-6  # metres, and elements of a rotation matrix
 

@@ -10,7 +10,7 @@ from sensor_msgs.msg import NavSatFix, NavSatStatus
 from std_msgs.msg import Header
 
 from sextant import msg
-from sextant.nodes.base.pose_messages import pose_to_message
+from sextant.messages.pose_messages import pose_to_message
 from sextant.place_maps.place_map import GeoCorners, MetricFrame, PlaceMap
 from sextant.places.overview_renderer import Hypothesis
 from sextant.places.place_estimate import PlaceEstimate, geographic_covariance, metric_pose, scale_of

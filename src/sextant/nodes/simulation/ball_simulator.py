@@ -18,10 +18,11 @@ from visualization_msgs.msg import MarkerArray
 import sextant
 from sextant.base.strict_params import Check, nested, not_empty, one_of, param, within
 from sextant.geometry.plane_poses import relative
+from sextant.messages.camera_messages import calibration_to_message
+from sextant.messages.image_messages import image_to_message
 from sextant.msg import Objects
 from sextant.nodes.base.params import read_params
 from sextant.nodes.base.subscriber_wait import wait_for_subscriber
-from sextant.nodes.images.image_message import image_to_message
 from sextant.nodes.simulation.ball_messages import (
     ball_to_message,
     depth_to_message,
@@ -31,7 +32,6 @@ from sextant.nodes.simulation.ball_messages import (
 )
 from sextant.nodes.simulation.simulated_clock import STEP, simulated_time
 from sextant.nodes.simulation.simulated_robot import SimulatedRobot, SimulatedRobotParams
-from sextant.nodes.simulation.simulator_messages import calibration_to_message
 from sextant.simulation.ball_simulation import BallSimulation, BallSimulationParams
 from sextant.simulation.ball_world import TASKS, random_world
 from sextant.simulation.odometry import OdometryReading, SteppedOdometry

@@ -15,12 +15,9 @@ from nav_msgs.msg import Odometry
 from std_msgs.msg import Header
 
 from sextant.base.strict_params import StrictParams, not_empty, param, within
+from sextant.messages.pose_messages import pose_to_transform
 from sextant.nodes.simulation.simulated_clock import SimulatedClock
-from sextant.nodes.simulation.simulator_messages import (
-    motion_to_message,
-    pose_to_transform,
-    reading_to_message,
-)
+from sextant.nodes.simulation.simulator_messages import motion_to_message, reading_to_message
 from sextant.simulation.motion import Motion
 from sextant.simulation.odometry import OdometryReading
 

@@ -16,13 +16,13 @@ from std_msgs.msg import Bool, Header
 
 import sextant
 from sextant.base.strict_params import Check, not_empty, one_of, param, within
+from sextant.messages.camera_messages import calibration_to_message
+from sextant.messages.image_messages import image_to_message
 from sextant.nodes.base.exits import fatal
 from sextant.nodes.base.params import read_params
 from sextant.nodes.base.subscriber_wait import wait_for_subscriber
-from sextant.nodes.images.image_message import image_to_message
 from sextant.nodes.simulation.simulated_clock import simulated_time
 from sextant.nodes.simulation.simulated_robot import SimulatedRobot, SimulatedRobotParams
-from sextant.nodes.simulation.simulator_messages import calibration_to_message
 from sextant.simulation.drive import DriveParams, Frame, SimulatedDrive
 from sextant.simulation.motion import Motion, Unicycle
 from sextant.simulation.room_markers import MARKER_SIZE, default_map

@@ -3,29 +3,17 @@
 """Conversion of a simulated drive to messages."""
 
 import numpy as np
-from geometry_msgs.msg import TransformStamped, Twist, Vector3
+from geometry_msgs.msg import Twist, Vector3
 from nav_msgs.msg import Odometry
-from sensor_msgs.msg import CameraInfo
 from std_msgs.msg import Header
 
-import sextant
-from sextant.nodes.base.pose_messages import pose_to_message, transform_to_message
+from sextant.messages.pose_messages import pose_to_message
 from sextant.simulation.motion import Motion
 from sextant.simulation.odometry import OdometryReading
 
 # m^2 or rad^2, added to all variances, since filters reject zero: wheels do not measure z, roll and pitch
 ADDED_VARIANCE = 1e-6
 PLANAR = [0, 1, 5]  # x, y and yaw among x y z roll pitch yaw
-
-
-def calibration_to_message(calibration: "sextant.CameraCalibration", header: Header) -> CameraInfo:
-    """Convert a calibration to sensor_msgs/CameraInfo."""
-    info = CameraInfo(header=header, height=calibration.height, width=calibration.width)
-    info.distortion_model, info.D = calibration.distortion_model, list(calibration.D)
-    info.K, info.R, info.P = (
-        list(np.ravel(matrix)) for matrix in (calibration.K, calibration.R, calibration.P)
-    )
-    return info
 
 
 def motion_to_message(motion: Motion, header: Header, child_frame: str) -> Odometry:
@@ -45,8 +33,3 @@ def reading_to_message(reading: OdometryReading, header: Header, child_frame: st
     message.pose.covariance = list(np.ravel(pose + ADDED_VARIANCE * np.eye(6)))
     message.twist.covariance = list(np.ravel(twist + ADDED_VARIANCE * np.eye(6)))
     return message
-
-
-def pose_to_transform(T: np.ndarray, header: Header, child_frame: str) -> TransformStamped:
-    """Convert a pose (4, 4) for tf."""
-    return TransformStamped(header, child_frame, transform_to_message(T))

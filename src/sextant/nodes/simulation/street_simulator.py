@@ -15,11 +15,11 @@ from std_srvs.srv import Trigger, TriggerResponse
 
 from sextant.base.jobs import JobError
 from sextant.base.strict_params import not_empty, param, within
+from sextant.messages.image_messages import image_to_message
 from sextant.nodes.base.exits import fatal, until_shutdown
 from sextant.nodes.base.init_node import init_node
 from sextant.nodes.base.params import read_params
 from sextant.nodes.base.subscriber_wait import wait_for_subscriber
-from sextant.nodes.images.image_message import image_to_message
 from sextant.nodes.simulation.simulator_messages import motion_to_message, reading_to_message
 from sextant.simulation.street_map import FRAME, StreetMap, has_street_map, write_street_map
 from sextant.simulation.street_walk import StreetWalk, WalkFrame, WalkParams, known_conditions

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from geometry_msgs.msg import Point, Pose, Quaternion
 
-from sextant.nodes.base.pose_messages import pose_from_message, pose_to_message, transform_to_message
+from sextant.messages.pose_messages import pose_from_message, pose_to_message, transform_to_message
 
 HALF = np.sqrt(0.5)
 # x to y, y to z, z to x: a third of a turn about (1, 1, 1), whose quaternion is known without a formula

@@ -3,7 +3,8 @@
 """Converts poses (4x4 arrays, metres) to messages and back."""
 
 import numpy as np
-from geometry_msgs.msg import Point, Pose, Quaternion, Transform, Vector3
+from geometry_msgs.msg import Point, Pose, Quaternion, Transform, TransformStamped, Vector3
+from std_msgs.msg import Header
 
 from sextant.geometry.poses import pose_of_fields, quaternion_of
 
@@ -26,3 +27,8 @@ def pose_from_message(pose: Pose) -> np.ndarray:
 def pose_from_transform(transform: Transform) -> np.ndarray:
     """Converts a geometry_msgs/Transform to a 4x4 pose; raises as sextant.pose_from_quaternion()."""
     return pose_of_fields(transform.translation, transform.rotation)
+
+
+def pose_to_transform(T: np.ndarray, header: Header, child_frame: str) -> TransformStamped:
+    """Convert a pose (4, 4) for tf."""
+    return TransformStamped(header, child_frame, transform_to_message(T))
