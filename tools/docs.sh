@@ -9,6 +9,7 @@ set -euo pipefail
 
 install_packages build run docs
 continue_as_owner "$@"
+python3 -c "import myst_parser" 2>/dev/null || die "Debian 11 has no python3-myst-parser: build the documentation on a later Debian"
 build_package all
 
 pages=$build/docs/source html=$build/docs/html

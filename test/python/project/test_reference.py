@@ -7,6 +7,7 @@ import importlib
 import re
 import shutil
 import subprocess
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
@@ -87,6 +88,9 @@ def test_bindings_are_documented(room):
 
 @pytest.mark.slow
 @pytest.mark.skipif(not shutil.which("doxygen"), reason="doxygen is not installed: tools/docs.sh installs it")
+@pytest.mark.skipif(
+    not find_spec("myst_parser"), reason="myst_parser is not installed: Debian 11 does not have it"
+)
 def test_documentation_builds_without_warnings():
     done = subprocess.run([ROOT / "tools/docs.sh"], capture_output=True, text=True, timeout=500)
     assert done.returncode == 0, done.stdout + done.stderr

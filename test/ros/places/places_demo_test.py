@@ -21,6 +21,9 @@ from sextant.place_maps.place_map_file import read_place_map
 
 PATIENCE = 120.0  # seconds, from nothing to the first pose
 SPACING = 6.0  # metres
+# Debian 11: roslaunch calls a method that its Python does not have, when everything has ended.
+OF_ROSLAUNCH = """Traceback (most recent call last):
+  File "/usr/lib/python3/dist-packages/roslaunch/pmon.py", """
 ARGS = {
     "season": "[autumn]",
     "spacing": SPACING,
@@ -52,6 +55,7 @@ class PlacesDemoTest(unittest.TestCase):
         cls.demo.send_signal(signal.SIGINT)
         cls.demo.wait(40)
         log = cls.log.read_text()
+        log = log.replace(OF_ROSLAUNCH, "")
         assert "SIGKILL" not in log and "Traceback" not in log, log
 
     def errors(self, count):
