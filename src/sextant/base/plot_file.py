@@ -13,14 +13,17 @@ from sextant.base.atomic_file import atomic_file
 DPI = 110
 
 
-def new_figure(path: Union[str, Path], width: float, height: float) -> Figure:
+def new_figure(
+    path: Union[str, Path], width: float, height: float, constrained_layout: bool = False
+) -> Figure:
     """Creates a figure for a file; without pyplot, which has global state and may need a window system.
 
     :param path: the ending selects the format (.png, .pdf, .svg)
     :param width, height: inches
+    :param constrained_layout: arranges the panels without overlaps
     :raises ValueError: the ending is not an image format
     """
-    figure = Figure(figsize=(width, height))
+    figure = Figure(figsize=(width, height), constrained_layout=constrained_layout)
     if _format(path) not in FigureCanvasAgg(figure).get_supported_filetypes():
         raise ValueError(f"{path}: '{_format(path)}' is not an image format")
     return figure

@@ -11,12 +11,10 @@ from typing import Callable, Dict, List, NamedTuple, Sequence, Tuple
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LogNorm, Normalize
-from matplotlib.figure import Figure
 
-from sextant.base.atomic_file import atomic_file
+from sextant.base.plot_file import new_figure, save_figure
 from sextant.evaluation.marker_design import QUANTILE, CellResult, Setup, Target
 from sextant.evaluation.marker_design_report import in_view_text, values_of
 
@@ -92,13 +90,13 @@ def plot_setup(path: Path, results: Results, setup: Setup, title: str, target: T
     for size in values_of(own, "size"):
         rows.append((f"{size:g} m", ANGLE, lambda part, size=size: [r for r in part if r.cell.size == size]))
     heights = [len({axis.value(each) for each in own}) for _, axis, _ in rows]
-    figure, panels = _figure(title, len(columns), heights, len(values_of(own, "distance")))
+    figure, panels = _figure(path, title, len(columns), heights, len(values_of(own, "distance")))
     for row, (name, y, chosen) in zip(panels, rows):
         for axes, column in zip(row, columns):
             _draw(axes, chosen(column.results), (DISTANCE, y), column.quantity)
             below = ", ".join(filter(None, [column.name, name]))
             axes.set_title(f"{column.quantity.title}\n{below}", fontsize="small")
-    _save(path, figure)
+    save_figure(path, figure)
 
 
 def plot_conditions(path: Path, results: Results, title: str, target: Target) -> None:
@@ -111,13 +109,13 @@ def plot_conditions(path: Path, results: Results, title: str, target: Target) ->
     there = [each for each in results if each.cell.distance == target.distance]
     sizes, counts = values_of(there, "size"), _errors(there, target)
     heights = [len({LIGHT.value(each) for each in there})] * len(counts)
-    figure, panels = _figure(title, len(sizes), heights, len({NOISE.value(each) for each in there}))
+    figure, panels = _figure(path, title, len(sizes), heights, len({NOISE.value(each) for each in there}))
     for row, count in zip(panels, counts):
         for axes, size in zip(row, sizes):
             of_size = [each for each in count.results if each.cell.size == size]
             _draw(axes, of_size, (NOISE, LIGHT), count.quantity)
             axes.set_title(f"{size:g} m, {count.name}", fontsize="small")
-    _save(path, figure)
+    save_figure(path, figure)
 
 
 def _errors(results: Results, target: Target) -> List[Column]:
@@ -128,7 +126,7 @@ def _errors(results: Results, target: Target) -> List[Column]:
     ]
 
 
-def _figure(title: str, columns: int, heights: List[int], fields: int):
+def _figure(path: Path, title: str, columns: int, heights: List[int], fields: int):
     """Returns a figure and its panels, an array of axes.
 
     :param heights: number of fields of each row of panels
@@ -137,8 +135,7 @@ def _figure(title: str, columns: int, heights: List[int], fields: int):
     heights = [max(each, 2) for each in heights]  # for the label of the axis
     width = columns * (max(fields, 4) * FIELD[0] + 0.9)
     height = sum(heights) * FIELD[1] + 1.0 * len(heights) + 0.5
-    figure = Figure(figsize=(width, height), constrained_layout=True)
-    FigureCanvasAgg(figure)  # not pyplot, which needs a window system and has global state
+    figure = new_figure(path, width, height, constrained_layout=True)
     figure.suptitle(title, fontsize="medium")
     grid = {"height_ratios": heights}
     return figure, figure.subplots(len(heights), columns, squeeze=False, gridspec_kw=grid)
@@ -176,8 +173,3 @@ def _draw_field(axes: Axes, place: Sequence[int], quantity: Quantity, value: flo
     style = {"weight": "bold"} if value <= quantity.good else {}
     text = "none" if np.isinf(value) else f"{value:.2g}" if value < 99.5 else f"{value:.0f}"
     axes.text(x, y, text, ha="center", va="center", fontsize=7, color="white" if dark else "black", **style)
-
-
-def _save(path: Path, figure: Figure) -> None:
-    with atomic_file(path, "wb") as file:
-        figure.savefig(file, format="png", dpi=110)

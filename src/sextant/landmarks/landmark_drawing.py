@@ -8,13 +8,11 @@ from typing import List, Union
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Ellipse
 
 import sextant
-from sextant.base.atomic_file import atomic_file
+from sextant.base.plot_file import new_figure, save_figure
 from sextant.landmarks.landmark_colours import colour_of_class
 from sextant.landmarks.slam_run import DriveSegment, SlamRun
 
@@ -43,8 +41,7 @@ def write_plot(path: Union[str, Path], run: SlamRun) -> None:
     scale = min(WIDTH / extent[0], MAX_HEIGHT / extent[1])
     inner = np.maximum(scale * extent, [WIDTH, MIN_HEIGHT])
     width, height = inner + [LEFT + RIGHT, BELOW + above]
-    figure = Figure(figsize=(width, height))
-    FigureCanvasAgg(figure)  # not pyplot, which has global state and may need a window system
+    figure = new_figure(path, width, height)
     axes = figure.add_axes((LEFT / width, BELOW / height, inner[0] / width, inner[1] / height))
     axes.set_xlim(low[0], high[0])
     axes.set_ylim(low[1], high[1])
@@ -56,8 +53,7 @@ def write_plot(path: Union[str, Path], run: SlamRun) -> None:
     _draw_landmarks(axes, landmark_map)
     place = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.0), "ncol": LEGEND_COLUMNS, "frameon": False}
     axes.legend(handles=legend, **place)
-    with atomic_file(path, "wb") as file:
-        figure.savefig(file, format=Path(path).suffix.lstrip(".").lower(), dpi=110)
+    save_figure(path, figure)
 
 
 def _limits(landmark_map: "sextant.LandmarkMap", segments: List[DriveSegment]):

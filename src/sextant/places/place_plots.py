@@ -11,8 +11,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from sextant.base.atomic_file import atomic_file
 from sextant.base.plot_colours import COLOURS
+from sextant.base.plot_file import save_figure
 from sextant.places.place_metrics import PrecisionRecall, perfect_frequencies, reliability
 
 BLUE, GREY = COLOURS[0], "#777777"
@@ -37,7 +37,7 @@ def plot_precision_recall(path: Path, curves: Mapping[str, PrecisionRecall]) -> 
     _finish(axes, "recall", "precision")
     axes.set_title("Precision and recall over falling probability; dot: all predictions", fontsize="medium")
     axes.legend(loc="lower left")
-    _save(path, figure)
+    save_figure(path, figure)
 
 
 def plot_reliability(path: Path, probabilities: Sequence[float], correct: Sequence[bool]) -> None:
@@ -54,7 +54,7 @@ def plot_reliability(path: Path, probabilities: Sequence[float], correct: Sequen
     lower.set(xlabel="predicted probability", ylabel="predictions")
     lower.yaxis.set_major_locator(MaxNLocator(4, integer=True))
     lower.grid(alpha=0.3)
-    _save(path, figure)
+    save_figure(path, figure)
 
 
 def _draw_reliability(axes: Axes, probabilities: Sequence[float], correct: Sequence[bool]) -> None:
@@ -81,8 +81,3 @@ def _draw_reliability(axes: Axes, probabilities: Sequence[float], correct: Seque
 def _finish(axes: Axes, x: str, y: str) -> None:
     axes.set(xlabel=x, ylabel=y, xlim=(0, 1), ylim=(0, 1))
     axes.grid(alpha=0.3)
-
-
-def _save(path: Path, figure: Figure) -> None:
-    with atomic_file(path, "wb") as file:
-        figure.savefig(file, format="png", dpi=110)
