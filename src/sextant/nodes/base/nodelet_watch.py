@@ -67,9 +67,8 @@ class NodeletWatch:
 
     def __init__(self):
         self._master = rosgraph.Master(rospy.get_name())
-        self._known: Set[Tuple[str, str]] = (
-            set()
-        )  # managers and their loaders at any time: others load without
+        # Managers and all loaders that they have had: a nodelet may also be loaded by a service, without one.
+        self._known: Set[Tuple[str, str]] = set()
         self._looks: Counter = Counter()  # in a row, by what is left of a pair
 
     def run(self) -> None:
