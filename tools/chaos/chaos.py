@@ -181,6 +181,7 @@ class Chaos:
 
     def __init__(self, robot, machine, rng):
         self._robot, self._machine, self._rng = robot, machine, rng
+        self._begin = time.monotonic()
         self._end = ExitStack()  # of the faults of now
         self.times = defaultdict(list)  # {fault: seconds until all systems answered; inf: not all did}
         self.failures = []
@@ -204,7 +205,9 @@ class Chaos:
         for fault in faults:
             self.times[fault].append(np.inf if silent else max(found.values()))
         if silent:
-            self.failures.append(f"{', '.join(faults)}: no answer of {', '.join(silent)} within {limit:g} s")
+            seconds = time.monotonic() - self._begin
+            text = f"{', '.join(faults)}: no answer of {', '.join(silent)} within {limit:g} s"
+            self.failures.append(f"after {seconds:.1f} s ({time.strftime('%H:%M:%S')}): {text}")
             print(self.failures[-1], flush=True)
             answered(self._robot.systems, since, RESTART)  # the next fault finds a working system
 
