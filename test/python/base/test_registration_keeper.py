@@ -1,5 +1,9 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
+import threading
+from contextlib import contextmanager
+from xmlrpc.server import SimpleXMLRPCServer
+
 import rosgraph
 import rospy
 
@@ -8,6 +12,8 @@ from sextant.nodes.base.registration_keeper import (
     Registrations,
     newest_at_each_uri,
     read_registrations,
+    restore_registrations,
+    running,
 )
 
 PARAMETERS = {"robot": {"name": "a"}}
@@ -89,3 +95,83 @@ def test_a_dead_node_is_not_registered_at_the_port_of_another_one():
     master.nodes["/dead"] = "http://localhost:3"  # it was started again
     known = read_registrations(master, known)
     assert newest_at_each_uri(known.nodes) == master.nodes
+
+
+@contextmanager
+def served(api):
+    """The URI of an object, as a node or a master serves its functions."""
+    with SimpleXMLRPCServer(("localhost", 0), logRequests=False, allow_none=True) as server:
+        server.register_instance(api)
+        thread = threading.Thread(target=server.serve_forever)
+        thread.start()
+        try:
+            yield f"http://localhost:{server.server_address[1]}/"
+        finally:
+            server.shutdown()
+            thread.join()
+
+
+class Subscriber:
+    """A node that is connected to some publishers (None: unknown), and how it was notified of more."""
+
+    def __init__(self, connected):
+        self._connected, self.updates = connected, []
+
+    def getPublications(self, _caller):  # noqa: N802
+        return 1, "", [["/out", "std_msgs/String"]]
+
+    def getSubscriptions(self, _caller):  # noqa: N802
+        return 1, "", [["/in", "std_msgs/String"]]
+
+    def getBusInfo(self, _caller):  # noqa: N802
+        connections = [[k, uri, "i", "TCPROS", "/in", True, ""] for k, uri in enumerate(self._connected)]
+        return 1, "", [[9, "/listener", "o", "TCPROS", "/out", True, ""], *connections]
+
+    def publisherUpdate(self, _caller, topic, uris):  # noqa: N802
+        self.updates.append((topic, uris))
+        return 1, "", 0
+
+
+class NewMaster:
+    """A master whose answers about publishers are given; the last one is repeated."""
+
+    def __init__(self, *publishers):
+        self._publishers, self.subscribers = list(publishers), []
+
+    def registerPublisher(self, *_):  # noqa: N802
+        return 1, "", []
+
+    def registerSubscriber(self, *subscriber):  # noqa: N802
+        self.subscribers.append(subscriber)
+        return 1, "", self._publishers.pop(0) if len(self._publishers) > 1 else self._publishers[0]
+
+
+def updates(connected, *publishers):
+    """How a node is notified that is connected to some publishers when the new master knows others."""
+    node, master = Subscriber(connected), NewMaster(*publishers)
+    with served(node) as node_uri, served(master) as master_uri:
+        nodes = {"/node": node_uri}
+        assert restore_registrations(master_uri, Registrations({}, {}, nodes), running(nodes)) == 2
+    assert set(master.subscribers) == {("/node", "/in", "std_msgs/String", node_uri)}
+    return node.updates
+
+
+def test_a_subscriber_is_notified_of_a_publisher_that_the_new_master_knew_before_it():
+    assert updates(["http://a/"], ["http://b/"]) == [("/in", ["http://a/", "http://b/"])]
+    assert updates([], ["http://a/", "http://b/"]) == [("/in", ["http://a/", "http://b/"])]
+
+
+def test_a_subscriber_is_not_notified_of_publishers_that_it_is_connected_to():
+    assert updates(["http://a/", "http://b/"], ["http://b/"]) == []
+    assert updates(["http://a/"], []) == []
+
+
+def test_a_subscriber_whose_connections_are_unknown_is_not_notified():
+    assert updates(None, ["http://a/"]) == []
+
+
+def test_a_publisher_that_starts_during_the_notification_is_not_disconnected():
+    assert updates(["http://a/"], ["http://b/"], ["http://b/", "http://c/"]) == [
+        ("/in", ["http://a/", "http://b/"]),
+        ("/in", ["http://a/", "http://b/", "http://c/"]),
+    ]

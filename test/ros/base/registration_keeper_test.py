@@ -4,6 +4,7 @@
 """roscore is restarted again and again, under nodes of C++ and of Python."""
 
 import os
+import signal
 import socket
 import subprocess
 import time
@@ -100,6 +101,41 @@ class RegistrationKeeperTest(unittest.TestCase):
             self.nodes[name].wait(30)
         self.assertIsNone(self.nodes["mortal"].poll())
         self.assertIsNone(self.nodes["registration_keeper"].poll())
+
+    def test_a_subscriber_is_connected_to_a_publisher_that_registered_first(self):
+        """One that was started after roscore, but before the keeper registers the subscriber again."""
+        listener = self.start_program("rostopic", "echo", "/odom", "__name:=listener")
+        self.assertTrue(until(self.complete, 30.0))
+        old = self.start_publisher("old")
+        self.assertTrue(until(lambda: self.connected("/cpp") == self.connected("/listener") == {old}, 30.0))
+        time.sleep(3.0)  # two looks of the keeper
+        keeper = int(ServerProxy(self.master.lookupNode("/registration_keeper")).getPid("")[2])
+        os.kill(keeper, signal.SIGSTOP)
+        self.core.kill()
+        self.core.wait()
+        self.start_master()
+        new = self.start_publisher("new")
+        os.kill(keeper, signal.SIGCONT)
+        both = {old, new}
+        self.assertTrue(until(lambda: self.connected("/cpp") == self.connected("/listener") == both, LIMIT))
+        self.assertIsNone(listener.poll())
+
+    def start_publisher(self, name):
+        """Its URI, when it is registered."""
+        arguments = ["-r", "10", "/odom", "nav_msgs/Odometry", "{}", f"__name:={name}"]
+        self.start_program("rostopic", "pub", *arguments)
+        self.assertTrue(
+            until(lambda: "/" + name in dict(self.master.getSystemState()[0]).get("/odom", []), 30.0)
+        )
+        return self.master.lookupNode("/" + name)
+
+    def connected(self, node):
+        """URIs of the publishers of /odom that a node is connected to."""
+        try:
+            connections = ServerProxy(self.master.lookupNode(node)).getBusInfo("/test")[2]
+        except (OSError, rosgraph.MasterException):  # it is not registered
+            return set()
+        return {each[1] for each in connections if each[2] == "i" and each[4] == "/odom"}
 
     def unregister(self, node):
         uri = self.master.lookupNode(node)

@@ -5,12 +5,14 @@
 A node of ROS 1 registers its topics and services once. After a restart the new master knows none of them:
 existing connections continue, but no new node finds the old ones. This node remembers which nodes and
 services the master knew, asks those that still run for their topics (http://wiki.ros.org/ROS/Slave_API), and
-registers all of them again (http://wiki.ros.org/ROS/Master_API).
+registers all of them again (http://wiki.ros.org/ROS/Master_API). A subscriber that has missed the start of a
+publisher is notified of it.
 """
 
 import threading
 import xmlrpc.client
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from http.client import HTTPException
 from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Tuple
 from xml.parsers.expat import ExpatError
@@ -32,6 +34,7 @@ ERRORS = (
     ExpatError,
     rosgraph.MasterException,
 )  # no or no whole answer
+NO_NODE = (*ERRORS, ValueError, TypeError, LookupError)  # or another program has the port now
 
 Providers = Dict[str, List[str]]  # names of nodes by service
 Pairs = List[Tuple[str, str]]  # topics and their types
@@ -50,6 +53,9 @@ class NodeTopics(NamedTuple):
 
     published: Pairs  # topics and their types
     subscribed: Pairs  # likewise
+    publishers: Optional[
+        Dict[str, List[str]]
+    ]  # URIs of those that it is connected to, by topic; None: unknown
 
 
 def read_registrations(master: rosgraph.Master, known: Registrations) -> Registrations:
@@ -100,11 +106,23 @@ def _topics(node: Tuple[str, str]) -> Optional[NodeTopics]:
     """Asks the process at the node's URI; None if it does not answer."""
     name, uri = node
     api = ServerProxy(uri, transport=_TimedTransport())
-    try:
+    with suppress(*NO_NODE):
         answers = [api.getPublications(name)[2], api.getSubscriptions(name)[2]]
-        return NodeTopics(*answers) if all(isinstance(each, list) for each in answers) else None
-    except (*ERRORS, ValueError, TypeError, LookupError):  # or another program has the port now
+        if all(isinstance(each, list) for each in answers):
+            return NodeTopics(*answers, _publishers(api, name))
+    return None
+
+
+def _publishers(api: ServerProxy, name: str) -> Optional[Dict[str, List[str]]]:
+    """URIs of the publishers that a node is connected to, by topic; None if it does not answer."""
+    found: Dict[str, List[str]] = {}
+    try:
+        for _, uri, direction, _, topic, *_ in api.getBusInfo(name)[2]:
+            if direction == "i":  # not "o": that of a subscriber, with its name
+                found.setdefault(topic, []).append(uri)
+    except NO_NODE:
         return None
+    return found
 
 
 def running(nodes: Dict[str, str]) -> Dict[str, NodeTopics]:
@@ -126,7 +144,7 @@ def restore_registrations(uri: str, lost: Registrations, alive: Dict[str, NodeTo
             count += 1
     for node, topics in alive.items():
         for topic, kind in topics.subscribed:
-            master.registerSubscriber(node, topic, kind, lost.nodes[node])
+            _subscribe(master, (node, lost.nodes[node]), topics, (topic, kind))
             count += 1
     for service, providers in lost.services.items():
         for node in alive.keys() & set(providers):
@@ -134,6 +152,28 @@ def restore_registrations(uri: str, lost: Registrations, alive: Dict[str, NodeTo
                 master.registerService(node, service, lost.service_uris[service], lost.nodes[node])
                 count += 1
     return count
+
+
+def _subscribe(
+    master: ServerProxy, node: Tuple[str, str], topics: NodeTopics, subscription: Tuple[str, str]
+) -> None:
+    """Registers a subscriber, and notifies it of publishers that it is not connected to.
+
+    The master notifies it of later ones only: not of one that was started before, at the new master. The node
+    closes connections to publishers that it is not notified of, so it is notified of all.
+
+    :param node: name and URI
+    :param subscription: topic and type
+    """
+    (name, uri), (topic, kind) = node, subscription
+    known = set((topics.publishers or {}).get(topic, []))
+    while True:  # a publisher that was started during the notification was not part of it
+        publishers = set(master.registerSubscriber(name, topic, kind, uri)[2])
+        if topics.publishers is None or publishers <= known:
+            return
+        known |= publishers
+        with suppress(*ERRORS):  # it was ended
+            ServerProxy(uri, transport=_TimedTransport()).publisherUpdate(name, topic, sorted(known))
 
 
 def missing_parameters(saved: Any, present: Any, name: str = "") -> Dict[str, Any]:
