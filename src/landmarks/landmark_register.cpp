@@ -33,6 +33,14 @@ std::vector<MapPoint> LandmarkRegister::points() const {
   return all;
 }
 
+std::vector<MapPoint> LandmarkRegister::pointsInRobotFrame() {
+  std::vector<MapPoint> all;
+  for (size_t i = 0; i < labels_.size(); ++i)
+    all.push_back({toRobotFrame(filter_.pose(), filter_.landmarks()[i]), labels_[i],
+                   filter_.predictObservations({i}).covariance});
+  return all;
+}
+
 void LandmarkRegister::add(const LabelledObservation& observation) {
   filter_.add(observation.observation);
   labels_.push_back(observation.label);

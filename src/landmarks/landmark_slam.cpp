@@ -190,6 +190,12 @@ Association LandmarkSlam::associateById(const LabelledObservation& observation) 
   return {off.dot(S.llt().solve(off)) < gate ? Outcome::associated : Outcome::ambiguous, *which};
 }
 
+/// A landmark of which only the class is known would match all observations of its class.
+bool LandmarkSlam::canInitialize(const LabelledObservation& seen) const {
+  return seen.can_initialize &&
+         largestDeviation(seen.observation.covariance.topLeftCorner<2, 2>()) < params_.sensor.max_range;
+}
+
 void LandmarkSlam::initialize(double stamp, const std::vector<LabelledObservation>& unknown,
                               LandmarkReport& report) {
   const Matrix2d R = rotation2(filter().pose().heading);
@@ -197,7 +203,7 @@ void LandmarkSlam::initialize(double stamp, const std::vector<LabelledObservatio
   for (const LabelledObservation& each : unknown) {
     const bool is_twin = each.label.id && countLabels(each.label, unknown) > 1;
     if (is_twin) ++report.ambiguous;
-    if (each.can_initialize && !is_twin) first.push_back(each);
+    if (canInitialize(each) && !is_twin) first.push_back(each);
   }
   std::vector<PositionObservation> in_map;
   for (const LabelledObservation& each : first)
@@ -260,6 +266,8 @@ void LandmarkSlam::relocalize() {
   local_ = {LandmarkSlam(params, Pose2{}, variance * Matrix3d::Identity())};
 }
 
+/// Matches the local map in the robot frame: there, the landmarks observed last are precise, however far the
+/// robot drove while it was lost.
 LandmarkReport LandmarkSlam::observeLost(double stamp, const std::vector<LabelledObservation>& observations,
                                          const Pose2& T_base_sensor) {
   LandmarkReport report = local_.front().observe(stamp, observations, T_base_sensor);
@@ -267,8 +275,8 @@ LandmarkReport LandmarkSlam::observeLost(double stamp, const std::vector<Labelle
   report.tentative = static_cast<int>(observations.size());
   report.associated = report.ambiguous = report.nis_dof = 0;
   if (report.initialized > 0 || ++lost_scans_ % kMatchingInterval == 0)
-    if (const auto match =
-            matchLandmarkMaps(local_.front().register_.points(), register_.points(), params_.matching))
+    if (const auto match = matchLandmarkMaps(local_.front().register_.pointsInRobotFrame(),
+                                             register_.points(), params_.matching))
       applyMatch(*match);
   report.initialized = 0;
   report.lost = isLost();
@@ -276,6 +284,7 @@ LandmarkReport LandmarkSlam::observeLost(double stamp, const std::vector<Labelle
 }
 
 /// Observes the matched landmarks of the map with the joint covariance of the local ones, in one update.
+/// @param match with the local map in the robot frame
 void LandmarkSlam::applyMatch(const LandmarkMapMatch& match) {
   std::vector<size_t> of_local;
   bool headings = true;  // whether all of them have one in both maps
@@ -295,7 +304,7 @@ void LandmarkSlam::applyMatch(const LandmarkMapMatch& match) {
     observations.push_back({pair.second, observation});
   }
   const Vector3d around(0.5, 0.5, 0.3);  // metres and radians: much larger than the error of a match
-  setPose(match.T_map_local * local_.front().filter().pose(), around.cwiseAbs2().asDiagonal());
+  setPose(match.T_map_local, around.cwiseAbs2().asDiagonal());
   register_.filter().update(observations, seen.covariance);
 }
 

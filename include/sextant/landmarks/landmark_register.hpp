@@ -28,6 +28,8 @@ class LandmarkRegister {
   int nextKey() const { return next_key_; }               ///< key of the next new landmark
   std::optional<size_t> find(const LandmarkLabel& label) const;  ///< index of the first with it
   std::vector<MapPoint> points() const;                          ///< all landmarks
+  /// All landmarks, in the robot frame.
+  std::vector<MapPoint> pointsInRobotFrame();
 
   /// Initializes a landmark.
   void add(const LabelledObservation& observation);

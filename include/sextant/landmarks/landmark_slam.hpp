@@ -104,6 +104,7 @@ class LandmarkSlam {
                                         const std::vector<LabelledObservation>& observations);
   Association associateById(const LabelledObservation& observation);
   std::vector<size_t> inReach(const std::vector<LabelledObservation>& observations) const;
+  bool canInitialize(const LabelledObservation& seen) const;
   void initialize(double stamp, const std::vector<LabelledObservation>& unknown, LandmarkReport& report);
   void detectKidnapping(const ScanAssociation& scan, const LandmarkReport& report);
   bool provisionalLandmarksMatchElsewhere();

@@ -21,6 +21,8 @@ constexpr int kPlanar[] = {0, 1, 5};   // indices of x, y, heading in x, y, z, r
 constexpr double kMinCosTilt = 0.999;  // of a frame whose z axis is up
 constexpr double kMaxDistance = 1e8;   // metres: larger values lose too much numeric resolution
 
+constexpr double kMaxObserved = 1e4;  // metres to a landmark, and of a standard deviation: as kMaxDistance
+
 bool isPositiveDefinite(const Eigen::MatrixXd& matrix) {
   return matrix.allFinite() && matrix.isApprox(matrix.transpose(), 1e-6) &&
          matrix.llt().info() == Eigen::Success;
@@ -41,6 +43,9 @@ void requireObservation(const LabelledObservation& seen) {
   const int width = observation.heading ? 3 : 2;
   if (!isPositiveDefinite(observation.covariance.topLeftCorner(width, width)))
     refuse("has a covariance that is not positive definite");
+  if (observation.position.norm() > kMaxObserved) refuse("is farther away than 10 km");
+  if (observation.covariance.topLeftCorner(width, width).trace() > kMaxObserved * kMaxObserved)
+    refuse("has a standard deviation of more than 10 km");
 }
 
 LabelledObservation fromMsg(const LandmarkObservation& msg, const Pose& T_base_frame) {

@@ -31,6 +31,18 @@ TEST(LandmarkRegister, KeysAreUnique) {
   EXPECT_EQ(all.nextKey(), 4);
 }
 
+TEST(LandmarkRegister, WhatWasObservedLastIsPreciseInTheRobotFrame) {
+  LandmarkRegister all = empty();
+  all.add(at(1, 0));
+  all.filter().predict(noisyStep({{100, 0}, M_PI / 2}, {}));
+  all.add(at(2, 3));
+  const std::vector<MapPoint> points = all.pointsInRobotFrame();
+  EXPECT_LT((points[0].landmark.position - Eigen::Vector2d(0, 99)).norm(), 1e-9);
+  EXPECT_GT(points[0].covariance.trace(), 0.1);
+  EXPECT_LT((points[1].landmark.position - Eigen::Vector2d(2, 3)).norm(), 1e-9);
+  EXPECT_LT((points[1].covariance - 1e-4 * Eigen::Matrix2d::Identity()).norm(), 1e-9);
+}
+
 TEST(LandmarkRegister, LogOddsHaveAnUpperBound) {
   LandmarkRegister often = empty(), always = empty();
   often.add(at(1, 0)), always.add(at(1, 0));

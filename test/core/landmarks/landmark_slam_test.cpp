@@ -330,5 +330,36 @@ TEST(LandmarkSlam, AKidnappedRobotIsRelocalizedByPillars) {
   }
 }
 
+TEST(LandmarkSlam, ALostRobotIsRelocalizedAfterALongDriveWithoutLandmarks) {
+  const std::vector<Thing> things{pillar(2, 0.5), pillar(2.5, -0.7, kBlue), pillar(3.5, 0.2),
+                                  pillar(1.5, 1, kBlue)};
+  for (const double distance : {10.0, 100.0, 1e4, 1e8}) {
+    LandmarkSlam slam = knowing(things, params());
+    slam.relocalize();
+    slam.predict(noisyStep({{distance, 0}, 0}, {}), 1e9);  // the odometry of a robot that was carried back
+    for (int i = 0; i < 10; ++i) slam.observe(1e9 + 0.1 * i, allSeen({}, things));
+    EXPECT_FALSE(slam.isLost()) << distance;
+    expectPose(slam, {}, 0.05);
+  }
+}
+
+TEST(LandmarkSlam, ALostRobotIsRelocalizedAfterUselessObservations) {
+  const std::vector<Thing> things{pillar(2, 0.5), pillar(2.5, -0.7, kBlue), pillar(3.5, 0.2),
+                                  pillar(1.5, 1, kBlue)};
+  for (const double sigma : {1.0, 10.0, 100.0, 1e4})
+    for (const int useless : {1, 2, 5, 20}) {
+      LandmarkSlam slam = knowing(things, params());
+      slam.relocalize();
+      for (int i = 0; i < useless; ++i) {
+        std::vector<LabelledObservation> scan = allSeen({}, things);
+        for (LabelledObservation& each : scan) each.observation.covariance *= std::pow(sigma / 0.03, 2);
+        slam.observe(0.1 * i, scan);
+      }
+      for (int i = 0; i < 10; ++i) slam.observe(10 + 0.1 * i, allSeen({}, things));
+      EXPECT_FALSE(slam.isLost()) << sigma << " " << useless;
+      expectPose(slam, {}, 0.05);
+    }
+}
+
 }  // namespace
 }  // namespace sextant

@@ -119,6 +119,13 @@ TEST(LandmarkConversions, InvalidObservationsAreRefusedByName) {
               "the observation of 'blue_pillar' has a covariance that is not positive definite");
   }
   msg = someObservations();
+  msg.observations[0].covariance[4] = 1e300;
+  EXPECT_EQ(reasonAgainst(msg),
+            "the observation of 'blue_pillar' has a standard deviation of more than 10 km");
+  msg = someObservations();
+  msg.observations[0].y = -1e5;
+  EXPECT_EQ(reasonAgainst(msg), "the observation of 'blue_pillar' is farther away than 10 km");
+  msg = someObservations();
   msg.observations[1].covariance[8] = 0;  // of a heading
   EXPECT_NE(reasonAgainst(msg), "");
   msg = someObservations();
