@@ -234,7 +234,8 @@ void bindLandmarkTimelineParts(py::module_& module) {
       .value("APPLIED", Arrival::applied, "applied at its own stamp")
       .value("WAITING", Arrival::waiting, "waits for odometry of its stamp")
       .value("TOO_LATE", Arrival::too_late, "delayed by more than the lag, or older than the first odometry")
-      .value("DUPLICATE", Arrival::duplicate, "received before");
+      .value("DUPLICATE", Arrival::duplicate, "received before")
+      .value("TOO_LARGE", Arrival::too_large, "more observations than max_observations");
   py::class_<LandmarkTimeline::Applied>(module, "AppliedScan", "A scan that was applied.")
       .def_readonly("stamp", &LandmarkTimeline::Applied::stamp, "seconds, as received")
       .def_readonly("report", &LandmarkTimeline::Applied::report, "LandmarkReport");

@@ -19,6 +19,9 @@ ParamList LandmarkTimelineParams::fields() {
       {"lag", &lag, Range::openLow(0, 60), "s", "maximum delay of observations; later ones are dropped"},
       {"clock_offset", &clock_offset, Range::closed(-10, 10), "s",
        "offset that is added to the stamps of observations"},
+      {"max_observations", &max_observations, Range::closed(1, 10000), "",
+       "maximum number of observations in a scan; a scan with more is not used: the time for one grows with "
+       "the cube of their number and more"},
   };
   return joined({odometry.fields(), own});
 }
@@ -44,12 +47,13 @@ bool LandmarkTimeline::odometry(double stamp, const Pose2& T_odom_base) {
 
 Arrival LandmarkTimeline::observe(double stamp, const std::vector<LabelledObservation>& observations,
                                   const Pose2& T_base_sensor) {
+  applied_.clear();
+  if (observations.size() > static_cast<size_t>(params_.max_observations)) return Arrival::too_large;
   const double corrected = stamp + params_.clock_offset + newest().slam.filter().clockOffset();
   const auto is_same = [&](const Scan& other) {
     return other.received_stamp == stamp && other.T_base_sensor == T_base_sensor &&
            other.observations == observations;
   };
-  applied_.clear();
   if (std::any_of(scans_.begin(), scans_.end(), is_same) ||
       std::any_of(waiting_.begin(), waiting_.end(), is_same))
     return Arrival::duplicate;

@@ -17,6 +17,7 @@ struct LandmarkTimelineParams {
   OdometryNoiseParams odometry;  ///< noise of the odometry
   double lag = 1.0;
   double clock_offset = 0.0;
+  int max_observations = 100;
 
   ParamList fields();  ///< names, ranges, units and descriptions
 };
@@ -27,6 +28,7 @@ enum class Arrival {
   waiting,    ///< waits for odometry of its stamp
   too_late,   ///< delayed by more than the lag, or older than the first odometry
   duplicate,  ///< received before
+  too_large,  ///< more observations than max_observations
 };
 
 /// Runs LandmarkSlam on scans that arrive late, twice or out of order: each is applied at its own stamp, and

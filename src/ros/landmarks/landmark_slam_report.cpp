@@ -35,6 +35,9 @@ std::string tenths(double seconds) {
 void LandmarkSlamReport::observations(const std::string& topic, Arrival arrival, double ahead, double lag) {
   if (arrival == Arrival::too_late) ++too_late_;
   if (arrival == Arrival::duplicate) ++duplicate_;
+  if (arrival == Arrival::too_large)
+    trouble_.report("observations too many",
+                    topic + " has more observations than ~max_observations: the message is not used");
   if (arrival == Arrival::too_late && ahead < -lag)
     trouble_.report("observations too late", topic + " is stamped " + tenths(-ahead) +
                                                  " s before odometry: synchronize the clocks, or raise ~lag");

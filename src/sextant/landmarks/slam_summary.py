@@ -81,6 +81,9 @@ def _arrivals(run: SlamRun) -> List[str]:
         "are older than the first odometry": early,
         f"are too late: raise lag ({run.params.timeline.lag:g} s)": late,
         "are duplicates, and were applied once": arrivals[sextant.Arrival.DUPLICATE],
+        f"are too large: raise max_observations ({run.params.timeline.max_observations})": arrivals[
+            sextant.Arrival.TOO_LARGE
+        ],
     }
     total = sum(arrivals.values())
     return [f"{count} of {total} scans {what}" for what, count in counts.items() if count]

@@ -312,6 +312,17 @@ TEST(LandmarkTimeline, DropsTheNewestOfTooManyWaitingScans) {
   EXPECT_EQ(timeline.waiting(), 99u);
 }
 
+TEST(LandmarkTimeline, RefusesScansWithTooManyObservations) {
+  const Drive drawn = drive(9);
+  LandmarkTimeline timeline = timelineOf(drawn);
+  timeline.odometry(10, {});
+  std::vector<LabelledObservation> many(100, drawn.scans[0].observations.at(0));
+  EXPECT_EQ(timeline.observe(10, many), Arrival::applied);
+  many.push_back(many[0]);
+  EXPECT_EQ(timeline.observe(10, many), Arrival::too_large);
+  EXPECT_TRUE(timeline.applied().empty());
+}
+
 TEST(LandmarkTimeline, AChangeIsAppliedAtTheNewestOdometry) {
   const Drive drawn = drive(8);
   LandmarkTimeline timeline = timelineOf(drawn);
