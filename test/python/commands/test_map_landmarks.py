@@ -141,6 +141,18 @@ def test_two_sensors_may_look_at_one_moment(tmp_path, capsys):
     assert "are duplicates" not in capsys.readouterr().out
 
 
+def test_scans_with_too_many_observations_are_reported(tmp_path, capsys):
+    def large(sets):
+        """Every tenth set with one observation a hundred times and more."""
+        for i, (arrival, message) in enumerate(sets):
+            if i % 10 == 0 and message.observations:
+                message.observations = 101 * message.observations[:1]
+            yield arrival, message
+
+    mapped(tmp_path, written(tmp_path, arrivals=large))
+    assert "scans are too large: raise max_observations (100)" in capsys.readouterr().out
+
+
 def test_late_observations_are_reported(tmp_path, capsys):
     bag = written(tmp_path, delay=2.5)
     late = r"warning: (\d+) of 300 scans are too late: raise lag \(1 s\)"
