@@ -47,6 +47,7 @@ class MapDraft {
  private:
   void draft();
   void grow();
+  bool isFirstToBlame() const;
   bool excludeInconsistent();
   bool draftWithout(const MarkerKey& key);
   void findContradictions();

@@ -56,7 +56,7 @@ class Making {
       if (used_.size() == before && round > 0) break;
     }
     dropUnused();
-    const auto covariance = mapCovariance(draft_.fit.recording(), used_, draft_.held, draft_.fit.estimate,
+    const auto covariance = mapCovariance(draft_.fit.measured(), used_, draft_.held, draft_.fit.estimate,
                                           draft_.adjustment(kNoRobustLoss));
     if (!covariance) throw std::runtime_error("the recording does not determine the pose of every marker");
     covariance_ = *covariance;
@@ -152,6 +152,9 @@ ParamList MappingParams::fields() {
        "standard deviation of corner coordinates, common to all corners"},
       {"estimate_noise", &estimate_noise, Allowed(), "",
        "estimate a factor on `corner_sigma` for each camera from the residuals"},
+      {"lens_sigma", &lens_sigma, Range::closed(0, 100), "px",
+       "standard deviation of the errors of a camera's calibration (principal point, focal lengths and "
+       "distortion, at half the diagonal from the centre), which are estimated; 0: exact"},
       {"robust_width", &robust_width, Range::closed(0.5, 1000), "",
        "threshold of the Huber loss of a marker in the first minimization, standard deviations"},
       {"gate", &gate, Range::closed(8, 1e6), "",

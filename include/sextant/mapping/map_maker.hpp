@@ -20,6 +20,7 @@ namespace sextant {
 struct MappingParams {
   double corner_sigma = 0.3;
   bool estimate_noise = true;
+  double lens_sigma = 0.5;
   double robust_width = 5.0;
   double gate = 30.0;
   double min_probability = 0.999;
