@@ -56,7 +56,7 @@ def large_map_tables(quick: bool) -> List[Table]:
     if quick:
         drives = [(Drive(40, 100, 20), 1)]
     else:
-        drives = [(Drive(200, 2000, 40), 20), (Drive(200, 1000, 40), 1), (Drive(600, 200, 200), 1)]
+        drives = [(Drive(200, 2000, 40), 20), (Drive(200, 1000, 40), 1), (Drive(560, 200, 200), 1)]
     rows = [_row(drive, [make(drive, seed) for seed in range(count)], quick) for drive, count in drives]
     title = "Maps of slow drives: corner errors correlated between images, a lens not quite as calibrated"
     return [Table(title, COLUMNS, rows)]

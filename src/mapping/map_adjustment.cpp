@@ -202,7 +202,7 @@ class AdjustmentProblem {
   std::map<MarkerKey, PoseBlock> markers_;
   std::set<MarkerKey> held_;
   std::map<size_t, PoseBlock> bases_;
-  std::map<size_t, LensCorrection> lenses_;  // by camera
+  LensCorrections lenses_;
   ceres::Problem problem_;
 };
 

@@ -169,6 +169,19 @@ void MapDraft::locateRemainingInstants(const std::vector<RecordedObservation>& u
   }
 }
 
+BasePath MapDraft::pathOf(MarkerRecording whole, const std::vector<size_t>& keyframes) const {
+  std::vector<InstantHypotheses> kept(whole.size());
+  for (size_t i = 0; i < keyframes.size(); ++i)
+    if (fit.estimate.T_map_base[i]) kept[keyframes[i]] = fit.poseAt(i);
+  for (RecordedInstant& instant : whole) instant = correctedInstant(std::move(instant), fit.estimate.lenses);
+  BasePath path;
+  for (const InstantHypotheses& each : locateRecording(whole, fit.estimate.map, this->path(floor_), kept)) {
+    path.emplace_back();
+    mend(path.back(), each);
+  }
+  return path;
+}
+
 // Corrects markers and instants that were put on the wrong solution of their ambiguity.
 bool MapDraft::mendBranches() {
   const auto found = locateRecording(fit.recording(), fit.estimate.map, path(floor_), fit.explained());

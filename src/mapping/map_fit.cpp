@@ -39,14 +39,7 @@ void MapFit::begin(const std::set<MarkerKey>& excluded) {
 void MapFit::accept(MapEstimate adjusted) {
   estimate = std::move(adjusted);
   for (size_t i = 0; i < recording_.size(); ++i)
-    for (size_t v = 0; v < recording_[i].views.size(); ++v) {
-      MarkerView& view = recording_[i].views[v];
-      const auto lens = estimate.lenses.find(view.camera_index);
-      if (lens == estimate.lenses.end()) continue;
-      for (size_t d = 0; d < view.detections.size(); ++d)
-        view.detections[d].corners =
-            correctedCorners(view.camera, measured_[i].views[v].detections[d].corners, lens->second);
-    }
+    recording_[i] = correctedInstant(measured_[i], estimate.lenses);
 }
 
 size_t MapFit::unexplained() const {
@@ -156,6 +149,16 @@ std::vector<double> MapFit::noiseScales() const {
   std::vector<double> scales;
   for (size_t i = 0; i < cameras; ++i) scales.push_back(noise_.typical(i));
   return scales;
+}
+
+std::vector<double> MapFit::lensErrors() const {
+  std::vector<double> errors(noiseScales().size());
+  for (const RecordedInstant& instant : recording_)
+    for (const MarkerView& view : instant.views)
+      if (const auto lens = estimate.lenses.find(view.camera_index);
+          lens != estimate.lenses.end() && errors[view.camera_index] == 0)
+        errors[view.camera_index] = lensDisplacement(view.camera, lens->second);
+  return errors;
 }
 
 double MapFit::correlation(const std::vector<RecordedObservation>& used) const {

@@ -45,11 +45,14 @@ class MapFit {
   std::vector<InstantHypotheses> explained() const;
   /// Poses of the instants of these observations.
   std::vector<InstantHypotheses> posesOf(const std::vector<RecordedObservation>& observations) const;
+  InstantHypotheses poseAt(size_t instant) const;  ///< the estimated pose, which must exist
 
   /// Estimates the noise of every camera and image, see CornerNoise.
   void measureNoise(const std::vector<RecordedObservation>& used);
   /// Median factor on corner_sigma for each camera.
   std::vector<double> noiseScales() const;
+  /// Root mean square displacement over the image by each camera's estimated error, pixels.
+  std::vector<double> lensErrors() const;
   /// See correlatedImages().
   double correlation(const std::vector<RecordedObservation>& used) const;
 
@@ -66,7 +69,6 @@ class MapFit {
   double squaredDistance(const RecordedObservation& each) const;
   std::optional<Offsets> pixels(const RecordedObservation& each) const;
   std::map<ImageIndex, ImageNoise> imageNoises(const std::vector<RecordedObservation>& used) const;
-  InstantHypotheses poseAt(size_t instant) const;
 
   MarkerRecording measured_, recording_;
   double corner_sigma_, gate_;

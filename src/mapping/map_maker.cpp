@@ -9,6 +9,7 @@
 
 #include "known_markers.hpp"
 #include "map_draft.hpp"
+#include "sextant/mapping/keyframes.hpp"
 #include "sextant/mapping/map_adjustment.hpp"
 
 namespace sextant {
@@ -38,6 +39,11 @@ class Making {
     settle();
     checkKnownMarkers();
     return result();
+  }
+
+  // Poses at all instants of a recording, of which those at the keyframes were estimated.
+  BasePath path(MarkerRecording whole, const std::vector<size_t>& keyframes) const {
+    return draft_.pathOf(std::move(whole), keyframes);
   }
 
  private:
@@ -119,8 +125,8 @@ class Making {
       made.map.set(marker);
     }
     made.covariance = covariance_;
-    made.T_map_base = draft_.fit.estimate.T_map_base;
     made.noise_scales = draft_.fit.noiseScales();
+    made.lens_errors = draft_.fit.lensErrors();
     made.correlated_images = draft_.correlated_images;
     made.known_position_scale = scales_.position;
     made.known_rotation_scale = scales_.rotation;
@@ -174,7 +180,14 @@ MappingResult makeMarkerMap(MarkerRecording recording, const MarkerSizes& sizes,
                             const MappingParams& params) {
   validate(params);
   validate(sizes);
-  return Making(std::move(recording), sizes, known, params).make();
+  const std::vector<size_t> found = keyframes(recording);
+  MarkerRecording selected;
+  for (const size_t i : found) selected.push_back(recording[i]);
+  Making making(std::move(selected), sizes, known, params);
+  MappingResult made = making.make();
+  for (ObservationResidual& each : made.residuals) each.observation.instant = found[each.observation.instant];
+  made.T_map_base = making.path(std::move(recording), found);
+  return made;
 }
 
 }  // namespace sextant

@@ -3,8 +3,11 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
+#include <map>
 
 #include "sextant/geometry/camera.hpp"
+#include "sextant/mapping/marker_recording.hpp"
 #include "sextant/markers/marker.hpp"
 
 namespace sextant {
@@ -19,7 +22,15 @@ using LensCorrection = Eigen::Matrix<double, kLensModes, 1>;
 /// the centre of the image, in units of half its diagonal.
 Eigen::Matrix<double, 2, kLensModes> lensModes(const CameraModel& camera, const Eigen::Vector2d& pixel);
 
+/// Errors by MarkerView::camera_index; zero if a camera is not there.
+using LensCorrections = std::map<size_t, LensCorrection>;
+
 /// The corners that a camera without the error would see.
 Corners correctedCorners(const CameraModel& camera, const Corners& corners, const LensCorrection& lens);
+/// The same for all detections of an instant.
+RecordedInstant correctedInstant(RecordedInstant instant, const LensCorrections& lenses);
+
+/// Root mean square displacement over the image by an error, pixels.
+double lensDisplacement(const CameraModel& camera, const LensCorrection& lens);
 
 }  // namespace sextant

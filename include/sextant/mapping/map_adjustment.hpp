@@ -3,7 +3,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <map>
 #include <optional>
 #include <vector>
 
@@ -29,9 +28,9 @@ struct AdjustmentParams {
 
 /// A map, the path of the base and the errors of the cameras.
 struct MapEstimate {
-  MarkerMap map;                                 ///< poses of the markers
-  BasePath T_map_base;                           ///< poses of the base, one per instant
-  std::map<size_t, LensCorrection> lenses = {};  ///< errors of the calibrations, by camera; zero if not there
+  MarkerMap map;                ///< poses of the markers
+  BasePath T_map_base;          ///< poses of the base, one per instant
+  LensCorrections lenses = {};  ///< errors of the cameras' calibrations
 };
 
 /// Bundle adjustment (Triggs et al. 2000) with Ceres: the poses of all markers and of the base at all

@@ -62,5 +62,14 @@ TEST(LensCorrection, CorrectedCornersAreThoseWithoutTheDisplacement) {
     EXPECT_LT((corners[k] - correctedCorners(camera, corners, lens)[k] - lens.head<2>()).norm(), 1e-12);
 }
 
+TEST(LensCorrection, ItsDisplacementIsThatOverTheImage) {
+  const CameraModel camera(pinhole(), CameraModel::Image::raw);
+  LensCorrection lens = LensCorrection::Zero();
+  lens[1] = -3;  // everywhere
+  EXPECT_NEAR(lensDisplacement(camera, lens), 3, 1e-12);
+  lens << 0, 0, 2, 0, 0, 0, 0, 0;  // 2 x, x uniform up to 0.8
+  EXPECT_NEAR(lensDisplacement(camera, lens), 1.6 / std::sqrt(3.0), 0.01);
+}
+
 }  // namespace
 }  // namespace sextant

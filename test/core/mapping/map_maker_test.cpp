@@ -81,6 +81,34 @@ TEST(MapMaker, ABadMarkerAmongManyIsFoundInGoodTime) {
     EXPECT_LT(errorOf(simulated, made, entry.first.id).norm(), 0.05) << entry.first.id;
 }
 
+TEST(MapMaker, EstimatesTheErrorOfTheCalibration) {
+  auto simulated = drive(roomWithMarkers(20), 150, 0.1, 1);
+  const CameraModel& camera = simulated.recording[0].views[0].camera;
+  LensCorrection lens = LensCorrection::Zero();
+  lens.segment<3>(2) << 2, 2, -1;  // focal lengths and distortion
+  const MarkerMap known = only(simulated.truth, {0});
+  EXPECT_LT(makeMarkerMap(simulated.recording, {}, known, {}).lens_errors.at(0), 0.4);
+  addLensError(simulated.recording, lens);
+  const auto made = makeMarkerMap(simulated.recording, {}, known, {});
+  EXPECT_NEAR(made.lens_errors.at(0), lensDisplacement(camera, lens), 0.4);
+}
+
+// At rest, a robot has the same image, with the same errors, again and again.
+TEST(MapMaker, ARobotAtRestLearnsNothingNew) {
+  auto simulated = drive(roomWithMarkers(10), 100, 0.2, 1);
+  const MarkerMap known = only(simulated.truth, {0});
+  const MappingResult before = makeMarkerMap(simulated.recording, {}, known, {});
+  for (int i = 0; i < 400; ++i) {
+    simulated.recording.push_back(simulated.recording[99]);
+    simulated.T_map_base.push_back(simulated.T_map_base[99]);
+  }
+  const MappingResult made = makeMarkerMap(simulated.recording, {}, known, {});
+  EXPECT_LT((made.covariance - before.covariance).norm(), 1e-9);
+  ASSERT_EQ(made.T_map_base.size(), 500u);
+  for (const size_t i : {0, 100, 499})
+    EXPECT_LT(poseError(simulated.T_map_base[i], *made.T_map_base[i]).norm(), 0.05) << i;
+}
+
 TEST(MapMaker, WithoutAKnownMarkerTheFirstHangsInTheOrigin) {
   const auto simulated = drive(roomWithMarkers(10), 150, 0.05, 1);
   const MappingResult made = makeMarkerMap(simulated.recording, {}, MarkerMap(), {});
