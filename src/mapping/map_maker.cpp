@@ -9,6 +9,7 @@
 
 #include "known_markers.hpp"
 #include "map_draft.hpp"
+#include "map_frame.hpp"
 #include "sextant/mapping/keyframes.hpp"
 #include "sextant/mapping/map_adjustment.hpp"
 
@@ -68,18 +69,25 @@ class Making {
     covariance_ = *covariance;
   }
 
-  // Drops markers of which no observation is used.
+  // Drops markers of which no observation is used, and those that the used ones do not connect with the
+  // frame.
   void dropUnused() {
     std::set<MarkerKey> seen;
     for (const RecordedObservation& each : used_) seen.insert(detectionOf(draft_.fit.recording(), each).key);
+    const auto connected = connectedMarkers(draft_.fit.recording(), used_, draft_.held);
     MarkerMap map(draft_.fit.estimate.map.frame());
     for (const auto& [key, marker] : draft_.fit.estimate.map.markers()) {
-      if (seen.count(key) != 0 || draft_.known.find(key))
+      if (connected.count(key) != 0 || draft_.known.find(key))
         map.add(marker);
-      else
+      else if (seen.count(key) == 0)
         draft_.ambiguous.insert(key);
     }
     draft_.fit.estimate.map = map;
+    used_.erase(std::remove_if(used_.begin(), used_.end(),
+                               [&](const RecordedObservation& each) {
+                                 return connected.count(detectionOf(draft_.fit.recording(), each).key) == 0;
+                               }),
+                used_.end());
   }
 
   // Stops using wrong known poses as priors, the worst first and one at a time: a wrong prior also makes
