@@ -66,11 +66,13 @@ class CornersCost : public ceres::SizedCostFunction<8, 7, 7, kLensModes> {
     const Turned in_base(base.q.conjugate(), in_map.vector + marker.p - base.p);
     const auto seen = camera_->projectWithJacobian(T_camera_base_ * in_base.vector);
     if (!seen) return false;
-    const Eigen::Matrix<double, 2, kLensModes> modes = lensModes(*camera_, corners_[k]) / sigmas_[k];
-    const Eigen::Map<const LensCorrection> lens(blocks[2]);
+    const Eigen::Matrix<double, 2, kLensModes> modes = lensModes(*camera_, seen->pixel) / sigmas_[k];
+    const LensCorrection lens = Eigen::Map<const LensCorrection>(blocks[2]);
     Eigen::Map<Eigen::Vector2d>(residual, 2) = (seen->pixel - corners_[k]) / sigmas_[k] + modes * lens;
     if (!jacobians) return true;
-    const Eigen::Matrix<double, 2, 3> by_base_point = seen->jacobian * T_camera_base_.linear() / sigmas_[k];
+    const Eigen::Matrix2d by_pixel = Eigen::Matrix2d::Identity() + lensJacobian(*camera_, seen->pixel, lens);
+    const Eigen::Matrix<double, 2, 3> by_base_point =
+        by_pixel * seen->jacobian * T_camera_base_.linear() / sigmas_[k];
     const Eigen::Matrix<double, 2, 3> by_map_point = by_base_point * in_base.by_vector;
     if (jacobians[0]) {
       Eigen::Matrix<double, 2, 4> by_conjugate = by_base_point * in_base.by_quaternion;

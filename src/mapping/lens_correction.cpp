@@ -7,13 +7,19 @@
 namespace sextant {
 namespace {
 
-constexpr int kGrid = 10;  // points along each side of the image
+constexpr int kGrid = 10;   // points along each side of the image
+constexpr int kRounds = 3;  // of the fixed-point iteration; a displacement varies little over its own length
+
+// Relative to the centre of the image, in units of half its diagonal.
+Eigen::Vector2d normalized(const CameraModel& camera, const Eigen::Vector2d& pixel) {
+  const Eigen::Vector2d size(camera.width(), camera.height());
+  return (2 * pixel - size) / size.norm();
+}
 
 }  // namespace
 
 Eigen::Matrix<double, 2, kLensModes> lensModes(const CameraModel& camera, const Eigen::Vector2d& pixel) {
-  const Eigen::Vector2d size(camera.width(), camera.height());
-  const Eigen::Vector2d n = (2 * pixel - size) / size.norm();
+  const Eigen::Vector2d n = normalized(camera, pixel);
   const double x = n.x(), y = n.y(), r2 = n.squaredNorm();
   Eigen::Matrix<double, 2, kLensModes> modes;
   modes << 1, 0, x, 0, x * r2, x * r2 * r2, 2 * x * y, r2 + 2 * x * x,  //
@@ -21,9 +27,23 @@ Eigen::Matrix<double, 2, kLensModes> lensModes(const CameraModel& camera, const 
   return modes;
 }
 
+Eigen::Matrix2d lensJacobian(const CameraModel& camera, const Eigen::Vector2d& pixel,
+                             const LensCorrection& lens) {
+  const Eigen::Vector2d n = normalized(camera, pixel);
+  const double x = n.x(), y = n.y(), r2 = n.squaredNorm();
+  const double radial = lens[4] * r2 + lens[5] * r2 * r2, slope = lens[4] + 2 * lens[5] * r2;
+  const double both = 2 * (x * y * slope + x * lens[6] + y * lens[7]);
+  Eigen::Matrix2d jacobian;
+  jacobian << lens[2] + radial + 2 * x * x * slope + 2 * y * lens[6] + 6 * x * lens[7], both,  //
+      both, lens[3] + radial + 2 * y * y * slope + 6 * y * lens[6] + 2 * x * lens[7];
+  return 2 * jacobian / Eigen::Vector2d(camera.width(), camera.height()).norm();
+}
+
 Corners correctedCorners(const CameraModel& camera, const Corners& corners, const LensCorrection& lens) {
   Corners corrected = corners;
-  for (Eigen::Vector2d& corner : corrected) corner -= lensModes(camera, corner) * lens;
+  for (size_t k = 0; k < corners.size(); ++k)
+    for (int round = 0; round < kRounds; ++round)
+      corrected[k] = corners[k] - lensModes(camera, corrected[k]) * lens;
   return corrected;
 }
 

@@ -136,8 +136,10 @@ PathParams MapDraft::path(const std::optional<FloorPrior>& floor) const {
           params_->min_probability};
 }
 
+// As long as there may be wrong observations, the calibrations hold: errors of the lens would explain some.
 AdjustmentParams MapDraft::adjustment(double robust_width) const {
-  return {params_->corner_sigma, robust_width,    params_->lens_sigma, correlated_images, floor_,
+  const double lens_sigma = robust_width > 0 ? 0 : params_->lens_sigma;
+  return {params_->corner_sigma, robust_width,    lens_sigma, correlated_images, floor_,
           params_->odometry,     params_->threads};
 }
 

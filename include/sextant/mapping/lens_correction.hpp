@@ -20,7 +20,11 @@ using LensCorrection = Eigen::Matrix<double, kLensModes, 1>;
 /// Displacements of a pixel by errors of principal point, focal lengths, radial (r^3, r^5) and tangential
 /// distortion (Brown 1971, "Close-range camera calibration"): polynomials of the pixel's position relative to
 /// the centre of the image, in units of half its diagonal.
+/// @param pixel projected by the calibration
 Eigen::Matrix<double, 2, kLensModes> lensModes(const CameraModel& camera, const Eigen::Vector2d& pixel);
+/// Jacobian of the displacement with respect to the pixel.
+Eigen::Matrix2d lensJacobian(const CameraModel& camera, const Eigen::Vector2d& pixel,
+                             const LensCorrection& lens);
 
 /// Errors by MarkerView::camera_index; zero if a camera is not there.
 using LensCorrections = std::map<size_t, LensCorrection>;

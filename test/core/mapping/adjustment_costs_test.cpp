@@ -76,10 +76,10 @@ TEST(AdjustmentCosts, CornersAreWhereTheCameraSeesThem) {
     const LensCorrection lens = 0.3 * LensCorrection::LinSpaced(-1, 2);
     const std::vector<Eigen::VectorXd> blocks = {blockOf(kBase), blockOf(kWallMarker), lens};
     const Eigen::VectorXd residuals = residualsOf(*cost, blocks);
-    const Corners corrected = correctedCorners(camera, corners, lens);
     for (int k = 0; k < 4; ++k) {
       const Eigen::Vector3d point = T_camera_base * kBase.inverse() * kWallMarker * markerCorners(0.2)[k];
-      const Eigen::Vector2d off = *camera.project(point) - corrected[k];
+      const Eigen::Vector2d pixel = *camera.project(point);
+      const Eigen::Vector2d off = pixel + lensModes(camera, pixel) * lens - corners[k];
       EXPECT_LT((residuals.segment<2>(2 * k) - off / sigmas[k]).norm(), 1e-9);
     }
     expectDerivatives(*cost, blocks);

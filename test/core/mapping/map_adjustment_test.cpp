@@ -162,10 +162,9 @@ TEST(MapAdjustment, FindsTheErrorOfTheLens) {
   const auto found = adjustMap(simulated.recording, used, known, start, params);
   ASSERT_TRUE(found && without);
   EXPECT_TRUE(without->lenses.at(0).isZero(0.0));
-  // The displacement is a function of the pixel without it, the correction of that with it.
-  EXPECT_LT((found->lenses.at(0) - lens).norm(), 0.05 * lens.norm());
+  EXPECT_LT((found->lenses.at(0) - lens).norm(), 0.01 * lens.norm());
   EXPECT_LT(errorsOf(simulated.truth, found->map).norm(),
-            0.05 * errorsOf(simulated.truth, without->map).norm());
+            0.01 * errorsOf(simulated.truth, without->map).norm());
 }
 
 TEST(MapAdjustment, WithoutObservationsThereIsNothingToDo) {

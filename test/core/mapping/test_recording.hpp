@@ -117,7 +117,10 @@ inline void addSlowErrors(MarkerRecording& recording, double sigma, double corre
 
 /// The corners that a camera with this error of its calibration sees.
 inline void addLensError(MarkerRecording& recording, const LensCorrection& lens) {
-  for (RecordedInstant& instant : recording) instant = correctedInstant(instant, {{0, -lens}});
+  for (RecordedInstant& instant : recording)
+    for (MarkerView& view : instant.views)
+      for (Detection& detection : view.detections)
+        for (auto& corner : detection.corners) corner += lensModes(view.camera, corner) * lens;
 }
 
 /// Some markers of a map.
