@@ -79,24 +79,31 @@ def large_map_tables(quick: bool) -> List[Table]:
 
 
 def _row(drive: Drive, made: List[Made], quick: bool) -> Row:
-    errors = [each.errors for each in made]
-    position = np.concatenate([each.position for each in errors])
-    lost = len(made) if drive.moved else 0  # the moved marker, and no other
-    missing = sum(each.missing for each in errors)
+    tags, cpu, missing, nees, seconds = np.array(
+        [(tags, cpu, each.missing, each.nees, each.seconds) for each, tags, cpu in made]
+    ).T
+    position = np.concatenate([each.errors.position for each in made])
     cells = [
-        Value(float(np.mean([each.tags for each in made])), 1),
+        Value(float(np.mean(tags)), 1),
         Value(len(position) / len(made) + 1.0, 1),
-        Value(missing, 0, at_least=lost, at_most=lost) if drive.images >= WHOLE_ROUND else str(missing),
+        _missing(drive, int(np.sum(missing)), len(made)),
         Value(1000.0 * float(np.sqrt(np.mean(position**2)))),
-        _nees([each.nees for each in errors]),
-        Value(max(each.seconds for each in errors), 1, at_most=None if quick else SECONDS),
-        Value(max(each.cpu_seconds for each in made), 1),
+        _nees(nees),
+        Value(float(np.max(seconds)), 1, at_most=None if quick else SECONDS),
+        Value(float(np.max(cpu)), 1),
     ]
     moved = f", one raised by {drive.moved} m halfway" if drive.moved else ""
     return f"{drive.markers} markers{moved}, {drive.images} images, drives: {len(made)}", cells
 
 
-def _nees(found: List[float]) -> Value:
+def _missing(drive: Drive, found: int, drives: int) -> Value:
+    """The moved marker, and no other, after a whole round."""
+    right = drives if drive.moved else 0
+    whole = drive.images >= WHOLE_ROUND
+    return Value(found, 0, at_least=right if whole else None, at_most=right if whole else None)
+
+
+def _nees(found: np.ndarray) -> Value:
     """The mean, with bars if there are several."""
     least, most = NEES if len(found) > 1 else (None, None)
     return Value(float(np.mean(found)), at_least=least, at_most=most)
