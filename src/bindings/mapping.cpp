@@ -88,15 +88,18 @@ void bindResult(py::module_& module) {
       .def_readonly("T_map_base", &MappingResult::T_map_base, "list of (4, 4) or None, one per instant")
       .def_readonly("noise_scales", &MappingResult::noise_scales,
                     "estimated factor on corner_sigma for each camera")
+      .def_readonly("lens_errors", &MappingResult::lens_errors,
+                    "estimated error of each camera's calibration: RMS displacement over its image, pixels")
       .def_readonly("correlated_images", &MappingResult::correlated_images,
                     "number of consecutive images that count as one")
       .def_readonly("known_position_scale", &MappingResult::known_position_scale,
                     "factor on the standard deviations of the known markers' positions")
       .def_readonly("known_rotation_scale", &MappingResult::known_rotation_scale,
                     "factor on the standard deviations of the known markers' rotations")
-      .def_readonly(
-          "residuals", &MappingResult::residuals,
-          "list of ObservationResidual, of every observation of a mapped marker at an instant with a pose")
+      .def_readonly("residuals", &MappingResult::residuals,
+                    "list of ObservationResidual, of every observation of a mapped marker at a keyframe (an "
+                    "image that differs "
+                    "from those before) with a pose")
       .def_readonly("known", &MappingResult::known, "list of KnownMarkerCheck")
       .def_property_readonly(
           "ambiguous", [](const MappingResult& self) { return pairs(self.ambiguous); },

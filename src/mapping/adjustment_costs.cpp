@@ -3,13 +3,13 @@
 #include "adjustment_costs.hpp"
 
 #include <ceres/autodiff_cost_function.h>
-#include <ceres/cost_function_to_functor.h>
 #include <ceres/rotation.h>
 #include <ceres/sized_cost_function.h>
 
 #include <Eigen/Cholesky>
-#include <algorithm>
 #include <utility>
+
+#include "sextant/mapping/lens_correction.hpp"
 
 namespace sextant {
 namespace {
@@ -24,52 +24,71 @@ struct BlockView {
   Eigen::Map<const Eigen::Quaternion<T>> q;
 };
 
-// CameraModel::projectWithJacobian() for Ceres.
-class Lens : public ceres::SizedCostFunction<2, 3> {
- public:
-  explicit Lens(const CameraModel* camera) : camera_(camera) {}
+// A vector v turned by a quaternion (u, w), q v = v + 2 w (u x v) + 2 u x (u x v), and its derivatives. They
+// hold for any norm of the quaternion, as Ceres moves it in all four coordinates.
+struct Turned {
+  Turned(const Eigen::Quaterniond& q, const Eigen::Vector3d& v) : by_vector(q.toRotationMatrix()) {
+    const Eigen::Vector3d u = q.vec();
+    vector = by_vector * v;
+    by_quaternion.leftCols<3>() = -2 * q.w() * skew(v) + 2 * (u * v.transpose() - 2 * v * u.transpose());
+    by_quaternion.leftCols<3>().diagonal().array() += 2 * u.dot(v);
+    by_quaternion.col(3) = 2 * u.cross(v);
+  }
 
-  bool Evaluate(double const* const* point, double* pixel, double** jacobians) const override {
-    const auto projection = camera_->projectWithJacobian(Eigen::Map<const Eigen::Vector3d>(point[0]));
-    if (!projection) return false;
-    Eigen::Map<Eigen::Vector2d>(pixel, 2) = projection->pixel;
-    using Jacobian = Eigen::Matrix<double, 2, 3, Eigen::RowMajor>;
-    if (jacobians && jacobians[0]) Eigen::Map<Jacobian>{jacobians[0]} = projection->jacobian;
+  Eigen::Vector3d vector;
+  Eigen::Matrix3d by_vector;
+  Eigen::Matrix<double, 3, 4> by_quaternion;  // x y z w
+};
+
+class CornersCost : public ceres::SizedCostFunction<8, 7, 7, kLensModes> {
+ public:
+  CornersCost(const CameraModel* camera, const Pose& T_camera_base, double size, const Corners& corners,
+              const CornerSigmas& sigmas)
+      : camera_(camera),
+        T_camera_base_(T_camera_base),
+        points_(markerCorners(size)),
+        corners_(corners),
+        sigmas_(sigmas) {}
+
+  bool Evaluate(double const* const* blocks, double* residuals, double** jacobians) const override {
+    for (int k = 0; k < 4; ++k)
+      if (!evaluateCorner(k, blocks, residuals + 2 * k, jacobians)) return false;
     return true;
   }
 
  private:
-  const CameraModel* camera_;
-};
+  template <int columns>
+  using Rows = Eigen::Map<Eigen::Matrix<double, 2, columns, Eigen::RowMajor>>;
 
-struct CornersError {
-  CornersError(const CameraModel* camera, const Pose& T_camera_base, double size, const Corners& corners,
-               const CornerSigmas& sigmas)
-      : lens(new Lens(camera)),
-        T_camera_base(T_camera_base),
-        points(markerCorners(size)),
-        corners(corners),
-        sigmas(sigmas) {}
-
-  template <typename T>
-  bool operator()(const T* T_map_base, const T* T_map_marker, T* residuals) const {
-    const BlockView<T> base(T_map_base), marker(T_map_marker);
-    for (int k = 0; k < 4; ++k) {
-      const Vector3<T> p_map = marker.q * points[k].cast<T>() + marker.p;
-      const Vector3<T> p_base = base.q.conjugate() * (p_map - base.p);
-      const Vector3<T> p_camera = T_camera_base.linear().cast<T>() * p_base + T_camera_base.translation();
-      T pixel[2];
-      if (!lens(p_camera.data(), pixel)) return false;
-      for (int i = 0; i < 2; ++i) residuals[2 * k + i] = (pixel[i] - corners[k][i]) / sigmas[k];
+  bool evaluateCorner(int k, double const* const* blocks, double* residual, double** jacobians) const {
+    const BlockView<double> base(blocks[0]), marker(blocks[1]);
+    const Turned in_map(marker.q, points_[k]);
+    const Turned in_base(base.q.conjugate(), in_map.vector + marker.p - base.p);
+    const auto seen = camera_->projectWithJacobian(T_camera_base_ * in_base.vector);
+    if (!seen) return false;
+    const Eigen::Matrix<double, 2, kLensModes> modes = lensModes(*camera_, seen->pixel) / sigmas_[k];
+    const LensCorrection lens = Eigen::Map<const LensCorrection>(blocks[2]);
+    Eigen::Map<Eigen::Vector2d>(residual, 2) = (seen->pixel - corners_[k]) / sigmas_[k] + modes * lens;
+    if (!jacobians) return true;
+    const Eigen::Matrix2d by_pixel = Eigen::Matrix2d::Identity() + lensJacobian(*camera_, seen->pixel, lens);
+    const Eigen::Matrix<double, 2, 3> by_base_point =
+        by_pixel * seen->jacobian * T_camera_base_.linear() / sigmas_[k];
+    const Eigen::Matrix<double, 2, 3> by_map_point = by_base_point * in_base.by_vector;
+    if (jacobians[0]) {
+      Eigen::Matrix<double, 2, 4> by_conjugate = by_base_point * in_base.by_quaternion;
+      by_conjugate.leftCols<3>() *= -1;
+      Rows<7>(jacobians[0] + 14 * k) << -by_map_point, by_conjugate;
     }
+    if (jacobians[1]) Rows<7>(jacobians[1] + 14 * k) << by_map_point, by_map_point * in_map.by_quaternion;
+    if (jacobians[2]) Rows<kLensModes>(jacobians[2] + 2 * kLensModes * k) = modes;
     return true;
   }
 
-  ceres::CostFunctionToFunctor<2, 3> lens;
-  Pose T_camera_base;
-  std::array<Eigen::Vector3d, 4> points;
-  Corners corners;
-  CornerSigmas sigmas;
+  const CameraModel* camera_;
+  Pose T_camera_base_;
+  std::array<Eigen::Vector3d, 4> points_;
+  Corners corners_;
+  CornerSigmas sigmas_;
 };
 
 // Error of a pose (p, q) against a prior, see poseError().
@@ -118,6 +137,16 @@ struct PriorError {
   Matrix6d W;
 };
 
+struct LensError {
+  template <typename T>
+  bool operator()(const T* lens, T* residuals) const {
+    for (int i = 0; i < kLensModes; ++i) residuals[i] = lens[i] / sigma;
+    return true;
+  }
+
+  double sigma;  // pixels
+};
+
 struct FloorError {
   template <typename T>
   bool operator()(const T* T_map_base, T* residuals) const {
@@ -152,8 +181,7 @@ Pose poseFromBlock(const PoseBlock& block) {
 std::unique_ptr<ceres::CostFunction> cornersCost(const CameraModel* camera, const Pose& T_camera_base,
                                                  double size, const Corners& corners,
                                                  const CornerSigmas& sigmas) {
-  using Cost = ceres::AutoDiffCostFunction<CornersError, 8, 7, 7>;
-  return std::make_unique<Cost>(new CornersError(camera, T_camera_base, size, corners, sigmas));
+  return std::make_unique<CornersCost>(camera, T_camera_base, size, corners, sigmas);
 }
 
 std::unique_ptr<ceres::CostFunction> stepCost(const PosePrior& T_a_b) {
@@ -162,6 +190,11 @@ std::unique_ptr<ceres::CostFunction> stepCost(const PosePrior& T_a_b) {
 
 std::unique_ptr<ceres::CostFunction> priorCost(const PosePrior& known) {
   return std::make_unique<ceres::AutoDiffCostFunction<PriorError, 6, 7>>(new PriorError(known));
+}
+
+std::unique_ptr<ceres::CostFunction> lensCost(double sigma) {
+  return std::make_unique<ceres::AutoDiffCostFunction<LensError, kLensModes, kLensModes>>(
+      new LensError{sigma});
 }
 
 std::unique_ptr<ceres::CostFunction> floorCost(const FloorPrior& floor) {

@@ -21,8 +21,8 @@ using PoseBlock = std::array<double, 7>;
 PoseBlock blockFromPose(const Pose& pose);
 Pose poseFromBlock(const PoseBlock& block);
 
-/// Cost of an observation: eight residuals over their standard deviations, as a function of T_map_base and
-/// T_map_marker.
+/// Cost of an observation: eight residuals over their standard deviations, as a function of T_map_base,
+/// T_map_marker and the camera's LensCorrection.
 /// @param camera not owned
 std::unique_ptr<ceres::CostFunction> cornersCost(const CameraModel* camera, const Pose& T_camera_base,
                                                  double size, const Corners& corners,
@@ -33,6 +33,9 @@ std::unique_ptr<ceres::CostFunction> stepCost(const PosePrior& T_a_b);
 
 /// Cost of a prior: whitened error of a pose.
 std::unique_ptr<ceres::CostFunction> priorCost(const PosePrior& known);
+
+/// Cost of the prior of a LensCorrection: coefficients over their standard deviation, pixels.
+std::unique_ptr<ceres::CostFunction> lensCost(double sigma);
 
 /// Cost of the floor prior: height, roll and pitch of the base over their standard deviations.
 std::unique_ptr<ceres::CostFunction> floorCost(const FloorPrior& floor);

@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include "sextant/localization/mapped_observation.hpp"
 #include "sextant/mapping/map_growth.hpp"
 #include "sextant/mapping/marker_placement.hpp"
 
@@ -17,7 +18,7 @@ constexpr size_t kMinImages = 5;       // minimum number of images that contradi
 constexpr double kMinAgreement = 0.5;  // minimum fraction of these images that the other pose fits
 constexpr double kMinDistance = 0.5;   // minimum distance of the two poses, edge lengths of the marker
 
-// The other markers from which the base was located in the images that support a pose.
+// The other markers that fit the map in the images that support a pose.
 std::vector<MarkerKey> witnesses(const MarkerRecording& recording,
                                  const std::vector<RecordedObservation>& observations,
                                  const std::vector<InstantHypotheses>& path, const MarkerMap& map,
@@ -26,8 +27,14 @@ std::vector<MarkerKey> witnesses(const MarkerRecording& recording,
   std::set<MarkerKey> found;
   for (const size_t i : place.explained) {
     const size_t instant = observations[i].instant;
-    const auto keys = markersInSight(recording[instant], map, params, {excluded});
-    for (const size_t used : path[instant][0].used) found.insert(keys[used]);
+    for (const MarkerView& view : recording[instant].views)
+      for (const Detection& detection : view.detections) {
+        const MappedMarker* marker = map.find(detection.key);
+        if (!marker || detection.key == excluded || isRepeated(view, detection.key)) continue;
+        const auto observation = mappedObservation(view, detection, *marker, params.corner_sigma);
+        if (squaredMahalanobis(observation, path[instant][0].T_map_base) <= params.hypotheses.gate)
+          found.insert(detection.key);
+      }
   }
   return {found.begin(), found.end()};
 }
@@ -41,13 +48,14 @@ bool isElsewhere(const MarkerPlace& place, const MappedMarker& marker) {
 std::optional<ConflictingPose> conflictingPose(const MarkerRecording& recording,
                                                const std::vector<RecordedObservation>& observations,
                                                const MarkerMap& map, const MappedMarker& marker,
-                                               const std::vector<InstantHypotheses>& consistent,
+                                               const std::vector<InstantHypotheses>& explained,
                                                const PathParams& params) {
   std::vector<InstantHypotheses> path(recording.size());
   std::vector<RecordedObservation> contradicting;
   for (const RecordedObservation& each : observations) {
-    if (!consistent[each.instant].empty()) continue;  // all markers fit the map
-    path[each.instant] = locateInstant(recording[each.instant], map, params, {}, {marker.key});
+    path[each.instant] = explained[each.instant];
+    if (path[each.instant].empty())
+      path[each.instant] = locateInstant(recording[each.instant], map, params, {}, {marker.key});
     const auto distance =
         distanceFromPlace(recording, each, path[each.instant], marker.size, marker.T_map_marker, params);
     if (distance && *distance > params.hypotheses.gate) contradicting.push_back(each);
@@ -62,13 +70,13 @@ std::optional<ConflictingPose> conflictingPose(const MarkerRecording& recording,
 }  // namespace
 
 std::vector<ConflictingPose> conflictingPoses(const MarkerRecording& recording, const MarkerMap& map,
-                                              const std::vector<InstantHypotheses>& consistent,
+                                              const std::vector<InstantHypotheses>& explained,
                                               const PathParams& params) {
   std::vector<ConflictingPose> all;
   for (const auto& [key, observations] : observationsByMarker(recording)) {
     const MappedMarker* marker = map.find(key);
     if (!marker) continue;
-    if (const auto found = conflictingPose(recording, observations, map, *marker, consistent, params))
+    if (const auto found = conflictingPose(recording, observations, map, *marker, explained, params))
       all.push_back(*found);
   }
   std::stable_sort(all.begin(), all.end(), [](const ConflictingPose& a, const ConflictingPose& b) {

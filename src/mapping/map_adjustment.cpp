@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sextant/mapping/map_adjustment.hpp"
 
-#include <ceres/covariance.h>
+#include <ceres/crs_matrix.h>
 #include <ceres/loss_function.h>
 #include <ceres/problem.h>
 #include <ceres/solver.h>
@@ -14,6 +14,7 @@
 #include <set>
 
 #include "adjustment_costs.hpp"
+#include "map_information.hpp"
 #include "pose_manifold.hpp"
 
 namespace sextant {
@@ -52,6 +53,7 @@ class AdjustmentProblem {
     for (const auto& entry : known.markers()) addKnown(entry.second);
     addOdometry();
     if (params_.floor) addFloor();
+    addLensPriors();
   }
 
   bool solve() {
@@ -73,26 +75,25 @@ class AdjustmentProblem {
       estimate.map.set(marker);
     }
     for (const auto& [instant, block] : bases_) estimate.T_map_base[instant] = poseFromBlock(block);
+    for (const auto& [camera, lens] : lenses_) estimate.lenses[camera] = lens;
   }
 
-  std::optional<Eigen::MatrixXd> covariance(const MarkerMap& map) const {
-    ceres::Covariance::Options options;
+  std::optional<Eigen::MatrixXd> covariance(const MarkerMap& map) {
+    ceres::Problem::EvaluateOptions options;
     options.num_threads = params_.threads;
-    ceres::Covariance covariance(options);
-    std::vector<const double*> blocks;
-    for (const auto& entry : markers_) blocks.push_back(entry.second.data());
-    if (!covariance.Compute(blocks, const_cast<ceres::Problem*>(&problem_))) return std::nullopt;
-    using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-    const auto size = static_cast<Eigen::Index>(6 * blocks.size());
-    RowMajor adjusted(size, size);
-    if (!covariance.GetCovarianceMatrixInTangentSpace(blocks, adjusted.data())) return std::nullopt;
-    // Ceres's quaternion manifold uses half the rotation angles.
-    for (Eigen::Index i = 0; i < size; ++i) {
-      if (i % 6 < 3) continue;
-      adjusted.row(i) *= 2;
-      adjusted.col(i) *= 2;
-    }
-    return expandedToMap(adjusted, map);
+    for (auto& entry : bases_) options.parameter_blocks.push_back(entry.second.data());
+    for (auto& [key, block] : markers_)
+      if (held_.count(key) == 0) options.parameter_blocks.push_back(block.data());
+    if (params_.lens_sigma > 0)
+      for (auto& entry : lenses_) options.parameter_blocks.push_back(entry.second.data());
+    ceres::CRSMatrix jacobian;
+    if (!problem_.Evaluate(options, nullptr, nullptr, nullptr, &jacobian)) return std::nullopt;
+    const Eigen::Map<const Eigen::SparseMatrix<double, Eigen::RowMajor>> sparse(
+        jacobian.num_rows, jacobian.num_cols, static_cast<Eigen::Index>(jacobian.values.size()),
+        jacobian.rows.data(), jacobian.cols.data(), jacobian.values.data());
+    const auto found = mapParameterCovariance(sparse, static_cast<Eigen::Index>(bases_.size()));
+    if (!found) return std::nullopt;
+    return ofMarkers(*found, map);
   }
 
  private:
@@ -126,7 +127,13 @@ class AdjustmentProblem {
     auto cost =
         cornersCost(&view.camera, view.T_base_camera.inverse(), marker.size, detection.corners, sigmas);
     problem_.AddResidualBlock(cost.release(), params_.robust_width > 0 ? &marker_loss_ : nullptr, base,
-                              marker_pose);
+                              marker_pose, lensOf(view.camera_index, estimate));
+  }
+
+  double* lensOf(size_t camera, const MapEstimate& estimate) {
+    const auto known = estimate.lenses.find(camera);
+    const LensCorrection start = known == estimate.lenses.end() ? LensCorrection::Zero() : known->second;
+    return lenses_.emplace(camera, start).first->second.data();
   }
 
   void addKnown(const MappedMarker& known) {
@@ -134,6 +141,7 @@ class AdjustmentProblem {
     if (found == markers_.end()) return;
     if (known.covariance.isZero(0.0)) {
       problem_.SetParameterBlockConstant(found->second.data());
+      held_.insert(known.key);
       return;
     }
     PosePrior prior{known.T_map_marker, known.covariance};
@@ -156,20 +164,33 @@ class AdjustmentProblem {
       problem_.AddResidualBlock(floorCost(*params_.floor).release(), nullptr, entry.second.data());
   }
 
-  // Adds zero rows and columns for markers that are not in the problem.
-  Eigen::MatrixXd expandedToMap(const Eigen::MatrixXd& adjusted, const MarkerMap& map) const {
+  void addLensPriors() {
+    for (auto& entry : lenses_)
+      if (params_.lens_sigma > 0)
+        problem_.AddResidualBlock(lensCost(params_.lens_sigma).release(), nullptr, entry.second.data());
+      else
+        problem_.SetParameterBlockConstant(entry.second.data());
+  }
+
+  // From the covariance of the parameters: zero rows and columns for held markers and those that are not in
+  // the problem. Ceres's quaternion manifold uses half the rotation angles.
+  Eigen::MatrixXd ofMarkers(const Eigen::MatrixXd& parameters, const MarkerMap& map) const {
     const auto size = static_cast<Eigen::Index>(6 * map.markers().size());
     Eigen::MatrixXd all = Eigen::MatrixXd::Zero(size, size);
     std::vector<Eigen::Index> rows;
     Eigen::Index row = 0;
     for (const auto& entry : map.markers()) {
-      if (markers_.count(entry.first) != 0) rows.push_back(row);
+      if (markers_.count(entry.first) != 0 && held_.count(entry.first) == 0) rows.push_back(row);
       row += 6;
     }
+    Vector6d units;
+    units << 1, 1, 1, 2, 2, 2;
     for (size_t i = 0; i < rows.size(); ++i)
       for (size_t j = 0; j < rows.size(); ++j)
         all.block<6, 6>(rows[i], rows[j]) =
-            adjusted.block<6, 6>(static_cast<Eigen::Index>(6 * i), static_cast<Eigen::Index>(6 * j));
+            units.asDiagonal() *
+            parameters.block<6, 6>(static_cast<Eigen::Index>(6 * i), static_cast<Eigen::Index>(6 * j)) *
+            units.asDiagonal();
     return all;
   }
 
@@ -179,7 +200,9 @@ class AdjustmentProblem {
   ceres::HuberLoss marker_loss_{params_.robust_width};
   ceres::HuberLoss odometry_loss_{kRobustOdometry};
   std::map<MarkerKey, PoseBlock> markers_;
+  std::set<MarkerKey> held_;
   std::map<size_t, PoseBlock> bases_;
+  LensCorrections lenses_;
   ceres::Problem problem_;
 };
 

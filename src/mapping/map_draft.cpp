@@ -73,9 +73,18 @@ void MapDraft::grow() {
         "the right family and size");
 }
 
+// Whether the first conflicting pose has so many more witnesses than the others that its marker is the bad
+// one.
+bool MapDraft::isFirstToBlame() const {
+  const auto& all = conflicting_poses;
+  return !all.empty() && all[0].witnesses.size() > 1 &&
+         (all.size() < 2 || all[0].witnesses.size() >= 2 * all[1].witnesses.size());
+}
+
 // A marker with two poses also corrupts those around it. Tries to exclude each of the contradicting markers,
 // so that the rest is consistent. Returns whether one was excluded.
 bool MapDraft::excludeInconsistent() {
+  const bool first_to_blame = isFirstToBlame();
   auto least = std::make_pair(imagesOf(conflicting_poses) / 2 + 1, size_t{0});
   std::optional<MapDraft> best;
   for (const MarkerKey& key : suspects()) {
@@ -85,6 +94,7 @@ bool MapDraft::excludeInconsistent() {
     if (!(rest < least)) continue;
     least = rest;
     best.emplace(std::move(without));
+    if (first_to_blame && rest.first == 0) break;
   }
   if (best) *this = std::move(*best);
   return best.has_value();
@@ -126,8 +136,10 @@ PathParams MapDraft::path(const std::optional<FloorPrior>& floor) const {
           params_->min_probability};
 }
 
+// As long as there may be wrong observations, the calibrations hold: errors of the lens would explain some.
 AdjustmentParams MapDraft::adjustment(double robust_width) const {
-  return {params_->corner_sigma, robust_width,    correlated_images, floor_,
+  const double lens_sigma = robust_width > 0 ? 0 : params_->lens_sigma;
+  return {params_->corner_sigma, robust_width,    lens_sigma, correlated_images, floor_,
           params_->odometry,     params_->threads};
 }
 
@@ -143,10 +155,10 @@ std::vector<RecordedObservation> MapDraft::informative(const std::vector<Recorde
 
 void MapDraft::adjust(const std::vector<RecordedObservation>& used, double robust_width) {
   if (used.empty()) return;
-  const auto found = adjustMap(fit.recording(), used, held, fit.estimate, adjustment(robust_width));
+  auto found = adjustMap(fit.measured(), used, held, fit.estimate, adjustment(robust_width));
   if (!found)
     throw std::runtime_error("the adjustment of the map found no minimum: the observations are inconsistent");
-  fit.estimate = *found;
+  fit.accept(std::move(*found));
 }
 
 void MapDraft::locateRemainingInstants(const std::vector<RecordedObservation>& used) {
@@ -157,6 +169,19 @@ void MapDraft::locateRemainingInstants(const std::vector<RecordedObservation>& u
     fit.estimate.T_map_base[i].reset();
     mend(fit.estimate.T_map_base[i], found[i]);
   }
+}
+
+BasePath MapDraft::pathOf(MarkerRecording whole, const std::vector<size_t>& keyframes) const {
+  std::vector<InstantHypotheses> kept(whole.size());
+  for (size_t i = 0; i < keyframes.size(); ++i)
+    if (fit.estimate.T_map_base[i]) kept[keyframes[i]] = fit.poseAt(i);
+  for (RecordedInstant& instant : whole) instant = correctedInstant(std::move(instant), fit.estimate.lenses);
+  BasePath path;
+  for (const InstantHypotheses& each : locateRecording(whole, fit.estimate.map, this->path(floor_), kept)) {
+    path.emplace_back();
+    mend(path.back(), each);
+  }
+  return path;
 }
 
 // Corrects markers and instants that were put on the wrong solution of their ambiguity.

@@ -30,6 +30,8 @@ class MapDraft {
   void adjust(const std::vector<RecordedObservation>& used, double robust_width);
   /// Locates the instants without any of these observations.
   void locateRemainingInstants(const std::vector<RecordedObservation>& used);
+  /// Poses at all instants of a recording, of which those at the keyframes were estimated.
+  BasePath pathOf(MarkerRecording whole, const std::vector<size_t>& keyframes) const;
   /// Observations with information about the map: an instant with one marker has none, unless odometry or the
   /// floor constrains it.
   std::vector<RecordedObservation> informative(const std::vector<RecordedObservation>& all) const;
@@ -47,6 +49,7 @@ class MapDraft {
  private:
   void draft();
   void grow();
+  bool isFirstToBlame() const;
   bool excludeInconsistent();
   bool draftWithout(const MarkerKey& key);
   void findContradictions();

@@ -4,9 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
+#include <utility>
 
-#include "sextant/localization/mapped_observation.hpp"
 #include "sextant/mapping/map_growth.hpp"
 
 namespace sextant {
@@ -14,11 +15,13 @@ namespace {
 
 constexpr double kCertain = 1e-8;        // variance of poses that are considered exact, m^2 and rad^2
 constexpr size_t kImagesForNoise = 200;  // images from which a camera's noise is estimated
+constexpr int kMajority = 3;  // markers that fit, for each that does not, at an instant that is explained
 
 }  // namespace
 
 MapFit::MapFit(MarkerRecording recording, double corner_sigma, double gate)
-    : recording_(std::move(recording)),
+    : measured_(std::move(recording)),
+      recording_(measured_),
       corner_sigma_(corner_sigma),
       gate_(gate),
       observations_(observationsByMarker(recording_)) {}
@@ -27,8 +30,16 @@ void MapFit::begin(const std::set<MarkerKey>& excluded) {
   observations_ = observationsByMarker(recording_);
   for (const MarkerKey& key : excluded) observations_.erase(key);
   noise_.reset();
-  for (RecordedInstant& instant : recording_)
+  for (RecordedInstant& instant : measured_)
     for (MarkerView& view : instant.views) view.noise_scale = 1.0;
+  recording_ = measured_;
+  estimate.lenses.clear();
+}
+
+void MapFit::accept(MapEstimate adjusted) {
+  estimate = std::move(adjusted);
+  for (size_t i = 0; i < recording_.size(); ++i)
+    recording_[i] = correctedInstant(measured_[i], estimate.lenses);
 }
 
 size_t MapFit::unexplained() const {
@@ -56,13 +67,15 @@ std::vector<RecordedObservation> MapFit::withinGate() const {
   return all;
 }
 
+// Infinite for corners that do not project into the image plane.
 double MapFit::squaredDistance(const RecordedObservation& each) const {
+  const auto offsets = pixels(each);
+  if (!offsets) return std::numeric_limits<double>::infinity();
   const MarkerView& view = viewOf({each.instant, each.view});
-  const Detection& detection = view.detections[each.detection];
-  MarkerObservation observation =
-      mappedObservation(view, detection, *estimate.map.find(detection.key), corner_sigma_);
-  observation.map_covariance.setZero();  // the map itself is estimated
-  return squaredMahalanobis(observation, *estimate.T_map_base[each.instant]);
+  const CornerSigmas sigmas = cornerSigmas(view, view.detections[each.detection], corner_sigma_);
+  double sum = 0;
+  for (int k = 0; k < 4; ++k) sum += offsets->segment<2>(2 * k).squaredNorm() / (sigmas[k] * sigmas[k]);
+  return sum;
 }
 
 // With the typical noise of the camera: a blurred image's own noise would hide outliers.
@@ -81,7 +94,7 @@ std::vector<InstantHypotheses> MapFit::explained() const {
   for (const RecordedObservation& each : placed()) ++(fits(each) ? fitting : others)[each.instant];
   std::vector<InstantHypotheses> path(recording_.size());
   for (size_t i = 0; i < path.size(); ++i)
-    if (fitting[i] > 1 && others[i] == 0) path[i] = poseAt(i);
+    if (fitting[i] > 1 && fitting[i] > kMajority * others[i]) path[i] = poseAt(i);
   return path;
 }
 
@@ -124,6 +137,7 @@ void MapFit::measureNoise(const std::vector<RecordedObservation>& used) {
       const auto image = images.find({i, v});
       view.noise_scale = image == images.end() ? noise_.scale(view.camera_index)
                                                : noise_.scale(view.camera_index, image->second);
+      measured_[i].views[v].noise_scale = view.noise_scale;
     }
   }
 }
@@ -137,34 +151,51 @@ std::vector<double> MapFit::noiseScales() const {
   return scales;
 }
 
+std::vector<double> MapFit::lensErrors() const {
+  std::vector<double> errors(noiseScales().size());
+  for (const RecordedInstant& instant : recording_)
+    for (const MarkerView& view : instant.views)
+      if (const auto lens = estimate.lenses.find(view.camera_index);
+          lens != estimate.lenses.end() && errors[view.camera_index] == 0)
+        errors[view.camera_index] = lensDisplacement(view.camera, lens->second);
+  return errors;
+}
+
 double MapFit::correlation(const std::vector<RecordedObservation>& used) const {
   std::map<std::pair<MarkerKey, size_t>, ResidualSeries> series;
   for (const RecordedObservation& each : used) {
     const MarkerView& view = viewOf({each.instant, each.view});
     series[{detectionOf(recording_, each).key, view.camera_index}][each.instant] =
-        pixels(each) / view.noise_scale;
+        *pixels(each) / view.noise_scale;
   }
   std::vector<ResidualSeries> all;
-  for (const auto& entry : series) all.push_back(entry.second);
-  return correlatedImages(all);
+  std::set<MarkerKey> markers;
+  for (const auto& [marker_camera, residuals] : series) {
+    all.push_back(residuals);
+    markers.insert(marker_camera.first);
+  }
+  return correlatedImages(all, 6.0 * static_cast<double>(markers.size()));
 }
 
-// Zero for corners that do not project into the image plane.
-Eigen::Matrix<double, 8, 1> MapFit::pixels(const RecordedObservation& each) const {
+// Nothing if a corner does not project into the image plane.
+std::optional<MapFit::Offsets> MapFit::pixels(const RecordedObservation& each) const {
   const MarkerView& view = viewOf({each.instant, each.view});
   const Detection& detection = view.detections[each.detection];
   const MappedMarker& marker = *estimate.map.find(detection.key);
   const Pose T_map_camera = *estimate.T_map_base[each.instant] * view.T_base_camera;
+  const Pose T_camera_marker = T_map_camera.inverse() * marker.T_map_marker;
   const auto points = markerCorners(marker.size);
-  Eigen::Matrix<double, 8, 1> offsets = Eigen::Matrix<double, 8, 1>::Zero();
-  for (int k = 0; k < 4; ++k)
-    if (const auto seen = view.camera.project(T_map_camera.inverse() * marker.T_map_marker * points[k]))
-      offsets.segment<2>(2 * k) = *seen - detection.corners[k];
+  Offsets offsets;
+  for (int k = 0; k < 4; ++k) {
+    const auto seen = view.camera.project(T_camera_marker * points[k]);
+    if (!seen) return std::nullopt;
+    offsets.segment<2>(2 * k) = *seen - detection.corners[k];
+  }
   return offsets;
 }
 
 ObservationResidual MapFit::residual(const RecordedObservation& each) const {
-  return {each, fits(each), squaredDistance(each), std::sqrt(pixels(each).squaredNorm() / 8)};
+  return {each, fits(each), squaredDistance(each), std::sqrt(pixels(each)->squaredNorm() / 8)};
 }
 
 }  // namespace sextant

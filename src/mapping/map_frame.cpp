@@ -18,17 +18,23 @@ constexpr double kFree = 10.0;
 // Groups of markers connected by images or by the odometry of a drive (union-find).
 class Islands {
  public:
-  Islands(const MarkerRecording& recording, const std::set<MarkerKey>& without) {
-    for (const RecordedInstant& instant : recording) {
-      const MarkerKey* last = nullptr;
-      for (const MarkerView& view : instant.views)
-        for (const Detection& detection : view.detections)
-          if (without.count(detection.key) == 0) last = joined(last, detection.key);
-      if (last && instant.T_odom_base) {
-        const auto drive = drives_.emplace(instant.drive, *last).first;
-        joined(&drive->second, *last);
-      }
+  // Connects the markers of an instant with each other, and with those of its drive if there is odometry.
+  void connect(const RecordedInstant& instant, const std::set<MarkerKey>& markers) {
+    const MarkerKey* last = nullptr;
+    for (const MarkerKey& key : markers) last = joined(last, key);
+    if (last && instant.T_odom_base) {
+      const auto drive = drives_.emplace(instant.drive, *last).first;
+      joined(&drive->second, *last);
     }
+  }
+
+  std::set<MarkerKey> connectedWith(const MarkerMap& map) const {
+    std::set<MarkerKey> roots, found;
+    for (const auto& entry : map.markers())
+      if (parents_.count(entry.first) != 0) roots.insert(root(entry.first));
+    for (const auto& entry : parents_)
+      if (roots.count(root(entry.first)) != 0) found.insert(entry.first);
+    return found;
   }
 
   MarkerKey firstOfLargest() {
@@ -42,7 +48,7 @@ class Islands {
   }
 
  private:
-  MarkerKey root(MarkerKey key) {
+  MarkerKey root(MarkerKey key) const {
     while (!(parents_.at(key) == key)) key = parents_.at(key);
     return key;
   }
@@ -61,10 +67,29 @@ class Islands {
 
 MarkerMap firstMarker(const std::string& frame, const MarkerRecording& recording, const MarkerSizes& sizes,
                       const std::set<MarkerKey>& without) {
-  const MarkerKey key = Islands(recording, without).firstOfLargest();
+  Islands islands;
+  for (const RecordedInstant& instant : recording) {
+    std::set<MarkerKey> markers;
+    for (const MarkerView& view : instant.views)
+      for (const Detection& detection : view.detections)
+        if (without.count(detection.key) == 0) markers.insert(detection.key);
+    islands.connect(instant, markers);
+  }
+  const MarkerKey key = islands.firstOfLargest();
   MarkerMap map(frame);
   map.add({key, sizes.of(key), "", poseFromXyzRpy({0, 0, 0}, {kQuarterTurn, 0, 0}), Matrix6d::Zero()});
   return map;
+}
+
+std::set<MarkerKey> connectedMarkers(const MarkerRecording& recording,
+                                     const std::vector<RecordedObservation>& observations,
+                                     const MarkerMap& map) {
+  std::map<size_t, std::set<MarkerKey>> instants;
+  for (const RecordedObservation& each : observations)
+    instants[each.instant].insert(detectionOf(recording, each).key);
+  Islands islands;
+  for (const auto& [instant, markers] : instants) islands.connect(recording[instant], markers);
+  return islands.connectedWith(map);
 }
 
 MarkerMap putOnFloor(const MarkerKey& first, MapEstimate& estimate) {

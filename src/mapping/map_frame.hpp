@@ -4,6 +4,7 @@
 
 #include <set>
 #include <string>
+#include <vector>
 
 #include "sextant/mapping/map_adjustment.hpp"
 #include "sextant/mapping/marker_recording.hpp"
@@ -17,6 +18,11 @@ namespace sextant {
 /// @param without markers that must not be used
 MarkerMap firstMarker(const std::string& frame, const MarkerRecording& recording, const MarkerSizes& sizes,
                       const std::set<MarkerKey>& without);
+
+/// The observed markers that these observations, and the odometry of their drives, connect with a map.
+std::set<MarkerKey> connectedMarkers(const MarkerRecording& recording,
+                                     const std::vector<RecordedObservation>& observations,
+                                     const MarkerMap& map);
 
 /// Rotates and raises a map that started from firstMarker() so that the path lies on the plane z = 0. The
 /// marker stays at x = 0, y = 0 and, seen from above, faces along -y.

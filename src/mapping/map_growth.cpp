@@ -16,6 +16,9 @@ namespace {
 // reaches it.
 constexpr std::array<size_t, 3> kImages = {5, 2, 1};
 
+// Number of markers from which an instant is located well enough not to be located again with new ones.
+constexpr size_t kEnoughMarkers = 6;
+
 constexpr double kAgreement = 0.34;  // a pose must explain more than this fraction of the observations
 
 struct Placed {
@@ -72,13 +75,18 @@ class Growth {
     for (const auto& [key, place] : unambiguous) {
       if (place.explained.size() < images) continue;
       map_.add({key, sizes_.of(key), "", place.T_map_marker, place.covariance});
-      for (const RecordedObservation& each : observations_.at(key)) path_[each.instant].clear();
+      for (const RecordedObservation& each : observations_.at(key))
+        if (!isWellLocated(path_[each.instant])) path_[each.instant].clear();
       any = true;
     }
     for (InstantHypotheses& each : path_)
       if (!each.empty() && each[0].used.empty())
         each.clear();  // located by odometry only: try again with the new markers
     return any;
+  }
+
+  bool isWellLocated(const InstantHypotheses& all) const {
+    return isUnambiguous(all, params_.min_probability) && all[0].used.size() >= kEnoughMarkers;
   }
 
   const MarkerRecording& recording_;

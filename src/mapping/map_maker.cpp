@@ -9,6 +9,8 @@
 
 #include "known_markers.hpp"
 #include "map_draft.hpp"
+#include "map_frame.hpp"
+#include "sextant/mapping/keyframes.hpp"
 #include "sextant/mapping/map_adjustment.hpp"
 
 namespace sextant {
@@ -40,6 +42,11 @@ class Making {
     return result();
   }
 
+  // Poses at all instants of a recording, of which those at the keyframes were estimated.
+  BasePath path(MarkerRecording whole, const std::vector<size_t>& keyframes) const {
+    return draft_.pathOf(std::move(whole), keyframes);
+  }
+
  private:
   // Adjusts with the observations within the gate until their number no longer changes.
   void settle() {
@@ -56,24 +63,31 @@ class Making {
       if (used_.size() == before && round > 0) break;
     }
     dropUnused();
-    const auto covariance = mapCovariance(draft_.fit.recording(), used_, draft_.held, draft_.fit.estimate,
+    const auto covariance = mapCovariance(draft_.fit.measured(), used_, draft_.held, draft_.fit.estimate,
                                           draft_.adjustment(kNoRobustLoss));
     if (!covariance) throw std::runtime_error("the recording does not determine the pose of every marker");
     covariance_ = *covariance;
   }
 
-  // Drops markers of which no observation is used.
+  // Drops markers of which no observation is used, and those that the used ones do not connect with the
+  // frame.
   void dropUnused() {
     std::set<MarkerKey> seen;
     for (const RecordedObservation& each : used_) seen.insert(detectionOf(draft_.fit.recording(), each).key);
+    const auto connected = connectedMarkers(draft_.fit.recording(), used_, draft_.held);
     MarkerMap map(draft_.fit.estimate.map.frame());
     for (const auto& [key, marker] : draft_.fit.estimate.map.markers()) {
-      if (seen.count(key) != 0 || draft_.known.find(key))
+      if (connected.count(key) != 0 || draft_.known.find(key))
         map.add(marker);
-      else
+      else if (seen.count(key) == 0)
         draft_.ambiguous.insert(key);
     }
     draft_.fit.estimate.map = map;
+    used_.erase(std::remove_if(used_.begin(), used_.end(),
+                               [&](const RecordedObservation& each) {
+                                 return connected.count(detectionOf(draft_.fit.recording(), each).key) == 0;
+                               }),
+                used_.end());
   }
 
   // Stops using wrong known poses as priors, the worst first and one at a time: a wrong prior also makes
@@ -119,8 +133,8 @@ class Making {
       made.map.set(marker);
     }
     made.covariance = covariance_;
-    made.T_map_base = draft_.fit.estimate.T_map_base;
     made.noise_scales = draft_.fit.noiseScales();
+    made.lens_errors = draft_.fit.lensErrors();
     made.correlated_images = draft_.correlated_images;
     made.known_position_scale = scales_.position;
     made.known_rotation_scale = scales_.rotation;
@@ -152,6 +166,9 @@ ParamList MappingParams::fields() {
        "standard deviation of corner coordinates, common to all corners"},
       {"estimate_noise", &estimate_noise, Allowed(), "",
        "estimate a factor on `corner_sigma` for each camera from the residuals"},
+      {"lens_sigma", &lens_sigma, Range::closed(0, 100), "px",
+       "standard deviation of the errors of a camera's calibration (principal point, focal lengths and "
+       "distortion, at half the diagonal from the centre), which are estimated; 0: exact"},
       {"robust_width", &robust_width, Range::closed(0.5, 1000), "",
        "threshold of the Huber loss of a marker in the first minimization, standard deviations"},
       {"gate", &gate, Range::closed(8, 1e6), "",
@@ -171,7 +188,14 @@ MappingResult makeMarkerMap(MarkerRecording recording, const MarkerSizes& sizes,
                             const MappingParams& params) {
   validate(params);
   validate(sizes);
-  return Making(std::move(recording), sizes, known, params).make();
+  const std::vector<size_t> found = keyframes(recording);
+  MarkerRecording selected;
+  for (const size_t i : found) selected.push_back(recording[i]);
+  Making making(std::move(selected), sizes, known, params);
+  MappingResult made = making.make();
+  for (ObservationResidual& each : made.residuals) each.observation.instant = found[each.observation.instant];
+  made.T_map_base = making.path(std::move(recording), found);
+  return made;
 }
 
 }  // namespace sextant

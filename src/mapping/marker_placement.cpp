@@ -32,7 +32,6 @@ struct Seen {
   const MarkerView* view;
   const Detection* detection;
   CornerSigmas sigmas;
-  PlanarPoses poses;
   std::vector<FromBase> bases;
 };
 
@@ -66,14 +65,11 @@ MarkerObservation turnedRound(const Seen& seen, const FromBase& from, double siz
           seemingCovariance(from, T_map_marker)};
 }
 
-std::optional<Seen> seenFrom(const MarkerRecording& recording, const RecordedObservation& observation,
-                             size_t index, const InstantHypotheses& bases, double size, double corner_sigma) {
-  if (bases.empty()) return std::nullopt;
+Seen seenFrom(const MarkerRecording& recording, const RecordedObservation& observation, size_t index,
+              const InstantHypotheses& bases, double corner_sigma) {
   const MarkerView& view = recording[observation.instant].views[observation.view];
   const Detection& detection = view.detections[observation.detection];
-  const auto poses = solveMarkerPose(view.camera, detection.corners, size);
-  if (!poses) return std::nullopt;
-  Seen seen{index, &view, &detection, cornerSigmas(view, detection, corner_sigma), *poses, {}};
+  Seen seen{index, &view, &detection, cornerSigmas(view, detection, corner_sigma), {}};
   for (const PoseHypothesis& base : bases)
     seen.bases.push_back({base.T_map_base, base.covariance, -2 * std::log(base.weight)});
   return seen;
@@ -88,13 +84,15 @@ std::vector<T> spread(const std::vector<T>& all, size_t most) {
   return some;
 }
 
-std::vector<Pose> suggestions(const std::vector<Seen>& all) {
+std::vector<Pose> suggestions(const std::vector<Seen>& all, double size) {
   std::vector<Pose> poses;
   for (const Seen& seen : spread(all, kMaxSuggesting)) {
+    const auto solved = solveMarkerPose(seen.view->camera, seen.detection->corners, size);
+    if (!solved) continue;
     for (const FromBase& from : seen.bases) {
       const Pose T_map_camera = from.T_map_base * seen.view->T_base_camera;
-      poses.push_back(T_map_camera * seen.poses.best.T_camera_marker);
-      if (seen.poses.alternative) poses.push_back(T_map_camera * seen.poses.alternative->T_camera_marker);
+      poses.push_back(T_map_camera * solved->best.T_camera_marker);
+      if (solved->alternative) poses.push_back(T_map_camera * solved->alternative->T_camera_marker);
     }
   }
   return poses;
@@ -125,7 +123,7 @@ bool areClose(const Pose& a, const Pose& b, double size) {
 // The distinct suggestions with the lowest cost over all images.
 std::vector<Pose> bestSuggestions(const std::vector<Seen>& all, double size, double gate) {
   std::vector<std::pair<double, Pose>> scored;
-  for (const Pose& pose : suggestions(all)) {
+  for (const Pose& pose : suggestions(all, size)) {
     double cost = 0;
     for (const Seen& seen : all) cost += choose(seen, size, pose, gate).cost;
     scored.emplace_back(cost, pose);
@@ -201,12 +199,13 @@ std::vector<MarkerPlace> placeMarker(const MarkerRecording& recording,
                                      const std::vector<RecordedObservation>& observations,
                                      const std::vector<InstantHypotheses>& path, double size,
                                      const PathParams& params) {
-  std::vector<Seen> seen;
+  std::vector<size_t> located;
   for (size_t i = 0; i < observations.size(); ++i)
-    if (const auto found =
-            seenFrom(recording, observations[i], i, path[observations[i].instant], size, params.corner_sigma))
-      seen.push_back(*found);
-  const auto all = spread(seen, kMaxObservations);
+    if (!path[observations[i].instant].empty()) located.push_back(i);
+  std::vector<Seen> all;
+  for (const size_t i : spread(located, kMaxObservations))
+    all.push_back(
+        seenFrom(recording, observations[i], i, path[observations[i].instant], params.corner_sigma));
   std::vector<Candidate> candidates;
   for (const Pose& pose : bestSuggestions(all, size, params.hypotheses.gate))
     if (const auto found = refined(all, size, pose, params)) addIfNew(*found, size, candidates);
@@ -217,9 +216,9 @@ std::optional<double> distanceFromPlace(const MarkerRecording& recording,
                                         const RecordedObservation& observation,
                                         const InstantHypotheses& bases, double size, const Pose& T_map_marker,
                                         const PathParams& params) {
-  const auto seen = seenFrom(recording, observation, 0, bases, size, params.corner_sigma);
-  if (!seen) return std::nullopt;
-  return choose(*seen, size, T_map_marker, std::numeric_limits<double>::infinity()).cost;
+  if (bases.empty()) return std::nullopt;
+  const Seen seen = seenFrom(recording, observation, 0, bases, params.corner_sigma);
+  return choose(seen, size, T_map_marker, std::numeric_limits<double>::infinity()).cost;
 }
 
 }  // namespace sextant

@@ -13,31 +13,31 @@ namespace {
 
 constexpr double kImprobable = 1e-3;    // probability below which hypotheses are dropped
 constexpr double kLostDeviation = 1.0;  // metres; maximum standard deviation of a useful prediction
-// The mapped markers of an instant.
+// The search for hypotheses takes a time that grows with the square of the number of markers, while the
+// largest ones in the image determine the pose.
+constexpr size_t kMaxMarkers = 12;
+
 struct InSight {
-  std::vector<MarkerKey> keys;
-  std::vector<MarkerObservation> observations;
-  std::vector<InitialPose> initial_poses;
+  const MarkerView* view;
+  const Detection* detection;
+  const MappedMarker* marker;
+  double perimeter;  // pixels
 };
 
-void addObservation(const MarkerView& view, const Detection& detection, const MappedMarker& marker,
-                    double corner_sigma, InSight& instant) {
-  const auto poses = solveMarkerPose(view.camera, detection.corners, marker.size);
-  if (!poses) return;
-  instant.keys.push_back(marker.key);
-  addInitialPoses(view, marker, *poses, instant.observations.size(), instant.initial_poses);
-  instant.observations.push_back(mappedObservation(view, detection, marker, corner_sigma));
-}
-
-InSight seen(const RecordedInstant& recorded, const MarkerMap& map, double corner_sigma,
-             const std::set<MarkerKey>& without) {
-  InSight instant;
+// The mapped markers of an instant, the largest in the image if there are many.
+std::vector<InSight> markersInSight(const RecordedInstant& recorded, const MarkerMap& map,
+                                    const std::set<MarkerKey>& without) {
+  std::vector<InSight> all;
   for (const MarkerView& view : recorded.views)
     for (const Detection& detection : view.detections)
       if (const MappedMarker* marker = map.find(detection.key);
           marker && !isRepeated(view, detection.key) && without.count(detection.key) == 0)
-        addObservation(view, detection, *marker, corner_sigma, instant);
-  return instant;
+        all.push_back({&view, &detection, marker, perimeter(detection.corners)});
+  if (all.size() <= kMaxMarkers) return all;
+  std::stable_sort(all.begin(), all.end(),
+                   [](const auto& a, const auto& b) { return a.perimeter > b.perimeter; });
+  all.erase(all.begin() + kMaxMarkers, all.end());
+  return all;
 }
 
 // Predicts the pose at an instant from that at its neighbour, if odometry connects both.
@@ -93,13 +93,15 @@ bool isUsable(const InstantHypotheses& hypotheses, double min_probability) {
 InstantHypotheses locateInstant(const RecordedInstant& instant, const MarkerMap& map,
                                 const PathParams& params, const std::optional<PosePrior>& prior,
                                 const std::set<MarkerKey>& without) {
-  const InSight markers = seen(instant, map, params.corner_sigma, without);
-  return probable(poseHypotheses(markers.observations, markers.initial_poses, params.hypotheses, prior));
-}
-
-std::vector<MarkerKey> markersInSight(const RecordedInstant& instant, const MarkerMap& map,
-                                      const PathParams& params, const std::set<MarkerKey>& without) {
-  return seen(instant, map, params.corner_sigma, without).keys;
+  std::vector<MarkerObservation> observations;
+  std::vector<InitialPose> initial_poses;
+  for (const InSight& each : markersInSight(instant, map, without)) {
+    const auto poses = solveMarkerPose(each.view->camera, each.detection->corners, each.marker->size);
+    if (!poses) continue;
+    addInitialPoses(*each.view, *each.marker, *poses, observations.size(), initial_poses);
+    observations.push_back(mappedObservation(*each.view, *each.detection, *each.marker, params.corner_sigma));
+  }
+  return probable(poseHypotheses(observations, initial_poses, params.hypotheses, prior));
 }
 
 std::vector<InstantHypotheses> locateRecording(const MarkerRecording& recording, const MarkerMap& map,

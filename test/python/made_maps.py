@@ -132,6 +132,7 @@ def made_of(quality, spacing=1.0):
         map=made_map,
         T_map_base=[None, *path],
         noise_scales=[1.5],
+        lens_errors=[2.25],
         correlated_images=2.0,
         known_position_scale=3.0,
         known_rotation_scale=1.0,

@@ -21,9 +21,10 @@ struct ConflictingPose {
 
 /// Finds the markers of a map with observations of another pose, with the base located from the other
 /// markers. If two markers contradict each other, both are returned, the one with more witnesses first.
-/// @param consistent poses of instants at which all markers fit the map; empty at all others
+/// @param explained poses of instants at which most markers fit the map; empty at all others, which are
+/// located without the marker in question
 std::vector<ConflictingPose> conflictingPoses(const MarkerRecording& recording, const MarkerMap& map,
-                                              const std::vector<InstantHypotheses>& consistent,
+                                              const std::vector<InstantHypotheses>& explained,
                                               const PathParams& params);
 
 }  // namespace sextant

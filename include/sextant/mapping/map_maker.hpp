@@ -20,6 +20,7 @@ namespace sextant {
 struct MappingParams {
   double corner_sigma = 0.3;
   bool estimate_noise = true;
+  double lens_sigma = 0.5;
   double robust_width = 5.0;
   double gate = 30.0;
   double min_probability = 0.999;
@@ -54,10 +55,12 @@ struct MappingResult {
   Eigen::MatrixXd covariance;        ///< joint, in the order of map.markers(), six rows per marker
   BasePath T_map_base;               ///< poses of the base, one per instant
   std::vector<double> noise_scales;  ///< estimated factor on corner_sigma for each camera
+  /// Estimated error of each camera's calibration: root mean square displacement over its image, pixels.
+  std::vector<double> lens_errors;
   double correlated_images = 1.0;  ///< number of consecutive images that count as one, see correlatedImages()
   double known_position_scale = 1.0;  ///< factor on the standard deviations of the known markers' positions
   double known_rotation_scale = 1.0;  ///< factor on the standard deviations of the known markers' rotations
-  /// Of every observation of a mapped marker at an instant with a pose.
+  /// Of every observation of a mapped marker at a keyframe with a pose, see keyframes().
   std::vector<ObservationResidual> residuals;
   std::vector<KnownMarkerCheck> known;  ///< observed known markers with a covariance
   /// Not in the map: two poses explain their observations, or none explains enough of them.

@@ -32,8 +32,7 @@ std::vector<MarkerPlace> placeMarker(const MarkerRecording& recording,
                                      const PathParams& params);
 
 /// Squared Mahalanobis distance of an observation's corners from the projection of a marker at this pose,
-/// with the base pose that fits best. Returns nothing if the instant has no base pose or the corners give no
-/// pose.
+/// with the base pose that fits best. Returns nothing if the instant has no base pose.
 std::optional<double> distanceFromPlace(const MarkerRecording& recording,
                                         const RecordedObservation& observation,
                                         const InstantHypotheses& bases, double size, const Pose& T_map_marker,

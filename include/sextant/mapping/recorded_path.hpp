@@ -24,16 +24,12 @@ struct PathParams {
 /// Pose hypotheses of the base at one instant, the most probable first; empty if there are none.
 using InstantHypotheses = std::vector<PoseHypothesis>;
 
-/// Locates the base at one instant from the mapped markers.
+/// Locates the base at one instant from the mapped markers, the largest in the image if there are many.
 /// @param prior prediction from odometry
 /// @param without markers that are not used
 InstantHypotheses locateInstant(const RecordedInstant& instant, const MarkerMap& map,
                                 const PathParams& params, const std::optional<PosePrior>& prior,
                                 const std::set<MarkerKey>& without = {});
-
-/// The markers that PoseHypothesis::used indexes, if locateInstant() was called with the same arguments.
-std::vector<MarkerKey> markersInSight(const RecordedInstant& instant, const MarkerMap& map,
-                                      const PathParams& params, const std::set<MarkerKey>& without = {});
 
 /// Locates the base at each instant of a recording: all poses that explain the mapped markers. Odometry from
 /// the nearest unambiguous instants resolves ambiguities and replaces missing observations.

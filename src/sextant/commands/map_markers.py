@@ -87,6 +87,11 @@ def _add_markers(group) -> None:
         "--corner-sigma", type=float, default=sextant.MappingParams().corner_sigma, metavar="PIXELS",
         help="initial corner noise; it is estimated from the recording (default: %(default)s)",
     )  # fmt: skip
+    group.add_argument(
+        "--lens-sigma", type=float, default=sextant.MappingParams().lens_sigma, metavar="PIXELS",
+        help="standard deviation of the errors of the calibrations, which are estimated with the map; "
+        "0: the calibrations are exact (default: %(default)s)",
+    )  # fmt: skip
 
 
 def _make(options: argparse.Namespace) -> Answer:
@@ -145,7 +150,7 @@ def mapping_params(options: argparse.Namespace) -> "sextant.MappingParams":
     :raises ValueError: a value out of range
     """
     params = sextant.MappingParams()
-    params.corner_sigma = options.corner_sigma
+    params.corner_sigma, params.lens_sigma = options.corner_sigma, options.lens_sigma
     if options.floor_sigma is not None:
         params.floor_height_sigma = options.floor_sigma
     params.validate()

@@ -18,6 +18,7 @@ from sextant.mapping.map_report_template import TEMPLATE
 MAX_LINKS = 30  # rows of the table of links; if there are more, the weakest are shown
 # The report has a note if the known markers scatter by this many times their standard deviations or more.
 NOTABLE_SCALE = 1.5
+NOTABLE_LENS_ERROR = 2.0  # px, of a calibration; with few images, 0.5 are estimated where there is none
 HEADS = (
     "marker",
     "remarks",
@@ -148,16 +149,22 @@ def _links_note(quality: MapQuality) -> str:
 def _camera_table(result, origin: MapOrigin) -> Table:
     names = [*origin.cameras, *(f"camera {i}" for i in range(len(origin.cameras), len(result.noise_scales)))]
     rows = [
-        Row((name, f"{scale * origin.corner_sigma:.2f}", f"{scale:.2f}"))
-        for name, scale in zip(names, result.noise_scales)
+        Row((name, f"{scale * origin.corner_sigma:.2f}", f"{scale:.2f}", f"{lens:.2f}"))
+        for name, scale, lens in zip(names, result.noise_scales, result.lens_errors)
     ]
-    return Table(("camera", "corner noise, px", f"ratio to the assumed {origin.corner_sigma:g} px"), rows)
+    ratio = f"ratio to the assumed {origin.corner_sigma:g} px"
+    return Table(("camera", "corner noise, px", ratio, "error of the calibration, px"), rows)
 
 
 def _noise_notes(result) -> List[str]:
     notes = [
         f"{result.correlated_images:.1f} consecutive images count as one, since their errors are correlated."
     ]
+    if max(result.lens_errors, default=0.0) >= NOTABLE_LENS_ERROR:
+        notes.append(
+            "The calibration of a camera does not fit its images. The map takes this into account; a locator "
+            "does not: calibrate the camera again."
+        )
     scales = (("positions", result.known_position_scale), ("rotations", result.known_rotation_scale))
     notes += [
         f"The {what} of the markers from --known scatter {scale:.1f} times their standard deviations; "

@@ -7,6 +7,7 @@
 #include <Eigen/Cholesky>
 #include <vector>
 
+#include "sextant/mapping/lens_correction.hpp"
 #include "test_cameras.hpp"
 
 namespace sextant {
@@ -15,25 +16,30 @@ namespace {
 const Pose kBase = poseFromXyzRpy({0.7, 0.3, 0.1}, {0.1, -0.2, 0.35});
 const Pose kWallMarker = poseFromXyzRpy({3, 0.6, 1}, {M_PI_2, 0.1, -M_PI_2});
 
-Eigen::VectorXd residualsOf(const ceres::CostFunction& cost, const std::vector<PoseBlock>& blocks,
+Eigen::VectorXd blockOf(const Pose& pose) {
+  return Eigen::Map<const Eigen::VectorXd>(blockFromPose(pose).data(), 7);
+}
+
+Eigen::VectorXd residualsOf(const ceres::CostFunction& cost, const std::vector<Eigen::VectorXd>& blocks,
                             double** jacobians = nullptr) {
   std::vector<const double*> parameters;
-  for (const PoseBlock& block : blocks) parameters.push_back(block.data());
+  for (const Eigen::VectorXd& block : blocks) parameters.push_back(block.data());
   Eigen::VectorXd residuals(cost.num_residuals());
   EXPECT_TRUE(cost.Evaluate(parameters.data(), residuals.data(), jacobians));
   return residuals;
 }
 
 // Against central differences.
-void expectDerivatives(const ceres::CostFunction& cost, std::vector<PoseBlock> blocks) {
-  using Jacobian = Eigen::Matrix<double, Eigen::Dynamic, 7, Eigen::RowMajor>;
-  std::vector<Jacobian> jacobians(blocks.size(), Jacobian(cost.num_residuals(), 7));
+void expectDerivatives(const ceres::CostFunction& cost, const std::vector<Eigen::VectorXd>& blocks) {
+  using Jacobian = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  std::vector<Jacobian> jacobians;
+  for (const Eigen::VectorXd& block : blocks) jacobians.emplace_back(cost.num_residuals(), block.size());
   std::vector<double*> rows;
   for (Jacobian& jacobian : jacobians) rows.push_back(jacobian.data());
   residualsOf(cost, blocks, rows.data());
   constexpr double kStep = 1e-6;
   for (size_t block = 0; block < blocks.size(); ++block)
-    for (int i = 0; i < 7; ++i) {
+    for (Eigen::Index i = 0; i < blocks[block].size(); ++i) {
       auto more = blocks, less = blocks;
       more[block][i] += kStep;
       less[block][i] -= kStep;
@@ -67,11 +73,13 @@ TEST(AdjustmentCosts, CornersAreWhereTheCameraSeesThem) {
     const Corners corners = {Eigen::Vector2d(300, 200), {330, 210}, {325, 240}, {295, 235}};
     const CornerSigmas sigmas = {0.3, 0.5, 1, 2};
     const auto cost = cornersCost(&camera, T_camera_base, 0.2, corners, sigmas);
-    const std::vector<PoseBlock> blocks = {blockFromPose(kBase), blockFromPose(kWallMarker)};
+    const LensCorrection lens = 0.3 * LensCorrection::LinSpaced(-1, 2);
+    const std::vector<Eigen::VectorXd> blocks = {blockOf(kBase), blockOf(kWallMarker), lens};
     const Eigen::VectorXd residuals = residualsOf(*cost, blocks);
     for (int k = 0; k < 4; ++k) {
       const Eigen::Vector3d point = T_camera_base * kBase.inverse() * kWallMarker * markerCorners(0.2)[k];
-      const Eigen::Vector2d off = *camera.project(point) - corners[k];
+      const Eigen::Vector2d pixel = *camera.project(point);
+      const Eigen::Vector2d off = pixel + lensModes(camera, pixel) * lens - corners[k];
       EXPECT_LT((residuals.segment<2>(2 * k) - off / sigmas[k]).norm(), 1e-9);
     }
     expectDerivatives(*cost, blocks);
@@ -82,28 +90,35 @@ TEST(AdjustmentCosts, APriorsSquareIsItsMahalanobisDistance) {
   const PosePrior known = priorAt(kBase);
   const Pose off = perturbed(kBase, (Vector6d() << 0.02, -0.01, 0.03, 0.01, 0.02, -0.02).finished());
   const auto cost = priorCost(known);
-  EXPECT_NEAR(residualsOf(*cost, {blockFromPose(off)}).squaredNorm(), mahalanobis(known, off), 1e-8);
-  EXPECT_LT(residualsOf(*cost, {blockFromPose(kBase)}).norm(), 1e-10);
-  expectDerivatives(*cost, {blockFromPose(off)});
+  EXPECT_NEAR(residualsOf(*cost, {blockOf(off)}).squaredNorm(), mahalanobis(known, off), 1e-8);
+  EXPECT_LT(residualsOf(*cost, {blockOf(kBase)}).norm(), 1e-10);
+  expectDerivatives(*cost, {blockOf(off)});
 }
 
 TEST(AdjustmentCosts, AStepsSquareIsThatOfTheRelativePose) {
   const PosePrior known = priorAt(poseFromXyzRpy({0.2, 0.01, 0}, {0, 0, 0.1}));
   const Pose next = kBase * poseFromXyzRpy({0.22, 0, 0.01}, {0.01, -0.02, 0.12});
   const auto cost = stepCost(known);
-  const std::vector<PoseBlock> blocks = {blockFromPose(kBase), blockFromPose(next)};
+  const std::vector<Eigen::VectorXd> blocks = {blockOf(kBase), blockOf(next)};
   EXPECT_NEAR(residualsOf(*cost, blocks).squaredNorm(), mahalanobis(known, kBase.inverse() * next), 1e-8);
   expectDerivatives(*cost, blocks);
 }
 
+TEST(AdjustmentCosts, ALensPriorHoldsEveryCoefficient) {
+  const auto cost = lensCost(0.5);
+  const LensCorrection lens = LensCorrection::LinSpaced(-1, 2.5);
+  EXPECT_LT((residualsOf(*cost, {lens}) - 2 * lens).norm(), 1e-12);
+  expectDerivatives(*cost, {lens});
+}
+
 TEST(AdjustmentCosts, TheFloorHoldsHeightRollAndPitchOnly) {
   const auto cost = floorCost({0.01, 0.02});
-  const auto at = [&](const Pose& pose) { return residualsOf(*cost, {blockFromPose(pose)}); };
+  const auto at = [&](const Pose& pose) { return residualsOf(*cost, {blockOf(pose)}); };
   EXPECT_LT(at(poseFromXyzRpy({3, -2, 0}, {0, 0, 2})).norm(), 1e-12);
   const Eigen::VectorXd tilted = at(poseFromXyzRpy({0, 0, 0.05}, {0.04, 0, 0}));
   EXPECT_NEAR(tilted[0], 5, 1e-12);
   EXPECT_NEAR(tilted.tail<2>().norm(), std::sin(0.04) / 0.02, 1e-12);
-  expectDerivatives(*cost, {blockFromPose(kBase)});
+  expectDerivatives(*cost, {blockOf(kBase)});
 }
 
 }  // namespace

@@ -147,6 +147,26 @@ TEST(MapAdjustment, TheFloorHoldsHeightAndTilt) {
   EXPECT_LT(sigmas.segment<2>(3).maxCoeff(), 0.01);
 }
 
+// A camera that is not as calibrated: estimated with the map, so that its error does not become one of the
+// map.
+TEST(MapAdjustment, FindsTheErrorOfTheLens) {
+  auto simulated = drive(roomWithMarkers(8), 60, 0, 1);
+  const LensCorrection lens = 0.4 * LensCorrection::LinSpaced(-2, 2);
+  addLensError(simulated.recording, lens);
+  AdjustmentParams params;
+  const auto used = allObservations(simulated.recording);
+  const MarkerMap known = only(simulated.truth, {0});
+  const MapEstimate start = startOf(simulated, 0.01);
+  const auto without = adjustMap(simulated.recording, used, known, start, params);
+  params.lens_sigma = 100;  // hardly any prior
+  const auto found = adjustMap(simulated.recording, used, known, start, params);
+  ASSERT_TRUE(found && without);
+  EXPECT_TRUE(without->lenses.at(0).isZero(0.0));
+  EXPECT_LT((found->lenses.at(0) - lens).norm(), 0.01 * lens.norm());
+  EXPECT_LT(errorsOf(simulated.truth, found->map).norm(),
+            0.01 * errorsOf(simulated.truth, without->map).norm());
+}
+
 TEST(MapAdjustment, WithoutObservationsThereIsNothingToDo) {
   EXPECT_FALSE(adjustMap({}, {}, MarkerMap(), {MarkerMap(), {}}, {}));
   EXPECT_FALSE(mapCovariance({}, {}, MarkerMap(), {MarkerMap(), {}}, {}));

@@ -4,7 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <set>
 #include <stdexcept>
+#include <vector>
 
 #include "test_recording.hpp"
 
@@ -39,6 +41,21 @@ TEST(FirstMarker, IsTheFirstOfTheLargestIsland) {
   driven[2].drive = driven[3].drive = 1;
   EXPECT_EQ(firstOf(driven), 5);
   EXPECT_THROW(firstMarker("map", {instantWith({})}, {}, {}), std::runtime_error);
+}
+
+TEST(ConnectedMarkers, AreThoseThatUsedObservationsConnect) {
+  MarkerRecording recording = {instantWith({1, 2}), instantWith({2, 3}), instantWith({3, 4})};
+  std::vector<RecordedObservation> all;
+  for (size_t i = 0; i < recording.size(); ++i)
+    for (size_t d = 0; d < 2; ++d) all.push_back({i, 0, d});
+  MarkerMap map;
+  map.add({key(1), 0.2, "", Pose::Identity(), Matrix6d::Zero()});
+  using Keys = std::set<MarkerKey>;
+  EXPECT_TRUE(connectedMarkers(recording, all, map) == Keys({key(1), key(2), key(3), key(4)}));
+  all.erase(all.begin() + 3);  // 3 in the second instant
+  EXPECT_TRUE(connectedMarkers(recording, all, map) == Keys({key(1), key(2)}));
+  for (RecordedInstant& instant : recording) instant.T_odom_base = Pose::Identity();
+  EXPECT_TRUE(connectedMarkers(recording, all, map) == Keys({key(1), key(2), key(3), key(4)}));
 }
 
 TEST(FirstMarker, HangsUprightInTheOriginAndLooksAlongMinusY) {

@@ -6,6 +6,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <ctime>
 #include <stdexcept>
 
 #include "test_recording.hpp"
@@ -35,6 +36,77 @@ TEST(MapMaker, OneKnownMarkerSufficesAndTheCovarianceIsHonest) {
     EXPECT_LT((made.map.find(key(5))->covariance - P.block<6, 6>(24, 24)).norm(), 1e-12);
   }
   EXPECT_NEAR(nees, 1.0, 0.15);  // chi-square of 648 degrees of freedom has a deviation of 6 %
+}
+
+// Errors of successive images that are nearly the same, and a lens that is not quite as calibrated.
+TEST(MapMaker, CorrelatedErrorsAndTheLensAreInTheCovariance) {
+  double nees = 0;
+  const int drives = 6, markers = 20;
+  std::mt19937 random(4);
+  std::normal_distribution<double> lens_error(0, 0.5);
+  for (int seed = 0; seed < drives; ++seed) {
+    auto simulated = drive(roomWithMarkers(markers), 400, 0.1, seed);
+    addSlowErrors(simulated.recording, 0.1, 0.8, seed);
+    LensCorrection lens;
+    for (double& each : lens) each = lens_error(random);
+    addLensError(simulated.recording, lens);
+    const MappingResult made = makeMarkerMap(simulated.recording, {}, only(simulated.truth, {0}), {});
+    ASSERT_EQ(made.map.markers().size(), static_cast<size_t>(markers));
+    EXPECT_NEAR(made.correlated_images, 1 + 2 * 0.5 * 0.8 / (1 - 0.8), 1.5);
+    Eigen::VectorXd errors(6 * (markers - 1));
+    for (int id = 1; id < markers; ++id) errors.segment<6>(6 * (id - 1)) = errorOf(simulated, made, id);
+    const Eigen::MatrixXd P = made.covariance.bottomRightCorner(errors.size(), errors.size());
+    nees += errors.dot(P.ldlt().solve(errors)) / static_cast<double>(errors.size() * drives);
+  }
+  EXPECT_NEAR(nees, 1.0, 0.2);  // chi-square of 684 degrees of freedom has a deviation of 5 %
+}
+
+// Forty markers in every image, and one that is moved in the middle of the drive.
+TEST(MapMaker, ABadMarkerAmongManyIsFoundInGoodTime) {
+  const MarkerMap before = roomWithMarkers(120);
+  MarkerMap after = before;
+  MappedMarker moved = *before.find(key(50));
+  moved.T_map_marker.translation().z() += 0.2;
+  after.set(moved);
+  auto simulated = drive(before, 200, 0.2, 1);
+  const auto second = drive(after, 200, 0.2, 2).recording;
+  std::copy(second.begin() + 100, second.end(), simulated.recording.begin() + 100);
+  const auto begin = std::clock();
+  const MappingResult made = makeMarkerMap(simulated.recording, {}, only(before, {0}), {});
+  EXPECT_LT((std::clock() - begin) / CLOCKS_PER_SEC, 60);
+  ASSERT_EQ(made.inconsistent.size(), 1u);
+  EXPECT_EQ(made.map.markers().size(), 119u);
+  EXPECT_TRUE(made.inconsistent[0] == key(50));
+  for (const auto& entry : made.map.markers())
+    EXPECT_LT(errorOf(simulated, made, entry.first.id).norm(), 0.05) << entry.first.id;
+}
+
+TEST(MapMaker, EstimatesTheErrorOfTheCalibration) {
+  auto simulated = drive(roomWithMarkers(20), 150, 0.1, 1);
+  const CameraModel& camera = simulated.recording[0].views[0].camera;
+  LensCorrection lens = LensCorrection::Zero();
+  lens.segment<3>(2) << 2, 2, -1;  // focal lengths and distortion
+  const MarkerMap known = only(simulated.truth, {0});
+  EXPECT_LT(makeMarkerMap(simulated.recording, {}, known, {}).lens_errors.at(0), 0.4);
+  addLensError(simulated.recording, lens);
+  const auto made = makeMarkerMap(simulated.recording, {}, known, {});
+  EXPECT_NEAR(made.lens_errors.at(0), lensDisplacement(camera, lens), 0.4);
+}
+
+// At rest, a robot has the same image, with the same errors, again and again.
+TEST(MapMaker, ARobotAtRestLearnsNothingNew) {
+  auto simulated = drive(roomWithMarkers(10), 100, 0.2, 1);
+  const MarkerMap known = only(simulated.truth, {0});
+  const MappingResult before = makeMarkerMap(simulated.recording, {}, known, {});
+  for (int i = 0; i < 400; ++i) {
+    simulated.recording.push_back(simulated.recording[99]);
+    simulated.T_map_base.push_back(simulated.T_map_base[99]);
+  }
+  const MappingResult made = makeMarkerMap(simulated.recording, {}, known, {});
+  EXPECT_LT((made.covariance - before.covariance).norm(), 1e-9);
+  ASSERT_EQ(made.T_map_base.size(), 500u);
+  for (const size_t i : {0, 100, 499})
+    EXPECT_LT(poseError(simulated.T_map_base[i], *made.T_map_base[i]).norm(), 0.05) << i;
 }
 
 TEST(MapMaker, WithoutAKnownMarkerTheFirstHangsInTheOrigin) {

@@ -25,7 +25,7 @@ ResidualSeries autoregressive(double rho, int images, int seed, size_t every = 1
 }
 
 TEST(CorrelatedImages, AreOneForIndependentNoise) {
-  EXPECT_DOUBLE_EQ(correlatedImages({autoregressive(0, 2000, 1), autoregressive(0, 2000, 2)}), 1.0);
+  EXPECT_DOUBLE_EQ(correlatedImages({autoregressive(0, 2000, 1), autoregressive(0, 2000, 2)}, 0), 1.0);
 }
 
 // Closed form: 1 + 2 sum(rho^k) = (1 + rho) / (1 - rho).
@@ -34,14 +34,29 @@ TEST(CorrelatedImages, AreThoseOfAFirstOrderProcess) {
     std::vector<ResidualSeries> all;
     for (int seed = 0; seed < 6; ++seed) all.push_back(autoregressive(rho, 3000, seed));
     const double expected = (1 + rho) / (1 - rho);
-    EXPECT_NEAR(correlatedImages(all), expected, 0.12 * expected) << rho;
+    EXPECT_NEAR(correlatedImages(all, 0), expected, 0.12 * expected) << rho;
   }
 }
 
+// Series without their mean: eight fitted parameters each, which absorb the share time / 200 of the variance.
+TEST(CorrelatedImages, ContainWhatTheFitAbsorbed) {
+  const double rho = 0.8, time = (1 + rho) / (1 - rho);
+  std::vector<ResidualSeries> all;
+  for (int seed = 0; seed < 200; ++seed) {
+    all.push_back(autoregressive(rho, 200, seed));
+    Eigen::Matrix<double, 8, 1> mean = Eigen::Matrix<double, 8, 1>::Zero();
+    for (const auto& each : all.back()) mean += each.second / 200;
+    for (auto& each : all.back()) each.second -= mean;
+  }
+  const double without = correlatedImages(all, 0), with = correlatedImages(all, 8 * 200);
+  EXPECT_NEAR(with / without, (1 - 1.0 / 200) / (1 - time / 200), 0.01);
+  EXPECT_LT(std::abs(with - time), std::abs(without - time));
+}
+
 TEST(CorrelatedImages, AreOneWhereThereIsNothingToTellFrom) {
-  EXPECT_DOUBLE_EQ(correlatedImages({}), 1.0);
-  EXPECT_DOUBLE_EQ(correlatedImages({autoregressive(0.9, 20, 1)}), 1.0);
-  EXPECT_DOUBLE_EQ(correlatedImages({autoregressive(0.9, 500, 1, 1000)}),
+  EXPECT_DOUBLE_EQ(correlatedImages({}, 0), 1.0);
+  EXPECT_DOUBLE_EQ(correlatedImages({autoregressive(0.9, 20, 1)}, 0), 1.0);
+  EXPECT_DOUBLE_EQ(correlatedImages({autoregressive(0.9, 500, 1, 1000)}, 0),
                    1.0);  // never in neighbouring images
 }
 

@@ -4,11 +4,13 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <random>
 #include <string>
 #include <vector>
 
+#include "sextant/mapping/lens_correction.hpp"
 #include "sextant/mapping/marker_recording.hpp"
 #include "sextant/markers/marker_map.hpp"
 #include "test_cameras.hpp"
@@ -93,6 +95,32 @@ inline SimulatedRecording drive(const MarkerMap& truth, int instants, double sig
         {{recordedView(truth, camera, simulated.T_map_base.back(), sigma, random)}, {}, 0});
   }
   return simulated;
+}
+
+/// Corner errors that change slowly from image to image, as those by light and blur: added to the corners, a
+/// first-order autoregressive process of this standard deviation (pixels) for each marker.
+inline void addSlowErrors(MarkerRecording& recording, double sigma, double correlation, int seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> noise(0, sigma);
+  std::map<MarkerKey, Eigen::Matrix<double, 8, 1>> errors;
+  const auto next = [&](double& error, double weight) {
+    error = weight * error + std::sqrt(1 - weight * weight) * noise(random);
+  };
+  for (RecordedInstant& instant : recording)
+    for (MarkerView& view : instant.views)
+      for (Detection& detection : view.detections) {
+        const auto [error, first] = errors.emplace(detection.key, Eigen::Matrix<double, 8, 1>::Zero());
+        for (double& each : error->second) next(each, first ? 0 : correlation);
+        for (int k = 0; k < 4; ++k) detection.corners[k] += error->second.segment<2>(2 * k);
+      }
+}
+
+/// The corners that a camera with this error of its calibration sees.
+inline void addLensError(MarkerRecording& recording, const LensCorrection& lens) {
+  for (RecordedInstant& instant : recording)
+    for (MarkerView& view : instant.views)
+      for (Detection& detection : view.detections)
+        for (auto& corner : detection.corners) corner += lensModes(view.camera, corner) * lens;
 }
 
 /// Some markers of a map.

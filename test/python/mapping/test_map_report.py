@@ -63,7 +63,8 @@ def test_rows_state_the_problem_in_words(report):
 
 def test_noise_and_origin(report):
     page = Page(report(faulty_quality()))
-    assert page.row("front") == ["front", "0.45", "1.50"]
+    assert page.row("front") == ["front", "0.45", "1.50", "2.25"]
+    assert "calibrate the camera again" in page.text
     assert page.row("recording") == ["recording", "drive.bag"]
     assert page.row("size") == ["size", "0.2 m"]
     assert "2.0 consecutive images" in page.text
