@@ -81,6 +81,19 @@ void bindMarkerLocalization(py::module_& module) {
       .def_readonly("offset", &MovedMarker::offset,
                     "(3,) observed minus mapped position, metres in the map's axes")
       .def_readonly("images", &MovedMarker::images, "number of images that contradict the map");
+  py::enum_<ErrorCause>(module, "ErrorCause", "What makes residuals systematic.")
+      .value("focal_length", ErrorCause::focal_length)
+      .value("centre", ErrorCause::centre)
+      .value("distortion", ErrorCause::distortion)
+      .value("shutter", ErrorCause::shutter)
+      .value("marker_size", ErrorCause::marker_size)
+      .value("map", ErrorCause::map);
+  py::class_<SystematicError>(module, "SystematicError",
+                              "A systematic error that explains the residuals of many images.")
+      .def_readonly("cause", &SystematicError::cause, "ErrorCause")
+      .def_readonly("camera", &SystematicError::camera, "index of the camera")
+      .def_readonly("value", &SystematicError::value, "(N,) estimated error")
+      .def_readonly("sigma", &SystematicError::sigma, "(N,) its standard deviation");
   py::class_<MarkerLocalization>(
       module, "MarkerLocalization",
       "Locates a robot in successive images: the algorithm of the locator node without ROS.")
@@ -88,6 +101,7 @@ void bindMarkerLocalization(py::module_& module) {
       .def_property("params", &MarkerLocalization::params, &MarkerLocalization::setParams,
                     "LocalizationParams; setting them keeps the state")
       .def("locate", &MarkerLocalization::locate, "map"_a, "views"_a, "T_odom_base"_a = py::none(),
+           "stamp"_a = py::none(),
            "Returns a LocatorResult. views: list of MarkerView of one instant, one per camera; T_odom_base: "
            "odometry at that instant, or None.")
       .def_property_readonly(
@@ -100,6 +114,9 @@ void bindMarkerLocalization(py::module_& module) {
           "noise_scale",
           [](const MarkerLocalization& self, size_t camera) { return self.noise().typical(camera); },
           "camera"_a = 0, "Median factor on corner_sigma for this camera, estimated from residuals.")
+      .def_property_readonly(
+          "errors", [](const MarkerLocalization& self) { return self.errors().errors(); },
+          "list of SystematicError")
       .def("reset", &MarkerLocalization::reset,
            "Resets everything. To be called for another map, or when the clock jumps back.");
 }

@@ -85,7 +85,17 @@ CameraModel::CameraModel(const CameraCalibration& calibration, Image image)
   c_ = {K(0, 2), K(1, 2)};
   skew_ = K(0, 1);
   rectified ? setRectification(calibration.R) : setDistortion(calibration);
-  limit_ = lens_ == Lens::equidistant ? equidistantLimit() : polynomialLimit();
+  setLimit();
+}
+
+CameraModel CameraModel::changed(double focal_factor, const Eigen::Vector2d& centre_step,
+                                 double k1_step) const {
+  CameraModel other = *this;
+  other.f_ *= focal_factor;
+  other.c_ += centre_step;
+  other.d_[0] += k1_step;
+  other.setLimit();
+  return other;
 }
 
 void CameraModel::setRectification(const Eigen::Matrix3d& R) {
@@ -234,6 +244,19 @@ std::optional<Eigen::Vector3d> CameraModel::undistortEquidistant(const Eigen::Ve
   }
   const Eigen::Vector2d direction = distorted / theta_d;
   return Eigen::Vector3d(std::sin(theta) * direction.x(), std::sin(theta) * direction.y(), std::cos(theta));
+}
+
+Eigen::Vector2d CameraModel::derivativeByFirstCoefficient(const Eigen::Vector2d& pixel) const {
+  const auto ray = unproject(pixel);
+  if (!ray) return Eigen::Vector2d::Zero();
+  const Eigen::Vector3d p = R_model_camera_ * *ray;
+  const double rho = p.head<2>().norm();
+  if (lens_ == Lens::equidistant)
+    return rho > 0 ? Eigen::Vector2d(f_.cwiseProduct(p.head<2>()) / rho * std::pow(std::atan2(rho, p.z()), 3))
+                   : Eigen::Vector2d::Zero();
+  const Eigen::Vector2d xy = p.head<2>() / p.z();
+  const double r2 = xy.squaredNorm(), denominator = 1 + r2 * (d_[5] + r2 * (d_[6] + r2 * d_[7]));
+  return f_.cwiseProduct(xy) * (r2 / denominator);
 }
 
 std::optional<Eigen::Vector3d> CameraModel::unproject(const Eigen::Vector2d& pixel) const {

@@ -12,6 +12,8 @@ namespace {
 
 constexpr size_t kMinImages = 25;               // number of images before the first estimate
 constexpr size_t kMaxImages = 200;              // number of images from which the noise is estimated
+constexpr double kMaxExcess = 2.5;              // variance from joint poses over that from single markers
+constexpr double kMinDegrees = 6.0;             // of freedom from which the noise of one image is estimated
 constexpr double kTailProbability = 1.0 / 400;  // of positions outside the region that is matched
 constexpr double kGaussianDegrees = 1e6;        // degrees of freedom above which Student's t is Gaussian
 constexpr double kMinScale = 0.05, kMaxScale = 10.0;  // range of factors on corner_sigma
@@ -50,16 +52,19 @@ double limitedScale(double variance) { return std::clamp(std::sqrt(variance), kM
 
 }  // namespace
 
-std::vector<ImageNoise> imageNoise(const LocatedPose& pose) {
-  std::vector<ImageNoise> cameras;
-  const double n = static_cast<double>(pose.used().size());
-  if (n < 2) return cameras;
+std::vector<ImageNoises> imageNoise(const LocatedPose& pose) {
+  std::vector<ImageNoises> cameras;
+  const auto n = static_cast<double>(pose.used().size());
   for (const LocatedMarker& marker : pose.markers) {
     if (!marker.used) continue;
     if (marker.camera_index >= cameras.size()) cameras.resize(marker.camera_index + 1);
-    ImageNoise& image = cameras[marker.camera_index];
-    image.squares += marker.squared_distance * marker.noise_scale * marker.noise_scale;
-    image.degrees_of_freedom += 8 - 6 / n;
+    ImageNoises& image = cameras[marker.camera_index];
+    const double factor = marker.noise_scale * marker.noise_scale;
+    image.own.squares += marker.own_squares * factor;
+    image.own.degrees_of_freedom += 2;
+    if (n < 2) continue;
+    image.joint.squares += marker.squared_distance * factor;
+    image.joint.degrees_of_freedom += 8 - 6 / n;
   }
   return cameras;
 }
@@ -69,55 +74,76 @@ void CornerNoise::add(const LocatedPose& pose) {
   for (size_t i = 0; i < images.size(); ++i) add(i, images[i]);
 }
 
-void CornerNoise::add(size_t index, const ImageNoise& image) {
+void CornerNoise::add(size_t index, const ImageNoises& image) {
   if (index >= cameras_.size()) cameras_.resize(index + 1);
+  cameras_[index].joint.add(image.joint);
+  cameras_[index].own.add(image.own);
+}
+
+bool CornerNoise::Camera::usesJoint() const {
+  return joint.isKnown() && (!own.isKnown() || joint.variance < kMaxExcess * own.variance);
+}
+
+CornerNoise::Distribution CornerNoise::Camera::used() const {
+  if (usesJoint()) return joint;
+  Distribution noise = own;
+  noise.variance = joint.isKnown() ? kMaxExcess * own.variance : std::max(1.0, own.variance);
+  return noise;
+}
+
+bool CornerNoise::Distribution::isKnown() const { return log_variances.size() >= kMinImages; }
+
+void CornerNoise::Distribution::add(const ImageNoise& image) {
   if (image.degrees_of_freedom == 0) return;
-  Camera& camera = cameras_[index];
-  if (camera.log_variances.size() < kMaxImages) {
-    camera.log_variances.push_back(0);
-    camera.degrees_of_freedom.push_back(0);
+  if (log_variances.size() < kMaxImages) {
+    log_variances.push_back(0);
+    degrees_of_freedom.push_back(0);
   }
-  camera.log_variances[camera.next] = std::log(std::max(image.squares / image.degrees_of_freedom, 1e-6));
-  camera.degrees_of_freedom[camera.next] = image.degrees_of_freedom;
-  camera.next = (camera.next + 1) % kMaxImages;
-  if (camera.log_variances.size() >= kMinImages) fitDistribution(camera);
+  log_variances[next] = std::log(std::max(image.squares / image.degrees_of_freedom, 1e-6));
+  degrees_of_freedom[next] = image.degrees_of_freedom;
+  next = (next + 1) % kMaxImages;
+  if (isKnown()) fit();
 }
 
 // The scatter of the images' log variances, minus the scatter due to the few residuals of each image, is that
 // of the distribution.
-void CornerNoise::fitDistribution(Camera& camera) {
+void CornerNoise::Distribution::fit() {
   std::vector<double> unbiased, deviations;
   double sampling_variance = 0.0;
-  for (size_t i = 0; i < camera.log_variances.size(); ++i) {
-    unbiased.push_back(camera.log_variances[i] - medianLogarithm(camera.degrees_of_freedom[i]));
+  for (size_t i = 0; i < log_variances.size(); ++i) {
+    unbiased.push_back(log_variances[i] - medianLogarithm(degrees_of_freedom[i]));
     sampling_variance +=
-        varianceOfLogarithm(camera.degrees_of_freedom[i]) / static_cast<double>(camera.log_variances.size());
+        varianceOfLogarithm(degrees_of_freedom[i]) / static_cast<double>(log_variances.size());
   }
   const double centre = median(unbiased);
   for (const double value : unbiased) deviations.push_back(std::abs(value - centre));
   const double sigma = 1.4826 * median(deviations),  // of a Gaussian with this median absolute deviation
       excess = sigma * sigma - upperBound(sampling_variance, deviations.size());
-  const double degrees_of_freedom = degreesOfFreedom(excess);
-  camera.variance_degrees = degrees_of_freedom;
-  camera.tail_factor = tailFactor(degrees_of_freedom);
-  camera.variance = std::clamp(std::exp(centre + medianLogarithm(degrees_of_freedom)), kMinScale * kMinScale,
-                               kMaxScale * kMaxScale);
+  variance_degrees = degreesOfFreedom(excess);
+  tail_factor = tailFactor(variance_degrees);
+  variance = std::clamp(std::exp(centre + medianLogarithm(variance_degrees)), kMinScale * kMinScale,
+                        kMaxScale * kMaxScale);
 }
 
 double CornerNoise::typical(size_t camera) const {
-  return camera < cameras_.size() ? std::sqrt(cameras_[camera].variance) : 1.0;
+  return camera < cameras_.size() ? std::sqrt(cameras_[camera].used().variance) : 1.0;
 }
 
 double CornerNoise::scale(size_t camera) const {
   if (camera >= cameras_.size()) return 1.0;
-  return limitedScale(cameras_[camera].variance * cameras_[camera].tail_factor);
+  const Distribution noise = cameras_[camera].used();
+  return limitedScale(noise.variance * noise.tail_factor);
 }
 
-double CornerNoise::scale(size_t camera, const ImageNoise& image) const {
+double CornerNoise::scale(size_t camera, const ImageNoises& image) const {
   if (camera >= cameras_.size()) return 1.0;
-  const double prior_degrees = cameras_[camera].variance_degrees;
-  return limitedScale((prior_degrees * cameras_[camera].variance + image.squares) /
-                      (prior_degrees + image.degrees_of_freedom));
+  const Distribution noise = cameras_[camera].used();
+  const bool joint = cameras_[camera].usesJoint();
+  const ImageNoise& one = joint ? image.joint : image.own;
+  if (one.degrees_of_freedom < kMinDegrees) return scale(camera);
+  const double squares = joint ? one.squares : kMaxExcess * one.squares;
+  return limitedScale((noise.variance_degrees * noise.variance + squares) /
+                      (noise.variance_degrees + one.degrees_of_freedom));
 }
 
 }  // namespace sextant

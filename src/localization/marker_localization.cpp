@@ -19,35 +19,80 @@ ParamList LocalizationParams::fields() {
        "in mode `joint`: estimate the corner noise of each camera, and of single images (e.g. blurred ones), "
        "from the residuals of poses from two or more markers; initial value: `corner_sigma`"},
       {"exclude_moved_markers", &exclude_moved_markers, Allowed(), "",
-       "in mode `joint`: ignore markers that were moved from their position in the map, until they are "
-       "consistent with it again"},
+       "in mode `joint`, with `correct_errors`: ignore markers that were moved from their position in the "
+       "map, until they are consistent with it again"},
+      {"correct_errors", &correct_errors, Allowed(), "",
+       "in mode `joint`: find errors of calibration, rolling shutter, marker size and map in the residuals "
+       "of "
+       "many images, report them, and correct the following images"},
+      {"readout_time", &readout_time, Range::closed(0, 0.2), "s",
+       "time between the first and the last row of the cameras (rolling shutter), if it is known; 0: all "
+       "rows "
+       "at once. With `correct_errors`, its error is estimated"},
   };
   return joined({locator.fields(), own, prefixed("odometry_", odometry.fields())});
 }
 
 MarkerLocalization::MarkerLocalization(const LocalizationParams& params)
-    : params_(params), locator_(params.locator), correction_(params.odometry) {}
+    : params_(params), locator_(params.locator), correction_(params.odometry), errors_(params.readout_time) {}
 
 void MarkerLocalization::setParams(const LocalizationParams& params) {
   validate(params);
   locator_ = MarkerLocator(params.locator);
   correction_.setParams(params.odometry);
+  if (params.readout_time != params_.readout_time || !params.correct_errors)
+    errors_ = ErrorCorrection(params.readout_time);
   params_ = params;
 }
 
-LocatorResult MarkerLocalization::locate(const MarkerMap& map, std::vector<MarkerView> views,
-                                         const std::optional<Pose>& T_odom_base) {
+LocatorResult MarkerLocalization::locate(const MarkerMap& file, const std::vector<MarkerView>& views,
+                                         const std::optional<Pose>& T_odom_base,
+                                         const std::optional<double>& stamp) {
+  if (correctsErrors()) replay(file);
+  auto motion = errors_.motion(stamp, std::nullopt);
+  auto corrected = errors_.corrected(file, views, motion);
+  const MarkerMap map = errors_.corrected(file, views);
+  LocatorResult result = locateWithOdometry(map, corrected, T_odom_base);
+  if (result.pose && errors_.needsMotion()) {
+    motion = errors_.motion(stamp, result.pose->T_map_base);
+    corrected = errors_.corrected(file, views, motion);
+    result = locateWithOdometry(map, corrected, T_odom_base);
+  }
+  if (result.pose && T_odom_base) result = gatedByOdometry(result, *T_odom_base);
+  if (correctsErrors()) findErrors(file, map, {views, corrected, stamp, motion}, result);
+  if (result.pose && estimatesNoise()) noise_.add(*result.pose);
+  return result;
+}
+
+void MarkerLocalization::findErrors(const MarkerMap& file, const MarkerMap& map,
+                                    const ErrorCorrection::Images& images, LocatorResult& result) {
+  auto& pose = result.pose ? result.pose : result.rejected;
+  if (!pose) return;
+  errors_.add(file, images, params_.locator.corner_sigma, moved_markers_.keys(), *pose);
+  if (moved_markers_.add(*pose, map)) errors_.evaluate();
+  for (const MarkerKey& key : errors_.takeMoved()) moved_markers_.exclude(key);
+}
+
+void MarkerLocalization::replay(const MarkerMap& file) {
+  const auto locate = [this](const MarkerMap& map, std::vector<MarkerView>& views) {
+    return locateWithNoise(map, views, std::nullopt);
+  };
+  errors_.replay(file, params_.locator.corner_sigma, moved_markers_.keys(), locate);
+}
+
+// If the prior contradicts every pose that the markers allow, it may be wrong itself: locates without it.
+LocatorResult MarkerLocalization::locateWithOdometry(const MarkerMap& map, std::vector<MarkerView>& views,
+                                                     const std::optional<Pose>& T_odom_base) {
   const auto prior = T_odom_base ? correction_.predict(*T_odom_base) : std::nullopt;
   LocatorResult result = locateWithNoise(map, views, prior);
-  // If the prior contradicts every pose that the markers allow, it may be wrong itself: locate without it.
   if (prior && result.pose &&
       correction_.contradicts(*T_odom_base, result.pose->T_map_base, result.pose->covariance))
     result = locateWithNoise(map, views, std::nullopt);
-  if (result.pose && T_odom_base) result = gatedByOdometry(result, *T_odom_base);
-  if (!result.pose) return result;
-  moved_markers_.add(*result.pose, map);
-  if (estimatesNoise()) noise_.add(*result.pose);
   return result;
+}
+
+bool MarkerLocalization::correctsErrors() const {
+  return params_.correct_errors && params_.locator.mode == "joint";
 }
 
 bool MarkerLocalization::estimatesNoise() const {
@@ -90,6 +135,7 @@ LocatorResult MarkerLocalization::gatedByOdometry(LocatorResult result, const Po
 void MarkerLocalization::resetMap() {
   correction_.reset();
   moved_markers_.reset();
+  errors_.reset();
 }
 
 void MarkerLocalization::reset() {

@@ -17,6 +17,8 @@
 namespace sextant {
 namespace {
 
+constexpr double kMapSigmas = 3.0;  // standard deviations of the map that a reprojection error may have
+
 // A detection of a mapped marker, with its two planar solutions.
 struct MappedDetection {
   const MarkerView* view;
@@ -70,12 +72,23 @@ std::optional<FloorPrior> floorPrior(const LocatorParams& params) {
   return FloorPrior{params.floor_height_sigma, params.floor_tilt_sigma};
 }
 
+// Squared Mahalanobis distance of the corners from their projection at the pose of the base that fits this
+// marker best, near one of its planar solutions.
+double ownSquares(const MappedDetection& detected, MarkerObservation observation) {
+  observation.map_covariance.setZero();
+  const Pose T_map_base =
+      observation.T_map_marker * detected.poses.best.T_camera_marker.inverse() * observation.T_camera_base;
+  const ReprojectionModel model = reprojectionModel({observation}, T_map_base, {});
+  return std::max(0.0, model.cost - model.g.dot(model.H.ldlt().solve(model.g)));
+}
+
 LocatedMarker locatedMarker(const MappedDetection& detected, const MarkerObservation& observation,
                             const PoseHypothesis& best, bool used) {
   LocatedMarker marker{detected.mapped->key,
                        detected.view->camera_index,
                        used,
                        squaredMahalanobis(observation, best.T_map_base),
+                       ownSquares(detected, observation),
                        detected.view->noise_scale,
                        {}};
   if (!used || best.used.size() > 1)
@@ -83,10 +96,28 @@ LocatedMarker locatedMarker(const MappedDetection& detected, const MarkerObserva
   return marker;
 }
 
+// RMS over the used corners' coordinates of what the map's covariance moves them by, pixels.
+double mapDeviation(const std::vector<MarkerObservation>& observations, const PoseHypothesis& best) {
+  double variance = 0;
+  for (const size_t i : best.used) {
+    if (observations[i].map_covariance.isZero(0.0)) continue;
+    const auto linear = linearizedMarker(observations[i], best.T_map_base);
+    if (!linear) continue;
+    variance += linear->covariance.trace() / 8;
+    for (const double sigma : observations[i].sigmas) variance -= sigma * sigma / 4;
+  }
+  return std::sqrt(std::max(0.0, variance) / static_cast<double>(std::max<size_t>(best.used.size(), 1)));
+}
+
 LocatedPose locatedPose(const std::vector<MappedDetection>& markers,
                         const std::vector<MarkerObservation>& observations, const PoseHypothesis& best,
                         const PosePosterior& posterior) {
-  LocatedPose pose{best.T_map_base, posterior.covariance, best.rms, posterior.probability, {}};
+  LocatedPose pose{best.T_map_base,
+                   posterior.covariance,
+                   best.rms,
+                   mapDeviation(observations, best),
+                   posterior.probability,
+                   {}};
   for (size_t i = 0; i < markers.size(); ++i) {
     const bool used = std::find(best.used.begin(), best.used.end(), i) != best.used.end();
     pose.markers.push_back(locatedMarker(markers[i], observations[i], best, used));
@@ -168,9 +199,9 @@ LocatorResult nearest(const std::vector<MappedDetection>& markers, const Locator
 LocatorResult average(const std::vector<MappedDetection>& markers, const LocatorParams& params,
                       const std::optional<PosePrior>& prior) {
   std::vector<Pose> poses;
-  LocatedPose mean{Pose::Identity(), Matrix6d::Zero(), 0.0, 1.0, {}};
+  LocatedPose mean{Pose::Identity(), Matrix6d::Zero(), 0.0, 0.0, 1.0, {}};
   LocatorResult last;
-  double squared_errors = 0;
+  double squared_errors = 0, map_variance = 0;
   for (const MappedDetection& marker : trustedMarkers(markers)) {
     last = joint({marker}, params, prior);
     if (!last.pose) continue;
@@ -178,6 +209,7 @@ LocatorResult average(const std::vector<MappedDetection>& markers, const Locator
     mean.covariance += last.pose->covariance;
     mean.probability = std::min(mean.probability, last.pose->probability);
     squared_errors += last.pose->reprojection_error * last.pose->reprojection_error;
+    map_variance += last.pose->map_deviation * last.pose->map_deviation;
     mean.markers.push_back(last.pose->markers[0]);
   }
   if (poses.empty()) return last;
@@ -185,6 +217,7 @@ LocatorResult average(const std::vector<MappedDetection>& markers, const Locator
   mean.T_map_base = meanPose(poses);
   mean.covariance /= n * n;
   mean.reprojection_error = std::sqrt(squared_errors / n);
+  mean.map_deviation = std::sqrt(map_variance / n);
   return withPose(mean);
 }
 
@@ -242,7 +275,8 @@ ParamList LocatorParams::fields() {
        "standard deviation of corner coordinates, common to all corners; each corner's own (`corner_sigmas` "
        "of sextant/Marker) is added in quadrature"},
       {"max_reprojection_error", &max_reprojection_error, Range::openLow(0, 1000), "px",
-       "maximum reprojection error (RMS over all used corners) of a pose"},
+       "maximum reprojection error (RMS over all used corners) of a pose; larger by three standard "
+       "deviations of the map, if it has a covariance"},
       {"robust_width", &robust_width, Range::closed(0.5, 1000), "",
        "threshold of a marker's Huber loss, standard deviations, in the minimization over all markers; the "
        "next one is without Huber loss, over the markers within `gate`"},
@@ -278,10 +312,11 @@ LocatorResult MarkerLocator::locate(const MarkerMap& map, const std::vector<Mark
   const LocatorResult located = modes().at(params_.mode)(markers, params_, prior);
   result.pose = located.pose;
   result.reason = located.reason;
-  if (result.pose && !(result.pose->reprojection_error <= params_.max_reprojection_error)) {
+  if (result.pose && !(result.pose->reprojection_error <=
+                       std::hypot(params_.max_reprojection_error, kMapSigmas * result.pose->map_deviation))) {
     result.reason =
         "reprojection error above max_reprojection_error: check map, marker sizes and calibration";
-    result.pose.reset();
+    result.rejected.swap(result.pose);
   }
   if (result.pose && !params_.constant_covariance.empty())
     result.pose->covariance = constantCovariance(params_.constant_covariance);

@@ -4,7 +4,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <iterator>
+#include <cmath>
 #include <limits>
 
 namespace sextant {
@@ -19,7 +19,8 @@ constexpr double kMoved = 20.0;    // minimum of a moved marker
 constexpr double kBack = 12.0;     // maximum of a marker that was put back
 constexpr double kRotated = 50.0;  // minimum of a marker that was rotated without an offset
 constexpr double kMinRatio = 2.5;  // of a moved marker's mean squared innovation to the median of the others
-constexpr double kMinOffset = 0.02;  // of a moved marker, metres; smaller errors are normal for maps
+constexpr double kOffsetSigmas = 3.0;  // standard deviations within which an offset is none
+constexpr double kMinOffset = 0.02;    // of a moved marker, metres; smaller errors are normal for maps
 
 }  // namespace
 
@@ -27,9 +28,13 @@ Eigen::Vector3d MovedMarkerDetector::Statistics::offset() const {
   return information.ldlt().solve(weighted_offset);
 }
 
-void MovedMarkerDetector::add(const LocatedPose& pose, const MarkerMap& map) {
+double MovedMarkerDetector::Statistics::offsetSigma() const {
+  return std::sqrt(information.ldlt().solve(Eigen::Matrix3d::Identity()).trace());
+}
+
+bool MovedMarkerDetector::add(const LocatedPose& pose, const MarkerMap& map) {
   if (pose.used().size() < 2)
-    return;  // a pose from one marker: if another marker contradicts it, either may have been moved
+    return false;  // a pose from one marker: if another marker contradicts it, either may have been moved
   for (const LocatedMarker& marker : pose.markers) {
     const MappedMarker* mapped = map.find(marker.key);
     if (!mapped || !marker.innovation) continue;
@@ -44,7 +49,7 @@ void MovedMarkerDetector::add(const LocatedPose& pose, const MarkerMap& map) {
     sums.weighted_offset = kForgetting * sums.weighted_offset +
                            information * (innovation.p_map - mapped->T_map_marker.translation());
   }
-  updateKeys();
+  return updateKeys();
 }
 
 // Median of the mean squared innovations of the other markers, except moved ones; infinite if there is none.
@@ -57,28 +62,38 @@ double MovedMarkerDetector::medianOfOthers(const MarkerKey& key) const {
   return means[means.size() / 2];
 }
 
-bool MovedMarkerDetector::isMoved(const MarkerKey& key, const Statistics& sums) const {
+bool MovedMarkerDetector::isSuspect(const MarkerKey& key, const Statistics& sums) const {
   if (sums.images < kMinWeight || sums.meanSquare() < std::max(kMoved, kMinRatio * medianOfOthers(key)))
     return false;
   return sums.offset().norm() > kMinOffset || sums.meanSquare() > kRotated;
 }
 
-void MovedMarkerDetector::updateKeys() {
-  std::map<double, MarkerKey> moved;  // by mean squared innovation
+bool MovedMarkerDetector::updateKeys() {
+  bool suspects = false;
   for (const auto& [key, sums] : statistics_) {
-    if (keys_.count(key) == 0 && isMoved(key, sums)) moved[sums.meanSquare()] = key;
-    if (sums.images >= kMinWeight && sums.meanSquare() < kBack) keys_.erase(key);
+    suspects |= keys_.count(key) == 0 && isSuspect(key, sums);
+    if (sums.images >= kMinWeight && sums.meanSquare() < kBack &&
+        sums.offset().norm() < std::max(kMinOffset, kOffsetSigmas * sums.offsetSigma()))
+      keys_.erase(key);
   }
-  if (moved.empty()) return;
-  keys_.insert(moved.rbegin()->second);
-  // All innovations so far contain the error that the moved marker caused in the pose.
+  if (suspects) restart();
+  return suspects;
+}
+
+void MovedMarkerDetector::exclude(const MarkerKey& key) {
+  keys_.insert(key);
+  restart();  // all innovations so far contain the error that the moved marker caused in the pose
+}
+
+void MovedMarkerDetector::restart() {
   for (auto& entry : statistics_) entry.second.images = entry.second.squared_innovations = 0;
 }
 
 std::vector<MovedMarker> MovedMarkerDetector::moved() const {
   std::vector<MovedMarker> markers;
   for (const MarkerKey& key : keys_) {
-    const Statistics& sums = statistics_.at(key);
+    const auto found = statistics_.find(key);
+    const Statistics sums = found == statistics_.end() ? Statistics{} : found->second;
     markers.push_back({key, sums.offset(), sums.outliers});
   }
   return markers;

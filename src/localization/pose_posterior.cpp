@@ -20,7 +20,8 @@ constexpr double kRegion95 = 12.591587;  // 95 % of chi-square with 6 degrees of
 // Minimum probability within the 95 % region of an ambiguous pose. Regions with more are not changed, so that
 // on average regions contain 95 %.
 constexpr double kMinContained = 0.92;
-constexpr double kNegligible = 1e-7;  // probability up to which a hypothesis is dropped
+constexpr double kAboutAsProbable = 0.5;  // minimum ratio of two groups' probabilities
+constexpr double kNegligible = 1e-7;      // probability up to which a hypothesis is dropped
 // A hypothesis is distinct if, about every axis, the ratio of its components' rotational second moment to the
 // covariance at its minimum is between 1 / kMaxVarianceRatio and kMaxVarianceRatio.
 constexpr double kMaxVarianceRatio = 2.25;
@@ -252,6 +253,21 @@ size_t largest(const std::map<size_t, double>& values) {
       ->first;
 }
 
+// Of the groups that are about as probable as the most probable one, that with the pose that fits best.
+size_t bestGroup(const std::map<size_t, double>& probabilities, const std::vector<Component>& mixture,
+                 const std::vector<PoseHypothesis>& hypotheses) {
+  std::map<size_t, double> fits;  // by group: largest log density of a pose
+  const double most = probabilities.at(largest(probabilities));
+  for (const Component& component : mixture) {
+    if (probabilities.at(component.group) < kAboutAsProbable * most) continue;
+    const PoseHypothesis& hypothesis = hypotheses[component.hypothesis];
+    const double fit = hypothesis.log_prior - 0.5 * hypothesis.cost;
+    const auto entry = fits.insert({component.group, fit}).first;
+    entry->second = std::max(entry->second, fit);
+  }
+  return largest(fits);
+}
+
 // The most probable hypothesis of a group, weighted with the prior.
 size_t bestHypothesis(const std::vector<Component>& group, const std::vector<PoseHypothesis>& hypotheses) {
   auto weights = probabilities(group, &Component::hypothesis);
@@ -265,7 +281,7 @@ PosePosterior posePosterior(const std::vector<MarkerObservation>& observations,
                             const std::vector<PoseHypothesis>& hypotheses, const PosteriorParams& params) {
   auto mixture = posteriorMixture(observations, hypotheses, params);
   const auto of_groups = probabilities(mixture, &Component::group);
-  const size_t group = largest(of_groups);
+  const size_t group = bestGroup(of_groups, mixture, hypotheses);
   std::vector<Component> best_group;
   std::copy_if(mixture.begin(), mixture.end(), std::back_inserter(best_group),
                [&](const Component& component) { return component.group == group; });

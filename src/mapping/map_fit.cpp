@@ -130,13 +130,14 @@ void MapFit::measureNoise(const std::vector<RecordedObservation>& used) {
   noise_.reset();
   size_t count = 0;
   for (const auto& [image, noise] : images)
-    if (count++ % (1 + images.size() / kImagesForNoise) == 0) noise_.add(viewOf(image).camera_index, noise);
+    if (count++ % (1 + images.size() / kImagesForNoise) == 0)
+      noise_.add(viewOf(image).camera_index, {noise, {}});
   for (size_t i = 0; i < recording_.size(); ++i) {
     for (size_t v = 0; v < recording_[i].views.size(); ++v) {
       MarkerView& view = recording_[i].views[v];
       const auto image = images.find({i, v});
       view.noise_scale = image == images.end() ? noise_.scale(view.camera_index)
-                                               : noise_.scale(view.camera_index, image->second);
+                                               : noise_.scale(view.camera_index, {image->second, {}});
       measured_[i].views[v].noise_scale = view.noise_scale;
     }
   }

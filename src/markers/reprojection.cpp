@@ -40,27 +40,42 @@ struct Block {
 
 // A corner p_map, seen from the base at p with rotation R: with v = p_map - p, p_base = R' v and
 // d p_base = -R' dp + R' [v]x dr. The Jacobian with respect to the marker's pose has the opposite sign, and
-// the arm from the marker's centre instead of v.
-std::optional<Block> linearize(const MarkerObservation& observation, const Pose& T_map_base) {
+// the arm from the marker's centre instead of v. Calls use(k, residual, by_point, v, arm) for each corner k.
+template <typename Use>
+bool forEachCorner(const MarkerObservation& observation, const Pose& T_map_base, Use&& use) {
   const Eigen::Matrix3d R_camera_map = observation.T_camera_base.linear() * T_map_base.linear().transpose();
   const auto points = markerCorners(observation.size);
-  const bool exact = observation.map_covariance.isZero(0.0);
-  Block block;
-  Matrix86d by_marker;
   for (int k = 0; k < 4; ++k) {
     const Eigen::Vector3d arm = observation.T_map_marker.linear() * points[k];
     const Eigen::Vector3d v = arm + observation.T_map_marker.translation() - T_map_base.translation();
     const auto projection =
         observation.camera->projectWithJacobian(R_camera_map * v + observation.T_camera_base.translation());
-    if (!projection) return std::nullopt;
-    const Eigen::Matrix<double, 2, 3> by_point = projection->jacobian * R_camera_map;
-    block.residual.segment<2>(2 * k) = projection->pixel - observation.corners[k];
+    if (!projection) return false;
+    use(k, Eigen::Vector2d(projection->pixel - observation.corners[k]),
+        Eigen::Matrix<double, 2, 3>(projection->jacobian * R_camera_map), v, arm);
+  }
+  return true;
+}
+
+Matrix8d covarianceOf(const MarkerObservation& observation, const Matrix86d& by_marker) {
+  Matrix8d S = by_marker * observation.map_covariance * by_marker.transpose();
+  for (int i = 0; i < 8; ++i) S(i, i) += square(observation.sigmas[i / 2]);
+  return S;
+}
+
+std::optional<Block> linearize(const MarkerObservation& observation, const Pose& T_map_base) {
+  const bool exact = observation.map_covariance.isZero(0.0);
+  Block block;
+  block.squares = 0;
+  Matrix86d by_marker;
+  const auto use = [&](int k, const Eigen::Vector2d& residual, const Eigen::Matrix<double, 2, 3>& by_point,
+                       const Eigen::Vector3d& v, const Eigen::Vector3d& arm) {
+    block.residual.segment<2>(2 * k) = residual;
     block.jacobian.block<2, 6>(2 * k, 0) << -by_point, by_point * skew(v);
     if (!exact) by_marker.block<2, 6>(2 * k, 0) << by_point, -by_point * skew(arm);
-  }
-  block.squares = 0;
-  for (int k = 0; k < 4; ++k)
-    block.squares += block.residual.segment<2>(2 * k).squaredNorm() / square(observation.sigmas[k]);
+    block.squares += residual.squaredNorm() / square(observation.sigmas[k]);
+  };
+  if (!forEachCorner(observation, T_map_base, use)) return std::nullopt;
   if (exact) {
     for (int k = 0; k < 4; ++k) {
       block.residual.segment<2>(2 * k) /= observation.sigmas[k];
@@ -68,9 +83,7 @@ std::optional<Block> linearize(const MarkerObservation& observation, const Pose&
     }
     return block;
   }
-  Matrix8d S = by_marker * observation.map_covariance * by_marker.transpose();
-  for (int i = 0; i < 8; ++i) S(i, i) += observation.sigmas[i / 2] * observation.sigmas[i / 2];
-  const Eigen::LLT<Matrix8d> cholesky(S);
+  const Eigen::LLT<Matrix8d> cholesky(covarianceOf(observation, by_marker));
   cholesky.matrixL().solveInPlace(block.residual);
   cholesky.matrixL().solveInPlace(block.jacobian);
   return block;
@@ -150,6 +163,21 @@ double squaredMahalanobis(const MarkerObservation& observation, const Pose& T_ma
 
 double squaredMahalanobis(const FloorPrior& floor, const Pose& T_map_base) {
   return linearize(floor, T_map_base).residual.squaredNorm();
+}
+
+std::optional<MarkerLinearization> linearizedMarker(const MarkerObservation& observation,
+                                                    const Pose& T_map_base) {
+  MarkerLinearization all;
+  const auto use = [&](int k, const Eigen::Vector2d& residual, const Eigen::Matrix<double, 2, 3>& by_point,
+                       const Eigen::Vector3d& v, const Eigen::Vector3d& arm) {
+    all.residual.segment<2>(2 * k) = residual;
+    all.by_base.block<2, 6>(2 * k, 0) << -by_point, by_point * skew(v);
+    all.by_marker.block<2, 6>(2 * k, 0) << by_point, -by_point * skew(arm);
+    all.by_size.segment<2>(2 * k) = by_point * arm;
+  };
+  if (!forEachCorner(observation, T_map_base, use)) return std::nullopt;
+  all.covariance = covarianceOf(observation, all.by_marker);
+  return all;
 }
 
 ReprojectionModel reprojectionModel(const std::vector<MarkerObservation>& observations,

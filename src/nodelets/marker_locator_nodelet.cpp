@@ -220,7 +220,9 @@ class MarkerLocatorNodelet : public nodelet::Nodelet {
     const auto frames = lookUpFrames(instant);
     if (!frames) return false;
     try {
-      const LocatorResult result = localization_->locate(*map_, views(instant, *frames), frames->T_odom_base);
+      const auto stamp = instant.stamp.isZero() ? std::nullopt : std::optional(instant.stamp.toSec());
+      const LocatorResult result =
+          localization_->locate(*map_, views(instant, *frames), frames->T_odom_base, stamp);
       clock_.finish("localization");
       size_t detected = 0;
       for (const auto& image : instant.images) detected += image.item->markers.size();

@@ -46,6 +46,7 @@ class CameraModel {
   int height() const { return height_; }  ///< pixels
   /// Focal length in pixels, the mean of both axes.
   double focalLength() const { return 0.5 * (f_.x() + f_.y()); }
+  Eigen::Vector2d principalPoint() const { return c_; }  ///< pixels
 
   /// Projects a point in the optical frame to a pixel, which may lie outside the image. Returns nothing
   /// beyond the radius (or angle, equidistant) at which the distortion polynomial stops rising, and, except
@@ -53,6 +54,14 @@ class CameraModel {
   std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& p_camera) const;
   /// Projects as project(), and computes the Jacobian.
   std::optional<Projection> projectWithJacobian(const Eigen::Vector3d& p_camera) const;
+
+  /// Derivative of a pixel with respect to the lens's first coefficient (k1), pixels; zero where unproject()
+  /// has no result.
+  Eigen::Vector2d derivativeByFirstCoefficient(const Eigen::Vector2d& pixel) const;
+
+  /// Returns a camera whose focal length is longer by a factor, with its principal point (pixels) and first
+  /// coefficient changed.
+  CameraModel changed(double focal_factor, const Eigen::Vector2d& centre_step, double k1_step) const;
 
   /// Returns the unit vector in the optical frame toward a pixel, or nothing if the lens model has no inverse
   /// there.
@@ -65,6 +74,7 @@ class CameraModel {
     Eigen::Vector2d xy;
     Eigen::Matrix2d jacobian;
   };
+  void setLimit() { limit_ = lens_ == Lens::equidistant ? equidistantLimit() : polynomialLimit(); }
   void setRectification(const Eigen::Matrix3d& R);
   void setDistortion(const CameraCalibration& calibration);
   double polynomialLimit() const;

@@ -53,6 +53,7 @@ struct LocatedMarker {
   size_t camera_index;      ///< index of the camera
   bool used;                ///< false: an outlier, or ignored because it was moved
   double squared_distance;  ///< squared Mahalanobis distance of the eight corner coordinates
+  double own_squares;       ///< the same at the pose that fits this marker best: 2 degrees of freedom
   double noise_scale;       ///< MarkerView::noise_scale of its view
   std::optional<MarkerInnovation> innovation;  ///< if the other markers determine a pose: relative to it
 };
@@ -62,6 +63,7 @@ struct LocatedPose {
   Pose T_map_base;                     ///< pose of the base in the map
   Matrix6d covariance;                 ///< position, rotation in the map's axes, order of PoseWithCovariance
   double reprojection_error = 0.0;     ///< RMS over the coordinates of the corners used, pixels
+  double map_deviation = 0.0;          ///< RMS that the map's covariance alone leads one to expect, pixels
   double probability = 1.0;            ///< probability of this pose among all that explain the images
   std::vector<LocatedMarker> markers;  ///< detected mapped markers, used or not, with their residuals
 
@@ -71,10 +73,11 @@ struct LocatedPose {
 
 /// A pose, or the reason why there is none.
 struct LocatorResult {
-  std::optional<LocatedPose> pose;  ///< nothing if the base was not located
-  std::string reason;               ///< why there is no pose, for the user; empty with a pose
-  std::vector<MarkerKey> unmapped;  ///< detected, but not in the map
-  std::vector<MarkerKey> repeated;  ///< detected more than once in one image, and therefore ignored
+  std::optional<LocatedPose> pose;      ///< nothing if the base was not located
+  std::string reason;                   ///< why there is no pose, for the user; empty with a pose
+  std::optional<LocatedPose> rejected;  ///< a pose whose reprojection error is too large
+  std::vector<MarkerKey> unmapped;      ///< detected, but not in the map
+  std::vector<MarkerKey> repeated;      ///< detected more than once in one image, and therefore ignored
 };
 
 /// Locates a robot from mapped markers. T_map_base = T_map_marker T_camera_marker^-1 T_base_camera^-1:

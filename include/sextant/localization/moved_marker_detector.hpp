@@ -18,14 +18,17 @@ struct MovedMarker {
   int images;              ///< number of images that contradict the map
 };
 
-/// Detects markers that were moved from their position in the map: their mean squared innovation (relative to
-/// the pose from the other markers) over the last images is large, absolutely and relative to the median of
-/// the others. Decides about the marker with the largest mean first, because a moved marker also increases
-/// the innovations of the others.
+/// Watches markers that may have been moved from their position in the map: their mean squared innovation
+/// (relative to the pose from the other markers) over the last images is large, absolutely and relative to
+/// the median of the others. Whether a marker was moved, or something else explains the innovations, is
+/// decided by an ErrorMonitor.
 class MovedMarkerDetector {
  public:
-  /// Adds the innovations of the markers of a pose; ignores poses from one marker.
-  void add(const LocatedPose& pose, const MarkerMap& map);
+  /// Adds the innovations of the markers of a pose; ignores poses from one marker. Returns whether a marker
+  /// is suspected to have been moved; then not again until there are further images.
+  bool add(const LocatedPose& pose, const MarkerMap& map);
+  /// Marks a marker as moved, until it agrees with the map again.
+  void exclude(const MarkerKey& key);
 
   /// Moved markers, sorted by key.
   std::vector<MovedMarker> moved() const;
@@ -45,10 +48,12 @@ class MovedMarkerDetector {
 
     double meanSquare() const { return squared_innovations / images; }
     Eigen::Vector3d offset() const;
+    double offsetSigma() const;
   };
 
-  void updateKeys();
-  bool isMoved(const MarkerKey& key, const Statistics& statistics) const;
+  bool updateKeys();
+  void restart();
+  bool isSuspect(const MarkerKey& key, const Statistics& statistics) const;
   double medianOfOthers(const MarkerKey& key) const;
   std::map<MarkerKey, Statistics> statistics_;
   std::set<MarkerKey> keys_;

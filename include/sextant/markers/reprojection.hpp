@@ -71,6 +71,20 @@ double squaredMahalanobis(const MarkerObservation& observation, const Pose& T_ma
 /// Returns the squared Mahalanobis distance of a pose from the prior: 3 degrees of freedom.
 double squaredMahalanobis(const FloorPrior& floor, const Pose& T_map_base);
 
+/// Residuals of a marker's eight corner coordinates (projection minus observation, pixels) at a pose, and
+/// their derivatives.
+struct MarkerLinearization {
+  Eigen::Matrix<double, 8, 1> residual;
+  Eigen::Matrix<double, 8, 6> by_base;    ///< with respect to the base's position, rotation in the map's axes
+  Eigen::Matrix<double, 8, 6> by_marker;  ///< the same of the marker
+  Eigen::Matrix<double, 8, 1> by_size;    ///< with respect to the logarithm of the marker's size
+  Eigen::Matrix<double, 8, 8> covariance;  ///< corner noise and map_covariance, pixels^2
+};
+
+/// Linearizes the projection of a marker; nothing if a corner does not project into the image plane.
+std::optional<MarkerLinearization> linearizedMarker(const MarkerObservation& observation,
+                                                    const Pose& T_map_base);
+
 /// Quadratic model of the reprojection cost at a pose: cost + 2 g' xi + xi' H xi at perturbed(pose, xi).
 struct ReprojectionModel {
   Matrix6d H = Matrix6d::Zero();            ///< Gauss-Newton Hessian with the robust weights

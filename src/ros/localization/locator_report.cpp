@@ -5,6 +5,7 @@
 #include <diagnostic_msgs/DiagnosticStatus.h>
 
 #include <cmath>
+#include <cstdio>
 
 namespace sextant {
 namespace {
@@ -12,10 +13,46 @@ namespace {
 using diagnostic_msgs::DiagnosticStatus;
 
 constexpr double kCoordinates = 8.0;  // of a marker's four corners
+constexpr double kGoodMap = 0.003;    // m; smaller errors of a map are not reported
+constexpr double kArm = 0.3;          // m; rotation that is as bad as such an error
 
 std::string nameOf(const MarkerKey& key) { return key.family + "/" + std::to_string(key.id); }
 
+std::string printed(const char* format, double value, double sigma) {
+  char text[200];
+  std::snprintf(text, sizeof text, format, value, sigma);
+  return text;
+}
+
+bool isOfCamera(ErrorCause cause) { return cause != ErrorCause::marker_size && cause != ErrorCause::map; }
+
 }  // namespace
+
+std::string explained(const SystematicError& error) {
+  const double value = error.value[0], sigma = error.sigma[0];
+  switch (error.cause) {
+    case ErrorCause::focal_length:
+      return printed(value > 0 ? "focal length about %.1f ± %.1f %% too short: run check_calibration"
+                               : "focal length about %.1f ± %.1f %% too long: run check_calibration",
+                     100 * std::abs(value), 100 * sigma);
+    case ErrorCause::centre:
+      return printed("principal point about %.1f ± %.1f pixels off: run check_calibration",
+                     error.value.norm(), error.sigma.maxCoeff());
+    case ErrorCause::distortion:
+      return printed("distortion k1 off by about %.3f ± %.3f: run check_calibration", value, sigma);
+    case ErrorCause::shutter:
+      return printed("rolling shutter: readout_time is wrong by about %.0f ± %.0f ms", 1000 * value,
+                     1000 * sigma);
+    case ErrorCause::marker_size:
+      return printed(value > 0 ? "markers about %.1f ± %.1f %% larger than in the map: measure them"
+                               : "markers about %.1f ± %.1f %% smaller than in the map: measure them",
+                     100 * std::abs(std::expm1(value)), 100 * sigma);
+    case ErrorCause::map:
+      break;
+  }
+  return printed("markers about %.1f cm (and %.1f degrees) from their positions in the map: map them again",
+                 100 * value, error.value[1] * 180 / M_PI);
+}
 
 void LocatorReport::result(const LocatorResult& result, size_t detected) {
   for (const MarkerKey& key : result.unmapped) ++unmapped_[key];
@@ -62,6 +99,19 @@ void LocatorReport::fill(diagnostic_updater::DiagnosticStatusWrapper& status,
   for (const auto& [key, count] : unmapped_) status.add("not in the map: " + nameOf(key), count);
   fillResiduals(status);
   fillMoved(status, localization);
+  fillErrors(status, localization, cameras);
+}
+
+void LocatorReport::fillErrors(diagnostic_updater::DiagnosticStatusWrapper& status,
+                               const MarkerLocalization& localization,
+                               const std::vector<std::string>& cameras) {
+  for (const SystematicError& error : localization.errors().errors()) {
+    if (error.cause == ErrorCause::map && error.value[0] < kGoodMap && error.value[1] < kGoodMap / kArm)
+      continue;
+    const bool has_name = isOfCamera(error.cause) && error.camera < cameras.size();
+    status.mergeSummary(DiagnosticStatus::WARN,
+                        (has_name ? cameras[error.camera] + ": " : "") + explained(error));
+  }
 }
 
 void LocatorReport::addResiduals(const LocatedPose& pose) {

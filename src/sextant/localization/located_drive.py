@@ -37,7 +37,7 @@ def locate_drive(
     for stamp, instant in zip(recorded.stamps, recorded.instants):
         if not instant.views:
             continue
-        result = localization.locate(marker_map, instant.views, instant.T_odom_base)
+        result = localization.locate(marker_map, instant.views, instant.T_odom_base, 1e-9 * stamp)
         if result.pose is None:
             failures[result.reason] += 1
             continue

@@ -66,7 +66,7 @@ TEST(CornerNoise, FindsWhatAllCornersHaveInCommon) {
 TEST(CornerNoise, OneImageOfManyAlikeIsLikeTheOthers) {
   const CornerNoise noise = after(150, 0.3, 0.3);
   EXPECT_NEAR(noise.scale(0) / noise.typical(0), 1.0, 0.1);
-  EXPECT_NEAR(noise.scale(0, {2.0 * 13, 13}) / noise.typical(0), 1.0, 0.1);
+  EXPECT_NEAR(noise.scale(0, {{2.0 * 13, 13}, {}}) / noise.typical(0), 1.0, 0.1);
 }
 
 // Noise of images that differ: variances 6 / chi-square(6), so that one error follows Student's t.
@@ -109,17 +109,17 @@ TEST(CornerNoise, ImagesThatDifferAreToldApart) {
 TEST(CornerNoise, SomeSpoiltImagesDoNotCount) {
   CornerNoise noise;
   std::mt19937 random(4);
-  std::chi_squared_distribution<double> chi_squared(18);
+  std::chi_squared_distribution<double> chi_squared(6);
   for (int i = 0; i < 200; ++i) {
     const double squares = chi_squared(random) * (i % 3 == 0 ? 8 : 1);
-    LocatedPose pose{Pose::Identity(), Matrix6d::Identity(), 0.0, 1.0, {}};
-    for (int k = 0; k < 3; ++k) pose.markers.push_back({{"tag36h11", k}, 0, true, squares / 3, 1.0, {}});
+    LocatedPose pose{Pose::Identity(), Matrix6d::Identity(), 0.0, 0.0, 1.0, {}};
+    for (int k = 0; k < 3; ++k) pose.markers.push_back({{"tag36h11", k}, 0, true, 0.0, squares / 3, 1.0, {}});
     noise.add(pose);
   }
   EXPECT_LT(noise.typical(0), 1.3);
 }
 
-TEST(CornerNoise, OneMarkerTeachesNothing) {
+TEST(CornerNoise, IsNotEstimatedSmallerFromASingleMarker) {
   const CameraModel camera(testCalibrations()[0], CameraModel::Image::raw);
   CornerNoise noise;
   for (int i = 0; i < 300; ++i) {
@@ -129,6 +129,28 @@ TEST(CornerNoise, OneMarkerTeachesNothing) {
     if (result.pose) noise.add(*result.pose);
   }
   EXPECT_EQ(noise.scale(0), 1.0);
+}
+
+// The positions of a wrong map are not noise: the residuals of the poses are 3 pixels.
+TEST(CornerNoise, DoesNotContainErrorsOfTheMap) {
+  const CameraModel camera(testCalibrations()[0], CameraModel::Image::raw);
+  LocatorParams params;
+  params.max_reprojection_error = 100;
+  params.gate = 1e6;
+  MarkerMap wrong;
+  const MarkerMap exact = room();
+  for (auto [key, marker] : exact.markers()) {
+    marker.T_map_marker.translation().z() += 0.03 * (key.id % 2);
+    wrong.add(marker);
+  }
+  CornerNoise noise;
+  for (int i = 0; i < 200; ++i) {
+    const auto result = MarkerLocator(params).locate(wrong, {look(room(), camera, kTruth, 0.1, i)});
+    ASSERT_TRUE(result.pose) << result.reason;
+    noise.add(*result.pose);
+  }
+  EXPECT_GT(0.3 * noise.typical(0), 0.1);
+  EXPECT_LT(0.3 * noise.typical(0), 0.18);
 }
 
 }  // namespace

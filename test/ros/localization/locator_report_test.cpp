@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <map>
 
 namespace sextant {
@@ -30,10 +31,29 @@ TEST(LocatorReport, UnmappedMarkersAreDetectedButNotUsed) {
   EXPECT_EQ(all.at("no pose: no mapped marker"), "1");
   EXPECT_EQ(all.at("not in the map: tag36h11/7"), "1");
 
-  report.result({LocatedPose(), "", {}, {}}, 3);
+  report.result({LocatedPose(), "", {}, {}, {}}, 3);
   all = rows(report);
   EXPECT_EQ(all.at("markers in the last image"), "3");
   EXPECT_EQ(all.at("poses"), "1");
+}
+
+TEST(LocatorReport, ErrorsAreExplainedWithWhatToDo) {
+  const auto text = [](ErrorCause cause, const Eigen::VectorXd& value, const Eigen::VectorXd& sigma) {
+    return explained({cause, 0, value, sigma});
+  };
+  const auto one = [](double x) { return Eigen::VectorXd::Constant(1, x); };
+  EXPECT_EQ(text(ErrorCause::focal_length, one(0.0102), one(0.002)),
+            "focal length about 1.0 ± 0.2 % too short: run check_calibration");
+  EXPECT_EQ(text(ErrorCause::focal_length, one(-0.0102), one(0.002)),
+            "focal length about 1.0 ± 0.2 % too long: run check_calibration");
+  EXPECT_EQ(text(ErrorCause::shutter, one(0.0204), one(0.001)),
+            "rolling shutter: readout_time is wrong by about 20 ± 1 ms");
+  EXPECT_EQ(text(ErrorCause::centre, Eigen::Vector2d(3, -4), Eigen::Vector2d(0.2, 0.3)),
+            "principal point about 5.0 ± 0.3 pixels off: run check_calibration");
+  EXPECT_EQ(text(ErrorCause::marker_size, one(std::log(1.02)), one(0.001)),
+            "markers about 2.0 ± 0.1 % larger than in the map: measure them");
+  EXPECT_EQ(text(ErrorCause::map, Eigen::Vector2d(0.021, 0.0175), Eigen::Vector2d(0, 0)),
+            "markers about 2.1 cm (and 1.0 degrees) from their positions in the map: map them again");
 }
 
 }  // namespace

@@ -14,6 +14,9 @@
 
 namespace sextant {
 
+/// Returns what is wrong and what to do, for the user.
+std::string explained(const SystematicError& error);
+
 /// Reports on a locator: problems in the log, statistics in diagnostics.
 class LocatorReport {
  public:
@@ -36,6 +39,8 @@ class LocatorReport {
     double squares = 0.0;  // mean squared residual of a coordinate over its variance, summed over images
     unsigned long images = 0;
   };
+  void fillErrors(diagnostic_updater::DiagnosticStatusWrapper& status, const MarkerLocalization& localization,
+                  const std::vector<std::string>& cameras);
   void addResiduals(const LocatedPose& pose);
   void fillResiduals(diagnostic_updater::DiagnosticStatusWrapper& status);
   void fillMoved(diagnostic_updater::DiagnosticStatusWrapper& status, const MarkerLocalization& localization);
