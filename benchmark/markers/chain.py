@@ -48,8 +48,8 @@ class Bars(NamedTuple):
 
 NO_BARS = Bars(share=None, late=None)
 BARS = {
-    (1280, 720): {ARUCO: Bars(0.15, 0.3, 0.4, 1.2), APRILTAG: Bars(None, None, 0.4, 1.2)},
-    (640, 480): {ARUCO: Bars(0.17, 0.3, 1.2, 3.2), APRILTAG: Bars(None, None, 1.2, 3.2)},
+    (1280, 720): {ARUCO: Bars(0.045, 0.3, 0.4, 1.2), APRILTAG: Bars(0.12, None, 0.4, 1.2)},
+    (640, 480): {ARUCO: Bars(0.1, 0.3, 1.2, 3.2), APRILTAG: Bars(0.25, None, 1.2, 3.2)},
 }
 
 

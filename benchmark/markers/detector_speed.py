@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Callable, Dict, List, Optional, Tuple
 
 import numpy as np
+from libapriltag import apriltag_detector
 from opencv_aruco import opencv_detector
 from tables import Table, Value
 from under_test import detector
@@ -81,8 +82,8 @@ def race(family: str, size: Tuple[int, int], frames: int, seeds: Tuple[int, ...]
 def plain_search(family: str) -> Callable[[np.ndarray], Found]:
     """The library as one calls it who has just installed it; corners have no deviations."""
     if family == APRILTAG:
-        find_tags = search(family, None, "full", decimate=2.0, refine_corners=False)
-        return lambda image: {id: (corners, np.zeros(4)) for id, (corners, _) in find_tags(image).items()}
+        find_tags = apriltag_detector(family)
+        return lambda image: {tag.id: (tag.corners, np.zeros(4)) for tag in find_tags(image)}
     find = opencv_detector(family)
     return lambda image: {id: (corners, np.zeros(4)) for id, corners in find(image).items()}
 

@@ -59,7 +59,10 @@ def bag_markers(photos: Photos) -> list:
 
 
 def outdoor_tags(photos: Photos) -> Tuple[int, int, int]:
-    """(found, wrong, known) AprilTags; wrong: found where none is known, with another id, or twice."""
+    """(found, wrong, known) AprilTags; wrong: with an id that no tag of the photo has, or a known one twice.
+
+    The lists are another detector's: they lack some tags, of the same ids.
+    """
     apriltag = detector("tag36h11")
     found = wrong = total = 0
     for name, known in photos.outdoors().items():
@@ -67,12 +70,16 @@ def outdoor_tags(photos: Photos) -> Tuple[int, int, int]:
         left = list(known)
         for detection in apriltag.detect(photos.image(name)):
             match = next((tag for tag in left if _same(tag, detection)), None)
-            if match is None:
-                wrong += 1
-            else:
+            if match is not None:
                 found += 1
                 left = [tag for tag in left if tag is not match]
+            else:
+                wrong += _is_wrong(known, detection)
     return found, wrong, total
+
+
+def _is_wrong(known: list, detection) -> bool:
+    return detection.id not in dict(known) or any(_same(tag, detection) for tag in known)
 
 
 def _same(tag: tuple, detection) -> bool:

@@ -20,6 +20,7 @@ constexpr double kEnoughQuickly = 6;     // the same for Effort::quick
 constexpr double kSmoothing = 0.6;       // pixels; reduces the number of contours from noise
 constexpr int kBlock = 9, kSmallBlock = 3, kLargeBlock = 13;  // pixels; window of the adaptive threshold
 constexpr double kDarkBorder = 0.7;  // minimum dark fraction of the border for a thorough search
+constexpr double kMinDeviation = 1;  // grey levels; of a square that can have a code, in poor light
 constexpr double kSmallerThanExpected = 0.5;
 
 cv::aruco::DetectorParameters arucoParameters(const DetectorParams& params) {
@@ -28,6 +29,7 @@ cv::aruco::DetectorParameters arucoParameters(const DetectorParams& params) {
   aruco.adaptiveThreshWinSizeStep = kLargeBlock - kSmallBlock;
   aruco.minMarkerDistanceRate = 0.02;  // with 0.05, the outer contour of a one-module white border wins
   aruco.minDistanceToBorder = 1;
+  aruco.minOtsuStdDev = kMinDeviation;
   aruco.cornerRefinementMethod = cv::aruco::CORNER_REFINE_NONE;
   return aruco;
 }
@@ -64,12 +66,12 @@ class ArucoSearch : public MarkerSearch {
     inside(image, quads_, effort, found);
   }
 
-  bool isAt(const cv::Mat& image, const MarkerKey& key, const Corners& corners) override {
+  bool readAt(const cv::Mat& image, Detection& marker) override {
     std::array<cv::Point2f, 4> quad;
     for (int i = 0; i < 4; ++i)
-      quad[(i + turn_) % 4] = {static_cast<float>(corners[i].x()), static_cast<float>(corners[i].y())};
-    const Code code = reader_.read(image, quad);
-    return code.id == key.id && code.rotation == 0;
+      quad[(i + turn_) % 4] = {static_cast<float>(marker.corners[i].x()),
+                               static_cast<float>(marker.corners[i].y())};
+    return reader_.shows(image, quad, marker.key.id);
   }
 
   bool readsInPlace() const override { return true; }
@@ -89,12 +91,15 @@ class ArucoSearch : public MarkerSearch {
                FoundMarkers& found) {
     if (window.width < kMinWindow || window.height < kMinWindow) return;
     cv::GaussianBlur(image(window), smooth_, {3, 3}, kSmoothing, 0, cv::BORDER_DEFAULT | cv::BORDER_ISOLATED);
+    cv::normalize(smooth_, smooth_, 0, 255, cv::NORM_MINMAX);
     parameters_.adaptiveThreshWinSizeMin = effort == Effort::quick ? kBlock : kSmallBlock;
     parameters_.adaptiveThreshWinSizeMax = effort == Effort::quick ? kBlock : kLargeBlock;
     const double min_side = std::max(kSmallerThanExpected * side, minSide(image.size()));
     parameters_.minMarkerPerimeterRate = 4 * min_side / std::max(window.width, window.height);
     detectArucoMarkers(smooth_, dictionary_, parameters_, read_, ids_);
-    for (size_t i = 0; i < ids_.size(); ++i) found.add(detection(ids_[i], read_[i], window.tl()));
+    for (size_t i = 0; i < ids_.size(); ++i)
+      if (reader_.trusts(smooth_, {read_[i][0], read_[i][1], read_[i][2], read_[i][3]}))
+        found.add(detection(ids_[i], read_[i], window.tl()));
   }
 
   Detection detection(const Code& code, const QuadCandidate& quad) const {

@@ -57,15 +57,19 @@ ParamList DetectorParams::fields() {
       {"search", &search, oneOf({"full", "tracking"}), "",
        "`tracking`: search known markers at their predicted positions, and new ones in every third image; in "
        "the others only at the sides of the image where new parts of the scene come into view; `full`: "
-       "search every image completely, several times slower"},
+       "search every image completely, also at a coarser scale for motion blur, several times slower"},
       {"decimate", &decimate, Range::closed(1, 8), "",
        "AprilTag: factor by which the image is reduced for the quad search; 2 is 4 times as fast"},
       {"max_hamming", &max_hamming, Range::closed(0, 3), "bits",
-       "AprilTag: maximum number of corrected bits; refused for large families if it needs more than 1 GB"},
+       "AprilTag: maximum number of corrected bits; refused for large families if it needs more than 1 GB; "
+       "0: blurred tags are not identified by their grey levels either"},
       {"min_decision_margin", &min_decision_margin, Range::closed(0, 255), "grey levels",
-       "AprilTag: minimum contrast of the bits"},
+       "AprilTag: minimum contrast of the bits, also in poor light; false detections are rejected by their "
+       "border "
+       "and by contrast relative to it"},
       {"error_correction", &error_correction, Range::closed(0, 1), "",
-       "ArUco: fraction of the dictionary's correctable bits that are corrected"},
+       "ArUco: fraction of the dictionary's correctable bits that are corrected; 0: blurred markers are not "
+       "identified by their grey levels either"},
       {"min_perimeter", &min_perimeter, Range::openLow(0, 4), "",
        "ArUco: minimum ratio of a marker's perimeter to the larger side of the image"},
       {"refine_corners", &refine_corners, Allowed(), "",

@@ -68,7 +68,7 @@ bool FoundMarkers::cover(const QuadCandidate& quad) const {
 
 bool FoundMarkers::include(const MarkerKey& key, const Corners& near) const {
   return std::any_of(markers.begin(), markers.end(), [&](const Detection& found) {
-    const double reach = perimeter(near) / 4;
+    const double reach = perimeter(near) / 8;
     return found.key == key && (centre(found.corners) - centre(near)).norm() < reach;
   });
 }

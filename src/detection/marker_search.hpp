@@ -39,9 +39,9 @@ class MarkerSearch {
                       FoundMarkers& found) = 0;
   /// Reads every quad that is not part of a detected marker.
   virtual void inside(const cv::Mat& image, QuadSearch& quads, Effort effort, FoundMarkers& found);
-  /// Whether this marker can be read with exactly these corners.
-  virtual bool isAt(const cv::Mat&, const MarkerKey&, const Corners&) { return false; }
-  /// Whether isAt() is implemented; else markers must be searched.
+  /// Whether this marker can be read with exactly its corners; then sets what the backend knows of its bits.
+  virtual bool readAt(const cv::Mat&, Detection&) { return false; }
+  /// Whether readAt() is implemented; else markers must be searched.
   virtual bool readsInPlace() const { return false; }
   /// Shortest side of a marker that can be read in images of this size, pixels.
   virtual double minSide(const cv::Size& image) const = 0;

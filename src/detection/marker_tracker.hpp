@@ -33,7 +33,10 @@ class MarkerTracker {
   void refine(const cv::Mat& image, const CameraModel* camera, Detection& marker) const;
   void confirm(const MarkerTracks::Expected& expected, const cv::Mat& image, const CameraModel* camera,
                FoundMarkers& found) const;
-  void lookFor(const MarkerTracks::Expected& marker, const cv::Mat& image, FoundMarkers& found);
+  /// Searches the missing markers where they are expected. Returns false where that costs too much.
+  bool lookFor(const std::vector<MarkerTracks::Expected>& expected, const cv::Mat& image,
+               FoundMarkers& found);
+  bool leaves(const cv::Mat& image, const Detection& marker) const;
   void sweep(const cv::Mat& image, const cv::Rect& part, FoundMarkers& found);
 
   std::unique_ptr<MarkerSearch> search_;

@@ -84,23 +84,25 @@ void MarkerTracks::update(const FoundMarkers& found) {
   std::vector<Track> next;
   for (const Detection& detection : found.markers) next.push_back(follow(detection));
   for (Track& track : tracks_)
-    if (++track.missed <= kMaxMissed && !found.include(track.last.key, track.last.corners))
-      next.push_back(track);
+    if (!track.followed && ++track.missed <= kMaxMissed) next.push_back(track);
   tracks_ = std::move(next);
   learnMotion();
 }
 
-MarkerTracks::Track MarkerTracks::follow(const Detection& detection) const {
-  Track next{detection, {}, false, 0};
-  double nearest = std::numeric_limits<double>::infinity();
-  for (const Track& track : tracks_) {
+MarkerTracks::Track MarkerTracks::follow(const Detection& detection) {
+  Track next{detection, {}, false, 0, false};
+  Track* nearest = nullptr;
+  double least = std::numeric_limits<double>::infinity();
+  for (Track& track : tracks_) {
     const double distance = (centre(track.last.corners) - centre(detection.corners)).norm();
-    if (!(track.last.key == detection.key) || distance > nearest) continue;
-    nearest = distance;
-    next.moved = true;
-    for (int i = 0; i < 4; ++i)
-      next.velocity[i] = (detection.corners[i] - track.last.corners[i]) / (track.missed + 1);
+    if (!(track.last.key == detection.key) || distance > least) continue;
+    least = distance;
+    nearest = &track;
   }
+  if (!nearest) return next;
+  nearest->followed = next.moved = true;
+  for (int i = 0; i < 4; ++i)
+    next.velocity[i] = (detection.corners[i] - nearest->last.corners[i]) / (nearest->missed + 1);
   return next;
 }
 

@@ -38,8 +38,9 @@ class MarkerTracks {
     Corners velocity;  // pixels per image
     bool moved;        // detected twice, so that it has its own velocity
     int missed;        // number of consecutive images without it
+    bool followed;     // by a detection in the new image
   };
-  Track follow(const Detection& detection) const;
+  Track follow(const Detection& detection);
   int depth(double speed) const;
   cv::Rect comingIn(double speed, const cv::Rect& side, const cv::Size& image,
                     const std::vector<cv::Rect>& cut_off) const;

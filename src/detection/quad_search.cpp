@@ -3,7 +3,9 @@
 #include "quad_search.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <opencv2/imgproc.hpp>
 
 #include "contour_corners.hpp"
@@ -13,7 +15,16 @@ namespace {
 
 // Window widths of the adaptive thresholds, pixels at half resolution.
 const std::vector<int> kQuickBlocks = {5}, kBlocks = {3, 13};
-constexpr double kDarker = 7, kMuchDarker = 10;  // grey levels below the local mean of a dark pixel
+// Grey levels below the local mean of a dark pixel: so many standard deviations of the noise between these
+// limits.
+struct Darkness {
+  double deviations, least, most;
+};
+constexpr Darkness kDarker = {3.5, 2, 7}, kMuchDarker = {5, 2, 10};
+constexpr double kRelatively = 0.05;  // least for a quick search, over the mean of the searched part
+constexpr double kSmallSide = 24;     // pixels; quads up to this side are also searched at full resolution
+constexpr double kAnySide = std::numeric_limits<double>::infinity();
+constexpr double kDiagonal = 1.5;    // maximum extent of a quad over its side
 constexpr double kStraight = 0.04;   // maximum distance of a contour from its polygon, over its length
 constexpr double kBlunt = 2;         // minimum of this distance, pixels: corners of small quads are rounded
 constexpr double kWinding = 1.5;     // maximum length of a quad's contour over its box's outline
@@ -29,9 +40,11 @@ double shorter(const std::vector<cv::Point>& quad, double* longer) {
   return 0.5 * std::min(a, b);
 }
 
-// From half to full resolution, including the edge half a pixel outside the outermost pixel centres.
-cv::Rect inFullImage(const cv::Rect& box) {
-  return {2 * box.x - 1, 2 * box.y - 1, 2 * box.width + 2, 2 * box.height + 2};
+// From reduced to full resolution, including the edge half a pixel outside the outermost pixel centres.
+cv::Rect inFullImage(const cv::Rect& box, int factor) {
+  const int edge = factor / 2;
+  return {factor * box.x - edge, factor * box.y - edge, factor * box.width + 2 * edge,
+          factor * box.height + 2 * edge};
 }
 
 // Box filter with weights that sum to 1 in OpenCV's 8-bit fixed point. Vectorized, unlike cv::blur; without
@@ -68,6 +81,30 @@ bool isCutOff(const cv::Rect& box, const cv::Size& image) {
          box.br().y > image.height - kNear;
 }
 
+// Standard deviation of the noise, grey levels: from the median magnitude of second differences along every
+// eighth row, whose variance is six times that of the noise. Median of a Gaussian's magnitude: 0.6745.
+double noiseOf(const cv::Mat& image) {
+  std::array<int, 1024> histogram{};
+  int count = 0;
+  for (int y = 0; y < image.rows; y += 8) {
+    const uchar* row = image.ptr(y);
+    for (int x = 1; x + 1 < image.cols; ++x, ++count)
+      ++histogram[std::abs(row[x - 1] - 2 * row[x] + row[x + 1])];
+  }
+  int bin = 0, below = 0;
+  while (2 * (below + histogram[bin]) < count) below += histogram[bin++];
+  const double share = (0.5 * count - below) / std::max(1, histogram[bin]);
+  const double median = bin == 0 ? 0.5 * share : bin - 0.5 + share;
+  return median / (0.6745 * std::sqrt(6.0));
+}
+
+double darkness(const cv::Mat& image, Effort effort) {
+  const Darkness& limit = effort == Effort::quick ? kMuchDarker : kDarker;
+  const double relative = effort == Effort::quick ? kRelatively * cv::mean(image)[0] : 0;
+  return std::round(
+      std::clamp(std::max(limit.deviations * noiseOf(image), relative), limit.least, limit.most));
+}
+
 // Drops an odd last row or column, because any other factor than exactly two takes ten times as long.
 void halve(const cv::Mat& image, cv::Mat& half) {
   const cv::Rect even(0, 0, image.cols / 2 * 2, image.rows / 2 * 2);
@@ -81,37 +118,56 @@ const std::vector<QuadCandidate>& QuadSearch::find(const cv::Mat& image, const c
   found_.clear();
   cut_off_.clear();
   if (part.width < 8 || part.height < 8) return found_;
-  halve(image(part), half_);
-  for (const int block : effort == Effort::quick ? kQuickBlocks : kBlocks) {
-    meanAround(half_, block, mean_);
-    cv::subtract(mean_, half_, dark_);  // with the next line: cv::adaptiveThreshold in a third of the time
-    cv::threshold(dark_, dark_, (effort == Effort::quick ? kMuchDarker : kDarker) - 1, 255,
-                  cv::THRESH_BINARY);
-    collect(part.tl(), min_side / 2);
-  }
-  std::sort(found_.begin(), found_.end(),
-            [](const QuadCandidate& a, const QuadCandidate& b) { return a.box.area() > b.box.area(); });
+  const cv::Mat whole = image(part);
+  halve(whole, half_);
+  findAt(half_, {part.tl(), 2, min_side, kAnySide}, effort);
+  if (effort == Effort::quick || std::min(half_.cols, half_.rows) < 8) return found_;
+  halve(half_, quarter_);
+  findAt(quarter_, {part.tl(), 4, min_side, kAnySide}, Effort::thorough);
+  if (min_side < kSmallSide) findAt(whole, {part.tl(), 1, min_side, kSmallSide}, Effort::quick);
   return found_;
 }
 
-void QuadSearch::collect(const cv::Point& origin, double min_side) {
+// The quads of an image follow those of the images before.
+void QuadSearch::findAt(const cv::Mat& reduced, const Scale& scale, Effort effort) {
+  const double level = darkness(reduced, effort);
+  const auto first = static_cast<std::ptrdiff_t>(found_.size());
+  for (const int block : effort == Effort::quick ? kQuickBlocks : kBlocks) {
+    meanAround(reduced, block, mean_);
+    cv::subtract(mean_, reduced, dark_);  // with the next line: cv::adaptiveThreshold in a third of the time
+    cv::threshold(dark_, dark_, level - 1, 255, cv::THRESH_BINARY);
+    collect(scale);
+  }
+  std::sort(found_.begin() + first, found_.end(),
+            [](const QuadCandidate& a, const QuadCandidate& b) { return a.box.area() > b.box.area(); });
+}
+
+void QuadSearch::collect(const Scale& scale) {
   cv::findContours(dark_, contours_, cv::RETR_LIST, cv::CHAIN_APPROX_NONE);
+  const double min_side = scale.min_side / scale.factor;
   const double min_points = 2.5 * min_side;  // less than four sides, because diagonal steps count once
   for (const auto& contour : contours_) {
     if (static_cast<double>(contour.size()) < min_points) continue;
     const cv::Rect box = cv::boundingRect(contour);
-    if (isCutOff(box, dark_.size()) && std::max(box.width, box.height) >= min_side)
-      cut_off_.push_back(inFullImage(box) + origin);
-    if (!isQuad(contour, box)) continue;
-    double longer;
-    const double side = shorter(polygon_, &longer);
-    if (side < 0.8 * min_side || side <= kNarrow * longer) continue;
-    QuadCandidate quad{inFullImage(cv::boundingRect(polygon_)) + origin, 2 * side,
-                       contourCorners(contour, polygon_)};
-    for (cv::Point2f& corner : quad.corners)
-      corner = 2 * corner + cv::Point2f(0.5F, 0.5F) + cv::Point2f(origin);
-    found_.push_back(quad);
+    const int extent = std::max(box.width, box.height);
+    if (extent * scale.factor > kDiagonal * scale.max_side) continue;
+    if (isCutOff(box, dark_.size()) && extent >= min_side)
+      cut_off_.push_back(inFullImage(box, scale.factor) + scale.origin);
+    if (isQuad(contour, box)) keep(contour, scale);
   }
+}
+
+// Keeps the polygon of a contour if it is large and wide enough.
+void QuadSearch::keep(const std::vector<cv::Point>& contour, const Scale& scale) {
+  double longer;
+  const double side = shorter(polygon_, &longer);
+  if (side < 0.8 * scale.min_side / scale.factor || side <= kNarrow * longer) return;
+  QuadCandidate quad{inFullImage(cv::boundingRect(polygon_), scale.factor) + scale.origin,
+                     scale.factor * side, contourCorners(contour, polygon_)};
+  const float shift = 0.5F * static_cast<float>(scale.factor - 1);
+  for (cv::Point2f& corner : quad.corners)
+    corner = scale.factor * corner + cv::Point2f(shift, shift) + cv::Point2f(scale.origin);
+  found_.push_back(quad);
 }
 
 bool QuadSearch::isQuad(const std::vector<cv::Point>& contour, const cv::Rect& box) {

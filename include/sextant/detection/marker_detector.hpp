@@ -20,7 +20,7 @@ struct DetectorParams {
   int threads = 1;
   double decimate = 1.0;
   int max_hamming = 2;
-  double min_decision_margin = 20.0;
+  double min_decision_margin = 0.0;
   double error_correction = 0.6;
   double min_perimeter = 0.02;
   bool refine_corners = true;

@@ -55,6 +55,39 @@ TEST(AprilTagSearch, LeavesOutWhatHasTooLittleContrast) {
   EXPECT_TRUE(tagsIn(image, tagParams(0, margin / 4 + 3)).empty());
 }
 
+TEST(AprilTagSearch, ReadsATagInPlaceOrNot) {
+  const MarkerImage marker = markerImage("tag36h11", 9);
+  const cv::Mat image = searchImage(marker.modules);
+  const auto search = makeAprilTagSearch(tagParams(1), {"tag16h5", "tag36h11"});
+  const auto reads = [&](int id, const Corners& corners) {
+    Detection tag;
+    tag.key = {"tag36h11", id};
+    tag.corners = corners;
+    return search->readAt(image, tag) && tag.hamming == 0 && tag.decision_margin > 50;
+  };
+  const Corners corners = searchCorners(marker);
+  EXPECT_TRUE(reads(9, corners));
+  EXPECT_FALSE(reads(8, corners));
+  EXPECT_FALSE(reads(9, {corners[1], corners[2], corners[3], corners[0]}));
+}
+
+// Random squares have one of its codes every fourth time, with two wrong bits.
+TEST(AprilTagSearch, TakesNoTextureForASmallCode) {
+  cv::RNG random(3);
+  const auto search = makeAprilTagSearch(tagParams(2, 0), {"tag16h5"});
+  FoundMarkers found;
+  for (int i = 0; i < 40; ++i) {
+    cv::Mat modules(8, 8, CV_8U, cv::Scalar(255)), square = modules({1, 1, 6, 6}),
+                                                   inside = modules({2, 2, 4, 4});
+    square = 40;
+    random.fill(inside, cv::RNG::UNIFORM, 40, 256);
+    search->everywhere(searchImage(modules), found);
+  }
+  EXPECT_LE(found.markers.size(), 1u);
+  search->everywhere(searchImage(markerImage("tag16h5", 7).modules), found);
+  EXPECT_EQ(found.markers.back().key.id, 7);
+}
+
 TEST(AprilTagSearch, KnowsItsFamilies) {
   const auto search = makeAprilTagSearch(tagParams(0), {"tag36h11", "tagCircle21h7"});
   EXPECT_EQ(search->border({"tag36h11", 0}).modules, 8);
@@ -62,7 +95,7 @@ TEST(AprilTagSearch, KnowsItsFamilies) {
   EXPECT_EQ(search->border({"tagCircle21h7", 0}).modules, 5);
   EXPECT_TRUE(search->border({"tagCircle21h7", 0}).white_inside);
   EXPECT_THROW(search->border({"tag25h9", 0}), std::logic_error);
-  EXPECT_EQ(search->minSide({640, 480}), 16);  // two pixels a module
+  EXPECT_NEAR(search->minSide({640, 480}), 11.2, 1e-9);  // 1.4 pixels a module
   FoundMarkers found;
   search->everywhere(cv::Mat(15, 400, CV_8U, cv::Scalar(0)), found);  // too small for libapriltag
   EXPECT_TRUE(found.markers.empty());

@@ -33,6 +33,13 @@ TEST(ArucoSearch, OneDictionarysUprightIsAnothersUpsideDown) {
   EXPECT_LT(farthestCorner(found.markers[0].corners, searchCorners(marker)), 1.5);
 }
 
+bool readsAt(MarkerSearch& search, const cv::Mat& image, const MarkerKey& key, const Corners& corners) {
+  Detection marker;
+  marker.key = key;
+  marker.corners = corners;
+  return search.readAt(image, marker);
+}
+
 TEST(ArucoSearch, ReadsAMarkerInPlaceOrNot) {
   for (const std::string family : {"DICT_5X5_100", "DICT_APRILTAG_36h11"}) {
     const std::string canonical = canonicalFamily(family);
@@ -40,12 +47,12 @@ TEST(ArucoSearch, ReadsAMarkerInPlaceOrNot) {
     const cv::Mat image = searchImage(marker.modules);
     const auto search = makeArucoSearch({}, family);
     const Corners corners = searchCorners(marker);
-    EXPECT_TRUE(search->isAt(image, {canonical, 7}, corners));
-    EXPECT_FALSE(search->isAt(image, {canonical, 8}, corners));
-    EXPECT_FALSE(search->isAt(image, {canonical, 7}, {corners[1], corners[2], corners[3], corners[0]}));
+    EXPECT_TRUE(readsAt(*search, image, {canonical, 7}, corners));
+    EXPECT_FALSE(readsAt(*search, image, {canonical, 8}, corners));
+    EXPECT_FALSE(readsAt(*search, image, {canonical, 7}, {corners[1], corners[2], corners[3], corners[0]}));
     Corners aside = corners;
     for (auto& corner : aside) corner.x() += 30;
-    EXPECT_FALSE(search->isAt(image, {canonical, 7}, aside));
+    EXPECT_FALSE(readsAt(*search, image, {canonical, 7}, aside));
   }
 }
 

@@ -36,8 +36,8 @@ TEST(FoundMarkers, CoverWhatIsInsideOfThem) {
   found.add(squareAt(1, 100, 100, 40));
   EXPECT_TRUE(found.cover({{115, 115, 10, 10}, 10, {}}));
   EXPECT_FALSE(found.cover({{137, 115, 10, 10}, 10, {}}));  // its middle is 2 px outside
-  EXPECT_TRUE(found.include({"tag36h11", 1}, squareAt(1, 130, 100, 40).corners));
-  EXPECT_FALSE(found.include({"tag36h11", 1}, squareAt(1, 145, 100, 40).corners));
+  EXPECT_TRUE(found.include({"tag36h11", 1}, squareAt(1, 115, 100, 40).corners));
+  EXPECT_FALSE(found.include({"tag36h11", 1}, squareAt(1, 125, 100, 40).corners));
   EXPECT_FALSE(found.include({"tag36h11", 2}, squareAt(1, 100, 100, 40).corners));
 }
 

@@ -31,6 +31,19 @@ cv::Mat view(const Eigen::Vector2d& middle, double side, int seed) {
   return photograph(printScene(place(middle, side)), exposure);
 }
 
+// The mean of the images along a motion by this many pixels.
+cv::Mat motionBlurred(const cv::Mat& image, int length, double angle) {
+  cv::Mat sum(image.size(), CV_32F, cv::Scalar(0)), moved, blurred;
+  for (int i = 0; i <= length; ++i) {
+    const double by = i - 0.5 * length;
+    const cv::Matx23d shift(1, 0, by * std::cos(angle), 0, 1, by * std::sin(angle));
+    cv::warpAffine(image, moved, shift, image.size(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+    cv::add(sum, moved, sum, cv::noArray(), CV_32F);
+  }
+  sum.convertTo(blurred, CV_8U, 1.0 / (length + 1));
+  return blurred;
+}
+
 cv::Mat empty() { return view({-500, -500}, 50, 1); }
 
 std::unique_ptr<MarkerDetector> detector(const std::string& family, const std::string& search) {
@@ -109,6 +122,39 @@ TEST_P(Tracking, SearchesEverywhereWhenTheImageHasAnotherSize) {
   EXPECT_EQ(tracking_->detect(view({300, 100}, 50, 1)).size(), 1u);
 }
 
+// A contrast of eight grey levels.
+TEST_P(Tracking, SeesInPoorLight) {
+  for (int i = 0; i < 6; ++i) {
+    const Eigen::Vector2d middle(120 + 10 * i, 130);
+    cv::Mat dark = view(middle, 60, i);
+    dark.convertTo(dark, CV_8U, 0.05);
+    EXPECT_EQ(tracking_->detect(dark).size(), 1u) << i;
+    EXPECT_EQ(full_->detect(dark).size(), 1u) << i;
+  }
+}
+
+// 12 pixels, as wide as two of its modules, in four directions.
+TEST_P(Tracking, SeesWhatMotionBlurs) {
+  for (int direction = 0; direction < 4; ++direction) {
+    const Eigen::Vector2d middle(240, 135);
+    for (int i = 0; i < 3; ++i) tracking_->detect(view(middle, 50, i));
+    const cv::Mat image = motionBlurred(view(middle, 50, 9), 12, direction * M_PI / 4);
+    EXPECT_EQ(tracking_->detect(image).size(), 1u) << direction;
+    const auto found = full_->detect(image);
+    ASSERT_EQ(found.size(), 1u) << direction;
+    EXPECT_EQ(found[0].key, (MarkerKey{"tag36h11", 9}));
+    EXPECT_LT(farthest(found[0].corners, place(middle, 50)), 6) << direction;
+  }
+}
+
+TEST_P(Tracking, SeesOneWithACornerOutside) {
+  const Eigen::Vector2d middle(27, 135);  // its left corners at x = -1 and 2
+  EXPECT_EQ(full_->detect(view(middle + Eigen::Vector2d(20, 0), 50, 1)).size(), 1u);
+  const auto found = full_->detect(view(middle, 50, 2));
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_LT(farthest(found[0].corners, place(middle, 50)), 0.5);
+}
+
 INSTANTIATE_TEST_SUITE_P(Backends, Tracking, testing::Values("tag36h11", "DICT_APRILTAG_36h11"),
                          [](const auto& info) { return info.param; });
 
@@ -118,20 +164,35 @@ class Watched : public MarkerSearch {
   void everywhere(const cv::Mat&, FoundMarkers& found) override {
     ++searches;
     if (there) found.add(*there);
+    for (const Detection& other : others) found.add(other);
   }
   void within(const cv::Mat& image, const cv::Rect& window, double, Effort, FoundMarkers& found) override {
     EXPECT_EQ(window & cv::Rect({0, 0}, image.size()), window);
     ++windows;
     if (there) found.add(*there);
   }
-  bool isAt(const cv::Mat&, const MarkerKey&, const Corners&) override { return in_place; }
+  bool readAt(const cv::Mat&, Detection&) override { return in_place; }
   bool readsInPlace() const override { return in_place; }
   double minSide(const cv::Size&) const override { return 12; }
   BorderSquare border(const MarkerKey&) const override { return {}; }
   int searches = 0, windows = 0;
   bool in_place = false;
   std::optional<Detection> there;
+  std::vector<Detection> others;  // that only a full search finds
 };
+
+// A full search with decimate 2 finds a tag of 24 pixels.
+TEST(MarkerTracker, FindsSmallTagsInAReducedImage) {
+  DetectorParams params;
+  params.decimate = 2;
+  params.search = "tracking";
+  const auto tracking = makeMarkerDetector(params);
+  tracking->detect(empty());
+  for (int i = 0; i < 6; ++i) {
+    const auto found = tracking->detect(view({100 + 9.0 * i, 130}, 25, i));
+    EXPECT_EQ(found.size(), i < 2 ? found.size() : 1u) << i;
+  }
+}
 
 TEST(MarkerTracker, DoesNotSearchAnEmptyViewAgainAndAgain) {
   auto search = std::make_unique<Watched>();
@@ -165,13 +226,27 @@ TEST(MarkerTracker, LooksForNoMarkerThatItReadsInPlace) {
   }
 }
 
+// A corner may lie outside, where its edges meet, but no edge: a module has 6 pixels.
 TEST(MarkerTracker, TellsNoMarkerThatGoesOnOutsideTheImage) {
-  for (const double x : {100.0, 26.0, 22.0}) {
+  for (const auto& [x, count] : {std::pair(100.0, 1u), {26.0, 1u}, {21.0, 0u}}) {
     auto search = std::make_unique<Watched>();
     search->there = Detection{{"tag36h11", 9}, place({x, 130}, 50), {0.5, 0.5, 0.5, 0.5}};
     MarkerTracker tracker(std::move(search), true, false);
-    EXPECT_EQ(tracker.find(empty(), nullptr).size(), x == 100.0 ? 1u : 0u) << x;
+    EXPECT_EQ(tracker.find(empty(), nullptr).size(), count) << x;
   }
+}
+
+// The windows of forty lost markers are larger than the image.
+TEST(MarkerTracker, SearchesTheImageOnceWhereItLostMany) {
+  auto search = std::make_unique<Watched>();
+  Watched& watched = *search;
+  for (int id = 0; id < 40; ++id)
+    watched.others.push_back(Detection{
+        {"tag36h11", id}, place({40.0 + 57 * (id % 8), 30.0 + 52 * (id / 8)}, 40), {0.5, 0.5, 0.5, 0.5}});
+  MarkerTracker tracker(std::move(search), true, false);
+  for (int i = 0; i < 2; ++i) tracker.find(empty(), nullptr);
+  EXPECT_EQ(watched.searches, 2);
+  EXPECT_EQ(watched.windows, 0);
 }
 
 TEST(MarkerTracker, SearchesEveryImageWhereItIsNotToTrack) {

@@ -45,7 +45,11 @@ TEST(QuadSearch, FindsSmallAndLargeOnesTheLargestFirst) {
       QuadSearch search;
       const auto& found = search.find(squares(places, noise), {0, 0, 640, 480}, 12, effort);
       for (const auto& place : places) EXPECT_TRUE(holds(found, place)) << place.center << " noise " << noise;
-      for (size_t i = 1; i < found.size(); ++i) EXPECT_GE(found[i - 1].box.area(), found[i].box.area());
+      size_t smaller = 1;
+      while (smaller < found.size() && found[smaller - 1].box.area() >= found[smaller].box.area()) ++smaller;
+      for (size_t i = smaller + 1; i < found.size(); ++i)  // those at a quarter of the resolution
+        EXPECT_GE(found[i - 1].box.area(), found[i].box.area());
+      EXPECT_TRUE(effort == Effort::thorough || smaller >= found.size());
       EXPECT_LE(search.distinct().size(), 5u);
     }
 }
