@@ -33,7 +33,7 @@ FOCAL, CENTRE, RADIAL = 0.001, 1.0, 0.002  # relative; pixels; of the first coef
 WHOLE_ROUND = 1000  # images of one round, after which every marker was seen well
 STEP = 2.0 * np.pi / WHOLE_ROUND
 MOVED = 5  # id of a marker that is seen before and after the middle of a drive
-NEES, SECONDS = (0.8, 1.25), 120.0  # bars
+NEES, SECONDS, MAX_TAGS = (0.8, 1.25), 120.0, 40  # bars, that of the time up to so many tags an image
 COLUMNS = [
     "tags an image",
     "markers",
@@ -89,7 +89,7 @@ def _row(drive: Drive, made: List[Made], quick: bool) -> Row:
         _missing(drive, int(np.sum(missing)), len(made)),
         Value(1000.0 * float(np.sqrt(np.mean(position**2)))),
         _nees(nees),
-        Value(float(np.max(seconds)), 1, at_most=None if quick else SECONDS),
+        Value(float(np.max(seconds)), 1, at_most=None if quick or drive.tags > MAX_TAGS else SECONDS),
         Value(float(np.max(cpu)), 1),
     ]
     moved = f", one raised by {drive.moved} m halfway" if drive.moved else ""
