@@ -1,7 +1,5 @@
 // SPDX-FileCopyrightText: Sextant authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "apriltag_search.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -9,6 +7,7 @@
 #include <stdexcept>
 
 #include "apriltag_reader.hpp"
+#include "marker_search.hpp"
 #include "sextant/markers/apriltag_family.hpp"
 
 namespace sextant {
