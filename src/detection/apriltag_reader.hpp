@@ -2,14 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <apriltag/apriltag.h>
-
 #include <memory>
 #include <opencv2/core/mat.hpp>
 #include <optional>
 #include <vector>
 
-#include "code_book.hpp"
+#include "sextant/markers/apriltag_family.hpp"
+#include "sextant/markers/code_book.hpp"
 #include "sextant/markers/marker.hpp"
 
 namespace sextant {

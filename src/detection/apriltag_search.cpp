@@ -1,7 +1,5 @@
 // SPDX-FileCopyrightText: Sextant authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "apriltag_search.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -9,6 +7,7 @@
 #include <stdexcept>
 
 #include "apriltag_reader.hpp"
+#include "marker_search.hpp"
 #include "sextant/markers/apriltag_family.hpp"
 
 namespace sextant {
@@ -20,7 +19,7 @@ constexpr double kCoarseSigma = 0.25;      // the same over the factor by which 
 constexpr double kMaxTableBytes = 1e9;     // of the table of corrected codes
 constexpr double kBytesPerCode = 3 * 16;   // libapriltag's hash table has three 16-byte slots per code
 
-constexpr double kMinTagModule = 1.4;     // pixels of the decimated image; smaller modules cannot be read
+constexpr double kMinTagModule = 1.4;     // pixels; smaller modules cannot be read
 constexpr double kFineSharpening = 0.25;  // of the bits; libapriltag's default
 
 // A code that random bits match more often than this needs a clear print: see TagReading. Chosen on every
@@ -140,7 +139,7 @@ class AprilTagSearch : public MarkerSearch {
   double minSide(const cv::Size&) const override {
     double modules = 0;
     for (const auto& family : families_) modules = std::max(modules, 1.0 * family->width_at_border);
-    return kMinTagModule * modules * params_.decimate;
+    return kMinTagModule * modules;
   }
 
   BorderSquare border(const MarkerKey& key) const override {

@@ -1,11 +1,10 @@
 // SPDX-FileCopyrightText: Sextant authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "aruco_search.hpp"
-
 #include <algorithm>
 #include <opencv2/imgproc.hpp>
 
 #include "code_reader.hpp"
+#include "marker_search.hpp"
 #include "sextant/markers/aruco_dictionary.hpp"
 #include "sextant/markers/marker_family.hpp"
 

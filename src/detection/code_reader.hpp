@@ -5,8 +5,8 @@
 #include <array>
 #include <opencv2/core/mat.hpp>
 
-#include "code_book.hpp"
 #include "sextant/markers/aruco_dictionary.hpp"
+#include "sextant/markers/code_book.hpp"
 
 namespace sextant {
 

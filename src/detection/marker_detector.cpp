@@ -5,8 +5,6 @@
 #include <set>
 #include <stdexcept>
 
-#include "apriltag_search.hpp"
-#include "aruco_search.hpp"
 #include "marker_tracker.hpp"
 #include "sextant/markers/marker_family.hpp"
 

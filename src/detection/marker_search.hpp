@@ -2,12 +2,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <memory>
 #include <opencv2/core/mat.hpp>
 #include <opencv2/core/types.hpp>
+#include <string>
 #include <vector>
 
 #include "quad_search.hpp"
 #include "sextant/detection/corner_refiner.hpp"
+#include "sextant/detection/marker_detector.hpp"
 #include "sextant/markers/marker.hpp"
 
 namespace sextant {
@@ -48,6 +51,15 @@ class MarkerSearch {
   /// The outer square of a marker.
   virtual BorderSquare border(const MarkerKey& key) const = 0;
 };
+
+/// Creates a search with libapriltag, for several of its families in one pass.
+/// @throws std::out_of_range for an unknown family
+/// @throws std::invalid_argument if the table of corrected codes would not fit in memory
+std::unique_ptr<MarkerSearch> makeAprilTagSearch(const DetectorParams& params,
+                                                 const std::vector<std::string>& families);
+/// Creates a search with OpenCV's aruco module, for one dictionary.
+/// @throws std::out_of_range for an unknown dictionary
+std::unique_ptr<MarkerSearch> makeArucoSearch(const DetectorParams& params, const std::string& dictionary);
 
 /// The box widened by margin pixels on all sides and clipped to the image.
 cv::Rect widened(const cv::Rect& box, double margin, const cv::Size& image);

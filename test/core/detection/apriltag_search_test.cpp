@@ -1,9 +1,8 @@
 // SPDX-FileCopyrightText: Sextant authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "apriltag_search.hpp"
-
 #include <gtest/gtest.h>
 
+#include "marker_search.hpp"
 #include "test_search.hpp"
 
 namespace sextant {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Sextant authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "code_book.hpp"
+#include "sextant/markers/code_book.hpp"
 
 #include <algorithm>
 #include <cmath>
