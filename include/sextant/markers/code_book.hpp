@@ -11,7 +11,7 @@ namespace sextant {
 
 /// A code of a CodeBook that resembles the grey levels of a square's modules.
 struct CodeMatch {
-  int id;
+  int id;              ///< of the marker
   int rotation;        ///< number of quarter turns, clockwise, by which the upright marker appears turned
   double correlation;  ///< of the grey levels with the code, from -1 to 1
 };
