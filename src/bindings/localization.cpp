@@ -64,7 +64,7 @@ void bindMarkerLocator(py::module_& module) {
   module.def("locator_modes", &locatorModes, "Allowed values of LocatorParams.mode.");
 }
 
-void bindMarkerLocalization(py::module_& module) {
+void bindLocalizationParams(py::module_& module) {
   bindParams<OdometryParams>(module, "OdometryParams", "Drift of odometry and its gate.");
   bindParams<LocalizationParams>(module, "LocalizationParams", "Parameters of MarkerLocalization.")
       .def_readwrite("locator", &LocalizationParams::locator, "LocatorParams")
@@ -73,6 +73,9 @@ void bindMarkerLocalization(py::module_& module) {
                                       "Parameters of the nodelet sextant/MarkerLocator.")
       .def_readwrite("localization", &MarkerLocatorNodeParams::localization, "LocalizationParams")
       .def_readwrite("text", &MarkerLocatorNodeParams::text, "TextMapParams");
+}
+
+void bindFoundErrors(py::module_& module) {
   py::class_<MovedMarker>(module, "MovedMarker", "A marker that is not at its position in the map.")
       .def_property_readonly(
           "family", [](const MovedMarker& marker) { return marker.key.family; }, "canonical family")
@@ -94,6 +97,9 @@ void bindMarkerLocalization(py::module_& module) {
       .def_readonly("camera", &SystematicError::camera, "index of the camera")
       .def_readonly("value", &SystematicError::value, "(N,) estimated error")
       .def_readonly("sigma", &SystematicError::sigma, "(N,) its standard deviation");
+}
+
+void bindMarkerLocalization(py::module_& module) {
   py::class_<MarkerLocalization>(
       module, "MarkerLocalization",
       "Locates a robot in successive images: the algorithm of the locator node without ROS.")
@@ -103,7 +109,8 @@ void bindMarkerLocalization(py::module_& module) {
       .def("locate", &MarkerLocalization::locate, "map"_a, "views"_a, "T_odom_base"_a = py::none(),
            "stamp"_a = py::none(),
            "Returns a LocatorResult. views: list of MarkerView of one instant, one per camera; T_odom_base: "
-           "odometry at that instant, or None.")
+           "odometry at that instant, or None; stamp: of the instant, seconds, or None: a rolling shutter is "
+           "not found.")
       .def_property_readonly(
           "T_map_odom", [](const MarkerLocalization& self) { return self.correction().transform(); },
           "(4, 4), or None before the first pose with odometry")
@@ -129,5 +136,7 @@ PYBIND11_MODULE(localization, module) {
   py::module_::import("sextant._core.geometry");
   py::module_::import("sextant._core.markers");
   sextant::bindMarkerLocator(module);
+  sextant::bindLocalizationParams(module);
+  sextant::bindFoundErrors(module);
   sextant::bindMarkerLocalization(module);
 }

@@ -51,6 +51,8 @@ ANONYMOUS = re.compile(r"(_[^_]+){3}$")  # what roslaunch appends to the name of
 ENDS_ITSELF = re.compile(
     r"([^\s/]+) is not (?:registered at the master: ends|loaded in its manager: its loader is ended)"
 )
+# It was started before the parameters of a restarted roscore were restored.
+NO_PARAMETERS = re.compile(r"/([^\s/]+)/[^\s/]+: required, but not set")
 END = re.compile(
     r"\[(?:[^\][]+/)?([^\][/]+)-\d+\] process has (?:finished cleanly|died \[pid \d+, exit code (-?\d+))"
 )
@@ -242,6 +244,7 @@ def unexpected_ends(log, killed):
     """
     expected, lines = Counter((name, -signal.SIGKILL) for name in killed), []
     expected.update((name, 0) for name in ENDS_ITSELF.findall(log))
+    expected.update((name, 1) for name in NO_PARAMETERS.findall(log))
     for name in LOADERS:
         expected[name, 0] += expected[MANAGER, -signal.SIGKILL]
         expected[name, STILL_LOADED] = RETRIES * (expected[name, -signal.SIGKILL] + expected[name, 0])
