@@ -13,7 +13,8 @@ namespace {
 
 constexpr int kFirstPeriod = 20, kLastPeriod = 100;  // images between two evaluations
 constexpr double kMemory = 500.0;                    // images after which an image has the weight 1/e
-constexpr double kMinCount = 100.0;                  // residuals before the first evaluation
+constexpr double kMinCount = 100.0;                  // residuals before a cause is accepted
+constexpr double kMinForMoved = 30.0;                // residuals before a moved marker is found
 constexpr size_t kMaxMarkers = 30;  // that are monitored: the time of an evaluation is cubic in their number
 constexpr size_t kExactMoved = 3;   // moved markers whose evidence is computed without approximation
 constexpr int kMaxReplays = 6;      // without further images
@@ -98,11 +99,11 @@ void ErrorMonitor::add(const std::vector<MonitoredMarker>& markers, double weigh
 
 void ErrorMonitor::evaluate() {
   next_ = images_ + std::clamp(images_ / 2, kFirstPeriod, kLastPeriod);
-  if (sums_.count() < kMinCount) return;
+  if (sums_.count() < kMinForMoved) return;
   sums_.keepMarkers(kMaxMarkers);
   bool changed = false;
   while (findMoved()) changed = true;
-  changed |= accept();
+  changed |= sums_.count() >= kMinCount && accept();
   while (dropOne()) changed = true;
   apply(modelOf(accepted_, map_sigmas_));
   sums_.fade(std::exp((evaluated_ - images_) / kMemory));

@@ -12,7 +12,7 @@ namespace sextant {
 
 /// Errors of a camera's calibration, and its rolling shutter: the true value minus that of the calibration.
 struct CameraErrors {
-  static constexpr int kCount = 5;
+  static constexpr int kCount = 5;  ///< number of errors
 
   double focal_length = 0.0;                         ///< fraction of the focal length
   Eigen::Vector2d centre = Eigen::Vector2d::Zero();  ///< principal point, pixels
@@ -21,8 +21,9 @@ struct CameraErrors {
 
   /// As (focal_length, centre, distortion, readout_time).
   Eigen::Matrix<double, kCount, 1> vector() const;
+  /// Inverse of vector().
   static CameraErrors fromVector(const Eigen::Matrix<double, kCount, 1>& values);
-  bool areZero() const { return vector().isZero(0.0); }
+  bool areZero() const { return vector().isZero(0.0); }  ///< whether there is no error
 };
 
 /// Derivatives of a pixel with respect to CameraErrors::vector(); by the readout time, which depends on the

@@ -12,8 +12,8 @@ namespace sextant {
 /// Corner noise of one image relative to LocatorParams::corner_sigma, computed from residuals.
 /// Corners whose own Detection::corner_sigmas is large carry little information about it.
 struct ImageNoise {
-  double squares = 0.0;  ///< sum of squared distances over the markers, times squared noise_scale
-  double degrees_of_freedom = 0.0;
+  double squares = 0.0;             ///< sum of squared distances over the markers, times squared noise_scale
+  double degrees_of_freedom = 0.0;  ///< of the sum
 };
 
 /// The noise of one image, computed in two ways.

@@ -16,7 +16,7 @@ namespace sextant {
 
 /// A moving base.
 struct Motion {
-  Pose T_map_base;
+  Pose T_map_base;          ///< pose of the base in the map
   Vector6d velocity;        ///< position, rotation in the map's axes; per second
   Vector6d velocity_error;  ///< standard deviation along this direction
 };
@@ -44,10 +44,10 @@ class ErrorCorrection {
 
   /// The images of one instant.
   struct Images {
-    const std::vector<MarkerView>& views;
+    const std::vector<MarkerView>& views;      ///< as given
     const std::vector<MarkerView>& corrected;  ///< that gave the pose
     std::optional<double> stamp;               ///< seconds
-    std::optional<Motion> motion;
+    std::optional<Motion> motion;              ///< with which they were corrected
   };
   /// Adds what the uncertainty of the errors contributes to the covariance of a pose, and gives its residuals
   /// to the monitor.

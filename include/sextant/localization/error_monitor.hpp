@@ -18,7 +18,7 @@ enum class ErrorCause { focal_length, centre, distortion, shutter, marker_size, 
 
 /// A systematic error that explains the residuals of many images.
 struct SystematicError {
-  ErrorCause cause;
+  ErrorCause cause;   ///< what is wrong
   size_t camera = 0;  ///< index of the camera, if it is an error of a camera
   /// As in CameraErrors; logarithm of the marker size's factor; standard deviations of the position (m) and
   /// the rotation (rad) of mapped markers.

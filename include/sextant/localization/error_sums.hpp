@@ -17,7 +17,7 @@ namespace sextant {
 
 /// A mapped marker in an image, linearized at the located pose.
 struct MonitoredMarker {
-  MarkerKey key;
+  MarkerKey key;                                             ///< family and id
   size_t camera = 0;                                         ///< index of the camera
   std::array<double, 4> sigmas;                              ///< corner noise, pixels
   Matrix6d map_covariance = Matrix6d::Zero();                ///< of the map file; zero: exact
@@ -36,11 +36,11 @@ struct ErrorPrior {
 
 /// Most probable errors, as a step from those that have been removed.
 struct ErrorFit {
-  double log_evidence;  ///< logarithm of the marginal likelihood, without constants
-  double penalty;       ///< squared Mahalanobis distance of the errors in the prior
-  Eigen::VectorXd step;
-  Eigen::MatrixXd covariance;
-  double noise;  ///< variance of the whitened residuals
+  double log_evidence;         ///< logarithm of the marginal likelihood, without constants
+  double penalty;              ///< squared Mahalanobis distance of the errors in the prior
+  Eigen::VectorXd step;        ///< of the columns of the prior
+  Eigen::MatrixXd covariance;  ///< likewise
+  double noise;                ///< variance of the whitened residuals
 };
 
 /// The linear least-squares problem in the errors of cameras, marker size and map that many images make up:
@@ -60,7 +60,7 @@ class ErrorSums {
   const std::map<MarkerKey, Eigen::Index>& markers() const { return markers_; }
   /// Whether the images so far depend on an error.
   bool depend(Eigen::Index column) const { return H_(column, column) > 0; }
-  Eigen::Index columns() const { return H_.rows(); }
+  Eigen::Index columns() const { return H_.rows(); }  ///< number of errors
   double count() const { return count_; }  ///< weighted number of residuals, minus that of the poses
   const Eigen::VectorXd& values() const { return values_; }  ///< errors that have been removed, by column
 

@@ -74,7 +74,7 @@ double squaredMahalanobis(const FloorPrior& floor, const Pose& T_map_base);
 /// Residuals of a marker's eight corner coordinates (projection minus observation, pixels) at a pose, and
 /// their derivatives.
 struct MarkerLinearization {
-  Eigen::Matrix<double, 8, 1> residual;
+  Eigen::Matrix<double, 8, 1> residual;   ///< pixels
   Eigen::Matrix<double, 8, 6> by_base;    ///< with respect to the base's position, rotation in the map's axes
   Eigen::Matrix<double, 8, 6> by_marker;  ///< the same of the marker
   Eigen::Matrix<double, 8, 1> by_size;    ///< with respect to the logarithm of the marker's size

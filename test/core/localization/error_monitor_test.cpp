@@ -200,6 +200,24 @@ TEST(ErrorMonitor, AccusesNoneOfTwo) {
   EXPECT_TRUE(afterImages(100, 1, {0, 0.08, 0}, 2).movedMarkers().moved().empty());
 }
 
+// All images are the same: they count as few.
+TEST(ErrorMonitor, NamesAMovedMarkerAtAStandstill) {
+  const CameraModel camera(testCalibrations()[0], CameraModel::Image::raw);
+  MarkerMap map = room();
+  MappedMarker wrong = *map.find({kFamily, 1});
+  wrong.T_map_marker.translation().y() += 0.08;
+  map.set(wrong);
+  MarkerLocalization localization{LocalizationParams{}};
+  for (int i = 0; i < 30; ++i) {
+    MarkerView view = look(room(), camera, kTruth, 0.1, i);
+    view.detections.resize(3);
+    localization.locate(map, {view}, std::nullopt, 0.1 * i);
+  }
+  const auto moved = localization.movedMarkers().moved();
+  ASSERT_EQ(moved.size(), 1u);
+  EXPECT_EQ(moved[0].key.id, 1);
+}
+
 TEST(ErrorMonitor, IsSilentAtAStandstill) {
   const auto localization = afterImages(200, 1, {0, 0, 0}, 4);
   EXPECT_TRUE(localization.movedMarkers().moved().empty());
