@@ -20,12 +20,13 @@ constexpr size_t kExactMoved = 3;   // moved markers whose evidence is computed 
 constexpr int kMaxReplays = 6;      // without further images
 
 // Differences of the logarithm of the evidence.
-constexpr double kMinGain = 20.0;       // to accept a cause
-constexpr double kMinMargin = 5.0;      // of a moved marker over all other explanations
-constexpr double kMinAdvantage = 0.1;   // over the next marker: of its gain, whose linear model is not exact
-constexpr double kMaxLoss = 3.0;        // to drop an accepted cause
-constexpr double kMinShare = 0.2;       // of the misfit that an accepted cause explains
-constexpr double kMinVariance = 1e-14;  // of a prior
+constexpr double kMinGain = 20.0;        // to accept a cause
+constexpr double kMinMargin = 5.0;       // of a moved marker over all other explanations
+constexpr double kMinAdvantage = 0.1;    // over the next marker: of its gain, whose linear model is not exact
+constexpr double kNonlinearity = 0.001;  // of the misfit: what the linear model of a moved marker leaves
+constexpr double kMaxLoss = 3.0;         // to drop an accepted cause
+constexpr double kMinShare = 0.2;        // of the misfit that an accepted cause explains
+constexpr double kMinVariance = 1e-14;   // of a prior
 
 // Prior standard deviations.
 constexpr double kFocal = 0.02, kCentre = 15, kDistortion = 0.1, kReadout = 0.03, kSize = 0.02;
@@ -215,7 +216,8 @@ bool ErrorMonitor::findMoved(const std::vector<Cause>& causes) {
     if (gainOf(now, added, sigmas) < 0) continue;
     auto all = causes;
     all.insert(all.end(), added.begin(), added.end());
-    if (modelOf(all, sigmas).fit.log_evidence > now.fit.log_evidence + gain - kMinMargin) return false;
+    const ErrorFit fit = sums_.fit(priorOf(all, sigmas), kNonlinearity * now.fit.noise);
+    if (fit.log_evidence > now.fit.log_evidence + gain - kMinMargin) return false;
   }
   if (!isFarAway(now, moved)) return false;
   sums_.eliminate(moved, variancesOf(kMoved), now.fit.noise);
@@ -241,7 +243,7 @@ ErrorMonitor::MostMoved ErrorMonitor::mostMoved(const Model& now) const {
                     [](const auto& a, const auto& b) { return a.first > b.first; });
   MostMoved most{0, 0, {}};
   for (size_t i = 0; i < exact; ++i) {
-    const ErrorFit fit = sums_.fit(withMoved(now.prior, by_gain[i].second));
+    const ErrorFit fit = sums_.fit(withMoved(now.prior, by_gain[i].second), kNonlinearity * now.fit.noise);
     const double gain =
         fit.log_evidence - now.fit.log_evidence - std::log(static_cast<double>(sums_.markers().size()));
     most.second = std::max(most.second, std::min(gain, most.gain));

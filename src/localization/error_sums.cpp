@@ -10,10 +10,9 @@
 namespace sextant {
 namespace {
 
-constexpr double kMinCount = 100.0;   // residuals before large ones are limited
-constexpr double kRobustWidth = 4.0;  // standard deviations of a marker's residual norm
-constexpr int kNoiseRounds = 3;       // of the iteration for the noise
-constexpr double kMinNoise = 1e-9;
+constexpr double kMinCount = 100.0;      // residuals before large ones are limited
+constexpr double kRobustWidth = 4.0;     // standard deviations of a marker's residual norm
+constexpr int kNoiseRounds = 3;          // of the iteration for the noise
 constexpr double kMaxExplained = 0.999;  // fraction of the noise that more errors explain
 
 double logDeterminant(const Eigen::LLT<Eigen::MatrixXd>& cholesky) {
@@ -188,10 +187,10 @@ Eigen::VectorXd ErrorSums::selected(const Eigen::VectorXd& all, const std::vecto
 // With the noise variance s, maximizes the logarithm of the evidence (MacKay, Information Theory, Inference,
 // and Learning Algorithms, chapter 28)
 // -n/2 log s - |residuals|^2 / 2s - theta' P^-1 theta / 2 - log |P^-1 + H / s| / 2 - log |P| / 2.
-ErrorFit ErrorSums::fit(const ErrorPrior& prior) const {
+ErrorFit ErrorSums::fit(const ErrorPrior& prior, double min_noise) const {
   const auto n = static_cast<Eigen::Index>(prior.columns.size());
   ErrorFit out{0, 0, Eigen::VectorXd::Zero(n), Eigen::MatrixXd::Zero(n, n),
-               std::max(squares_ / count_, kMinNoise)};
+               std::max(squares_ / count_, min_noise)};
   const Eigen::MatrixXd H = information(prior.columns, prior.columns);
   const Eigen::VectorXd b = selected(b_, prior.columns), theta = selected(values_, prior.columns);
   const Eigen::LLT<Eigen::MatrixXd> prior_cholesky(prior.covariance);
@@ -204,7 +203,7 @@ ErrorFit ErrorSums::fit(const ErrorPrior& prior) const {
     log_determinant = logDeterminant(cholesky);
     squares = squares_ - 2 * out.step.dot(b) + out.step.dot(H * out.step);
     const double explained = out.covariance.cwiseProduct(H).sum() / out.noise;
-    out.noise = std::max(squares / std::max(count_ - explained, 1.0), kMinNoise);
+    out.noise = std::max(squares / std::max(count_ - explained, 1.0), min_noise);
   }
   const Eigen::VectorXd total = theta + out.step;
   out.penalty = total.dot(information * total);

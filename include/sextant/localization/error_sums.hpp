@@ -64,8 +64,8 @@ class ErrorSums {
   double count() const { return count_; }  ///< weighted number of residuals, minus that of the poses
   const Eigen::VectorXd& values() const { return values_; }  ///< errors that have been removed, by column
 
-  /// Most probable errors, with an unknown variance of the noise.
-  ErrorFit fit(const ErrorPrior& prior) const;
+  /// Most probable errors, with an unknown variance of the noise. @param min_noise smallest variance
+  ErrorFit fit(const ErrorPrior& prior, double min_noise = 1e-9) const;
   /// About what the logarithm of the evidence of a fit grows by with more columns.
   double gain(const ErrorPrior& prior, const ErrorFit& fit, const ErrorPrior& more) const;
 
