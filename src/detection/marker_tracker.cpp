@@ -104,7 +104,7 @@ bool MarkerTracker::lookFor(const std::vector<MarkerTracks::Expected>& expected,
                             FoundMarkers& found) {
   for (const Effort effort : {Effort::quick, Effort::thorough}) {
     const double margins = effort == Effort::quick ? 1 : kThoroughMargin;
-    const auto isMissing = [&](const MarkerTracks::Expected& marker) {
+    const auto is_missing = [&](const MarkerTracks::Expected& marker) {
       return (marker.steady || effort == Effort::quick) && !found.include(marker.key, marker.corners);
     };
     const auto window = [&](const MarkerTracks::Expected& marker) {
@@ -112,10 +112,10 @@ bool MarkerTracker::lookFor(const std::vector<MarkerTracks::Expected>& expected,
     };
     double area = 0;
     for (const auto& marker : expected)
-      if (isMissing(marker)) area += window(marker).area();
+      if (is_missing(marker)) area += window(marker).area();
     if (area > kCrowded * static_cast<double>(image.total())) return false;
     for (const auto& marker : expected)
-      if (isMissing(marker))
+      if (is_missing(marker))
         search_->within(image, window(marker), shortestSide(marker.corners), effort, found);
   }
   return true;

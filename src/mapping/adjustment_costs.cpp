@@ -57,8 +57,8 @@ class CornersCost : public ceres::SizedCostFunction<8, 7, 7, kLensModes> {
   }
 
  private:
-  template <int columns>
-  using Rows = Eigen::Map<Eigen::Matrix<double, 2, columns, Eigen::RowMajor>>;
+  template <int Columns>
+  using Rows = Eigen::Map<Eigen::Matrix<double, 2, Columns, Eigen::RowMajor>>;
 
   bool evaluateCorner(int k, double const* const* blocks, double* residual, double** jacobians) const {
     const BlockView<double> base(blocks[0]), marker(blocks[1]);
