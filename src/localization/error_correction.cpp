@@ -121,7 +121,7 @@ MarkerMap ErrorCorrection::corrected(const MarkerMap& map, const std::vector<Mar
 void ErrorCorrection::add(const MarkerMap& map, const Images& images, double corner_sigma,
                           const std::set<MarkerKey>& ignored, LocatedPose& pose) {
   const auto& views = images.views;
-  auto markers = monitoredMarkers(map, corrected(map, views), images.corrected, corner_sigma, ignored, pose);
+  auto markers = monitoredMarkers(map, images.corrected_map, images.corrected, corner_sigma, ignored, pose);
   for (MonitoredMarker& marker : markers) marker.by_camera.col(kShutter) = rowTimes(marker, views);
   addCovariance(markers, images.motion, pose);
   Instant now{views, markers, pose.T_map_base, images.stamp, weightOf(markers, views), {}};
@@ -154,7 +154,7 @@ void ErrorCorrection::replay(const MarkerMap& map, double corner_sigma, const st
   monitor_.evaluate();
 }
 
-// Images of a view that is in recent_ already would not tell more about the errors.
+// Images of a view that is in recent_ already contain no more about the errors.
 void ErrorCorrection::keep(Instant instant) {
   if (instant.weight < 1 || instant.markers.size() < 2) return;
   recent_.push_back(std::move(instant));

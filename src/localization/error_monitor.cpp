@@ -50,7 +50,7 @@ std::vector<Eigen::Index> sixFrom(Eigen::Index first) {
   return {first, first + 1, first + 2, first + 3, first + 4, first + 5};
 }
 
-// Columns of a cause among those of its camera, and their standard deviation; of the marker size: -1.
+// Columns of a cause among those of its camera, and their standard deviation.
 struct Columns {
   Eigen::Index first, count;
   double sigma;
@@ -146,16 +146,24 @@ std::vector<std::vector<ErrorMonitor::Cause>> ErrorMonitor::candidates(
   return all;
 }
 
+Eigen::Index ErrorMonitor::firstColumn(const Cause& cause) const {
+  return cause.kind == ErrorCause::marker_size ? ErrorSums::kSize
+                                               : sums_.cameras()[cause.camera] + columnsOf(cause.kind).first;
+}
+
+void ErrorMonitor::addErrors(const Cause& cause, ErrorPrior& prior) const {
+  if (cause.kind == ErrorCause::map) return;
+  const Columns columns = columnsOf(cause.kind);
+  for (Eigen::Index i = 0; i < columns.count; ++i)
+    prior.add({firstColumn(cause) + i}, Eigen::VectorXd::Constant(1, columns.sigma * columns.sigma));
+}
+
 ErrorPrior ErrorMonitor::priorOf(const std::vector<Cause>& causes, const Eigen::Vector2d& map_sigmas) const {
   ErrorPrior prior;
   bool has_map = false;
   for (const Cause& cause : causes) {
     has_map |= cause.kind == ErrorCause::map;
-    const auto [first, count, sigma] = columnsOf(cause.kind);
-    for (Eigen::Index i = first; i < first + count; ++i)
-      prior.add(
-          {cause.kind == ErrorCause::marker_size ? ErrorSums::kSize : sums_.cameras()[cause.camera] + i},
-          Eigen::VectorXd::Constant(1, sigma * sigma));
+    addErrors(cause, prior);
   }
   for (const auto& [key, first] : sums_.markers()) {
     prior.add(sixFrom(first), Vector6d::Ones());
@@ -176,13 +184,7 @@ double ErrorMonitor::gainOf(const Model& now, const std::vector<Cause>& added,
                             Eigen::Vector2d& map_sigmas) const {
   ErrorPrior more;
   if (added[0].kind != ErrorCause::map) {
-    for (const Cause& cause : added) {
-      const auto [first, count, sigma] = columnsOf(cause.kind);
-      const Eigen::Index base =
-          cause.kind == ErrorCause::marker_size ? ErrorSums::kSize : sums_.cameras()[cause.camera];
-      for (Eigen::Index i = first; i < first + count; ++i)
-        more.add({base + i}, Eigen::VectorXd::Constant(1, sigma * sigma));
-    }
+    for (const Cause& cause : added) addErrors(cause, more);
     return sums_.gain(now.prior, now.fit, more);
   }
   double most = -std::numeric_limits<double>::infinity();
@@ -367,9 +369,7 @@ std::vector<SystematicError> ErrorMonitor::errors() const {
       all.push_back({cause.kind, 0, map_sigmas_, Eigen::VectorXd::Zero(2)});
       continue;
     }
-    const auto [offset, count, sigma] = columnsOf(cause.kind);
-    const Eigen::Index first =
-        cause.kind == ErrorCause::marker_size ? ErrorSums::kSize : sums_.cameras()[cause.camera] + offset;
+    const Eigen::Index first = firstColumn(cause), count = columnsOf(cause.kind).count;
     SystematicError error{cause.kind, cause.camera, sums_.values().segment(first, count),
                           Eigen::VectorXd::Zero(count)};
     for (size_t i = 0; i < posterior_.columns.size(); ++i) {

@@ -59,17 +59,17 @@ LocatorResult MarkerLocalization::locate(const MarkerMap& file, const std::vecto
     result = locateWithOdometry(map, corrected, T_odom_base);
   }
   if (result.pose && T_odom_base) result = gatedByOdometry(result, *T_odom_base);
-  if (correctsErrors()) findErrors(file, map, {views, corrected, stamp, motion}, result);
+  if (correctsErrors()) findErrors(file, {views, corrected, map, stamp, motion}, result);
   if (result.pose && estimatesNoise()) noise_.add(*result.pose);
   return result;
 }
 
-void MarkerLocalization::findErrors(const MarkerMap& file, const MarkerMap& map,
-                                    const ErrorCorrection::Images& images, LocatorResult& result) {
+void MarkerLocalization::findErrors(const MarkerMap& file, const ErrorCorrection::Images& images,
+                                    LocatorResult& result) {
   auto& pose = result.pose ? result.pose : result.rejected;
   if (!pose) return;
   errors_.add(file, images, params_.locator.corner_sigma, moved_markers_.keys(), *pose);
-  if (moved_markers_.add(*pose, map)) errors_.evaluate();
+  if (moved_markers_.add(*pose, images.corrected_map)) errors_.evaluate();
   for (const MarkerKey& key : errors_.takeMoved()) moved_markers_.exclude(key);
 }
 

@@ -3,10 +3,8 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <optional>
 
 #include "sextant/geometry/camera.hpp"
-#include "sextant/geometry/pose.hpp"
 
 namespace sextant {
 

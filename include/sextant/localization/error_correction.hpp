@@ -39,13 +39,14 @@ class ErrorCorrection {
   std::optional<Motion> motion(std::optional<double> stamp, const std::optional<Pose>& T_map_base) const;
   /// Whether a rolling shutter is corrected, which needs the motion.
   bool needsMotion() const;
-  /// The mapped markers of these views, with their estimated poses and size.
+  /// The mapped markers of these views, with their estimated size, and the covariance of an inexact map.
   MarkerMap corrected(const MarkerMap& map, const std::vector<MarkerView>& views) const;
 
   /// The images of one instant.
   struct Images {
     const std::vector<MarkerView>& views;      ///< as given
     const std::vector<MarkerView>& corrected;  ///< that gave the pose
+    const MarkerMap& corrected_map;            ///< likewise
     std::optional<double> stamp;               ///< seconds
     std::optional<Motion> motion;              ///< with which they were corrected
   };

@@ -45,7 +45,7 @@ class ErrorMonitor {
   /// Estimated true size of the markers over that of the map.
   double sizeFactor() const;
   /// The marker with its estimated size, and with the covariance of an inexact map. Its pose is not changed:
-  /// the images tell how the markers are placed relative to each other, but not in the map.
+  /// the images determine how the markers are placed relative to each other, but not in the map.
   MappedMarker corrected(const MappedMarker& marker) const;
   /// Returns, once, the markers that were found not to be at their position in the map, by more than any
   /// other cause explains.
@@ -78,6 +78,9 @@ class ErrorMonitor {
   };
 
   std::vector<std::vector<Cause>> candidates(const std::vector<Cause>& accepted) const;
+  // First of the columns of a cause's errors; not of the map.
+  Eigen::Index firstColumn(const Cause& cause) const;
+  void addErrors(const Cause& cause, ErrorPrior& prior) const;
   ErrorPrior priorOf(const std::vector<Cause>& causes, const Eigen::Vector2d& map_sigmas) const;
   Model modelOf(const std::vector<Cause>& causes, const Eigen::Vector2d& map_sigmas) const;
   double gainOf(const Model& now, const std::vector<Cause>& added, Eigen::Vector2d& map_sigmas) const;

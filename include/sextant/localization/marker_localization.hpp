@@ -59,8 +59,7 @@ class MarkerLocalization {
   void reset();
 
  private:
-  void findErrors(const MarkerMap& file, const MarkerMap& map, const ErrorCorrection::Images& images,
-                  LocatorResult& result);
+  void findErrors(const MarkerMap& file, const ErrorCorrection::Images& images, LocatorResult& result);
   void replay(const MarkerMap& file);
   LocatorResult locateWithOdometry(const MarkerMap& map, std::vector<MarkerView>& views,
                                    const std::optional<Pose>& T_odom_base);

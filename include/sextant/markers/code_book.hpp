@@ -16,9 +16,10 @@ struct CodeMatch {
   double correlation;  ///< of the grey levels with the code, from -1 to 1
 };
 
-/// The codes of a family as grey levels, to find the id of a marker whose bits cannot be told because motion
-/// blur or few pixels let its modules run into one another. Codes of at least 36 bits are also compared as
-/// they look after a motion by 1.5 and 2.5 modules in each of eight directions: each then has 17 patterns.
+/// The codes of a family as grey levels, to find the id of a marker whose bits cannot be distinguished
+/// because motion blur or few pixels let its modules run into one another. Codes of at least 36 bits are also
+/// compared as they look after a motion by 1.5 and 2.5 modules in each of eight directions: each then has 17
+/// patterns.
 ///
 /// Grey levels without a code, with their mean subtracted, are a random direction in n - 1 dimensions. The
 /// probability that it has at least the correlation r with one of N patterns, turned any way, is at most
