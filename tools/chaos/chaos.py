@@ -33,6 +33,7 @@ from sextant.nodes.base.init_node import mend_rospy
 
 RATE = 10.0  # of good input, Hz
 ANSWER, RESTART = 1.0, 20.0  # s until good input is answered: after a fault; after a restart
+RETURN = 10.0  # s after a restart in which nodes may still start or register again
 FAULT = (0.1, 2.0)  # duration of a fault, s
 REST = (0.2, 1.0)  # s of good input between faults
 MAX_FAULTS = 3  # at the same time
@@ -184,6 +185,7 @@ class Chaos:
     def __init__(self, robot, machine, rng):
         self._robot, self._machine, self._rng = robot, machine, rng
         self._begin = time.monotonic()
+        self._restart = -np.inf  # time of the last restart of a node or of roscore, s
         self._end = ExitStack()  # of the faults of now
         self.times = defaultdict(list)  # {fault: seconds until all systems answered; inf: not all did}
         self.failures = []
@@ -196,7 +198,7 @@ class Chaos:
         with self._end:
             faults = [kinds[int(i)]() for i in self._rng.choice(len(kinds), number, replace=False)]
             time.sleep(self._rng.uniform(*FAULT))
-        is_restart = any(each.startswith(("killed", "roscore")) for each in faults)
+        is_restart = time.monotonic() - self._restart < RETURN
         self._check(faults, RESTART if is_restart else ANSWER)
         time.sleep(self._rng.uniform(*REST))
 
@@ -226,10 +228,12 @@ class Chaos:
         return f"clock jump of {jump:g} s"
 
     def _kill(self):
+        self._restart = time.monotonic()
         return f"killed {ANONYMOUS.sub('', self._machine.kill(self._rng))}"
 
     def _restart_core(self):
         self._machine.restart_core()
+        self._restart = time.monotonic()
         return "roscore restarted"
 
     def _stall(self):
