@@ -18,9 +18,10 @@ using Vector4d = Eigen::Vector4d;
 using Matrix4d = Eigen::Matrix4d;
 using Matrix64d = Eigen::Matrix<double, 6, 4>;
 
-constexpr double kDepth = 30.0;  // cost above the minimum at which the grid ends
+// Cost above the minimum at which the grid ends; a Gaussian has 5e-5 of its probability beyond it.
+constexpr double kDepth = 20.0;
 // Distance of the cells, standard deviations; up to 1, a sum over a Gaussian is exact to 1e-6.
-constexpr double kSpacing = 0.8;
+constexpr double kSpacing = 1.0;
 constexpr double kMaxSpacing = 0.1;  // maximum distance of the cells, radians
 constexpr size_t kMaxCells = 1800;   // cells after which the grid is not grown any more
 constexpr double kBarrier = 12.0;    // cost of a saddle above the higher of two separate minima
