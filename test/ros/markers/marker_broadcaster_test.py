@@ -48,7 +48,7 @@ class MarkerBroadcasterTest(unittest.TestCase):
         self.write(text)
         node = subprocess.Popen(command("__name:=broadcaster", "_map_file:=" + self.path, *params))
         self.addCleanup(self.stop, node)
-        rospy.wait_for_service("broadcaster/reload", WAIT)
+        rospy.wait_for_service("broadcaster/add_marker", WAIT)  # the last one that is advertised
 
     def stop(self, node):
         node.terminate()
