@@ -5,9 +5,10 @@
 import argparse
 import importlib
 import json
+import re
 import sys
 from pathlib import Path
-from typing import Callable, Dict, List, Optional
+from typing import Callable, Dict, Iterable, List, Optional
 
 from real_data import EXTERNAL
 from tables import Table
@@ -34,10 +35,12 @@ def run(topics: Topics, what: Optional[str], pictures: Optional[str] = None) -> 
         except OSError as error:
             print(f"{name} could not be measured: {error}", file=sys.stderr)
             return 2
+        if options.markdown:
+            write_section(options.markdown, Path(sys.argv[0]).stem, what or "", topics, {name: results[name]})
         print("\n\n".join(map(str, results[name])), end="\n\n", file=stream, flush=True)
     holds = all(table.holds for tables in results.values() for table in tables)
     print("every bar holds" if holds else "a bar FAILS", file=stream)
-    _write(options, what or "", pictures, results, holds)
+    _write(options, pictures, results, holds)
     return 0 if holds else 1
 
 
@@ -51,7 +54,7 @@ def _parse(topics: Topics, what: Optional[str], pictures: Optional[str]) -> argp
     )
     parser.add_argument("--json", metavar="FILE", help="figures for machines; -: on standard output")
     parser.add_argument(
-        "--markdown", type=Path, metavar="PAGE", help="page whose section of this script to replace"
+        "--markdown", type=Path, metavar="PAGE", help="page that the figures of the topics are written into"
     )
     parser.set_defaults(plots=None)
     if pictures:
@@ -78,14 +81,10 @@ def _check_writable(parser: argparse.ArgumentParser, options: argparse.Namespace
             parser.error(f"--plots: {options.plots}: {error.strerror}")
 
 
-def _write(
-    options: argparse.Namespace, what: str, pictures: Optional[str], results: Results, holds: bool
-) -> None:
+def _write(options: argparse.Namespace, pictures: Optional[str], results: Results, holds: bool) -> None:
     """Writes the output files that the options request."""
     if options.json:
         _write_json(options, results, holds)
-    if options.markdown:
-        write_section(options.markdown, Path(sys.argv[0]).stem, what, results)
     if options.plots and pictures:
         importlib.import_module(pictures).plot(options.plots, results)  # matplotlib takes a second to load
 
@@ -99,15 +98,21 @@ def _write_json(options: argparse.Namespace, results: Results, holds: bool) -> N
         Path(options.json).write_text(text)
 
 
-def write_section(page: Path, script: str, what: str, results: Results) -> None:
-    """Replaces the section of a script in a page, or appends it."""
+def write_section(page: Path, script: str, what: str, topics: Iterable[str], results: Results) -> None:
+    """Writes the topics of results into the section of a script in a page; other topics are kept.
+
+    :param topics: all of the script, in their order
+    """
     begin, end = f"<!-- begin {script} -->\n", f"<!-- end {script} -->\n"
-    tables = "\n\n".join(table.as_markdown() for tables in results.values() for table in tables)
-    summary = " ".join(what.strip().partition("\n\n")[0].split())
-    section = f"{begin}## {script}\n\n{summary}\n\n{tables}\n{end}"
     text = page.read_text()
-    if begin in text:
-        section = text.partition(begin)[0] + section + text.partition(end)[2]
-    else:
-        section = f"{text.rstrip()}\n\n{section}"
-    page.write_text(section)
+    if begin not in text:
+        text = f"{text.rstrip()}\n\n{begin}{end}"
+    before, _, rest = text.partition(begin)
+    section, _, after = rest.partition(end)
+    words = re.split(r"<!-- topic (\w+) -->", section)
+    parts = dict(zip(words[1::2], map(str.strip, words[2::2])))
+    for name, tables in results.items():
+        parts[name] = "\n\n".join(table.as_markdown() for table in tables)
+    summary = " ".join(what.strip().partition("\n\n")[0].split())
+    body = "\n\n".join(f"<!-- topic {name} -->\n\n{parts[name]}" for name in topics if name in parts)
+    page.write_text(f"{before}{begin}## {script}\n\n{summary}\n\n{body}\n{end}{after}")

@@ -285,13 +285,15 @@ def test_when_a_carried_robot_is_found(looks, expected):
     assert outcome(Check(10 * number, *look) for number, look in enumerate(looks)) == expected
 
 
-def test_a_page_gets_one_section_of_each_script(tmp_path):
+def test_a_page_gets_one_section_of_each_script_and_keeps_topics_that_were_not_measured(tmp_path):
     page = tmp_path / "figures.md"
     page.write_text("# Figures\n\nText.\n")
-    for figure in (1.0, 2.0):
-        table = Table("Errors", ["mean, cm"], [("joint", [Value(figure, at_most=3)])])
-        write_section(page, "markers", "Measures markers.\n\nMore.", {"simulated": [table]})
+    for topic, figure in [("real", 7.0), ("simulated", 1.0), ("simulated", 2.0)]:
+        table = Table("Errors", ["mean, cm"], [("joint", [Value(figure, at_most=8)])])
+        write_section(page, "markers", "Measures markers.\n\nMore.", ["simulated", "real"], {topic: [table]})
+    table = "### Errors\n\n|  | mean, cm |\n| --- | --- |\n| joint | {} (<= 8) |\n"
     assert page.read_text() == (
         "# Figures\n\nText.\n\n<!-- begin markers -->\n## markers\n\nMeasures markers.\n\n"
-        "### Errors\n\n|  | mean, cm |\n| --- | --- |\n| joint | 2.00 (<= 3) |\n<!-- end markers -->\n"
+        f"<!-- topic simulated -->\n\n{table.format('2.00')}\n<!-- topic real -->\n\n{table.format('7.00')}"
+        "<!-- end markers -->\n"
     )
