@@ -6,7 +6,6 @@
 #include "code_reader.hpp"
 #include "marker_search.hpp"
 #include "sextant/markers/aruco_dictionary.hpp"
-#include "sextant/markers/marker_family.hpp"
 
 namespace sextant {
 namespace {
@@ -37,8 +36,7 @@ class ArucoSearch : public MarkerSearch {
  public:
   ArucoSearch(const DetectorParams& params, const std::string& name)
       : min_perimeter_(params.min_perimeter),
-        family_(canonicalFamily(name)),
-        turn_(family_ == name ? 0 : 2),
+        family_(name),
         dictionary_(makeArucoDictionary(name)),
         parameters_(arucoParameters(params)),
         reader_(dictionary_, parameters_) {}
@@ -68,8 +66,7 @@ class ArucoSearch : public MarkerSearch {
   bool readAt(const cv::Mat& image, Detection& marker) override {
     std::array<cv::Point2f, 4> quad;
     for (int i = 0; i < 4; ++i)
-      quad[(i + turn_) % 4] = {static_cast<float>(marker.corners[i].x()),
-                               static_cast<float>(marker.corners[i].y())};
+      quad[i] = {static_cast<float>(marker.corners[i].x()), static_cast<float>(marker.corners[i].y())};
     return reader_.shows(image, quad, marker.key.id);
   }
 
@@ -111,16 +108,12 @@ class ArucoSearch : public MarkerSearch {
     Detection found;
     found.key = {family_, id};
     found.corner_sigmas.fill(kContourSigma);
-    for (int i = 0; i < 4; ++i) {
-      const cv::Point2f& corner = quad[(i + turn_) % 4];
-      found.corners[i] = {origin.x + corner.x, origin.y + corner.y};
-    }
+    for (int i = 0; i < 4; ++i) found.corners[i] = {origin.x + quad[i].x, origin.y + quad[i].y};
     return found;
   }
 
   double min_perimeter_;
   std::string family_;
-  int turn_;  // number of corners by which the dictionary's markers are rotated from the canonical ones
   cv::aruco::Dictionary dictionary_;
   cv::aruco::DetectorParameters parameters_;
   CodeReader reader_;

@@ -11,9 +11,6 @@
 namespace sextant {
 namespace {
 
-// The given name, not the canonical one, selects the backend: OpenCV detects DICT_APRILTAG_36h11.
-bool isArucoName(const std::string& name) { return name.rfind("DICT_", 0) == 0; }
-
 class TrackingDetector : public MarkerDetector {
  public:
   explicit TrackingDetector(std::vector<MarkerTracker> trackers) : trackers_(std::move(trackers)) {}
@@ -81,11 +78,12 @@ std::unique_ptr<MarkerDetector> makeMarkerDetector(const DetectorParams& params)
   const bool tracking = params.search == "tracking";
   std::vector<MarkerTracker> trackers;
   std::vector<std::string> tags;
-  for (const auto& family : params.families) {
-    if (isArucoName(family))
-      trackers.emplace_back(makeArucoSearch(params, family), tracking, params.refine_corners);
-    else
+  for (const auto& name : params.families) {
+    const std::string family = canonicalFamily(name);
+    if (isAprilTag(family))
       tags.push_back(family);
+    else
+      trackers.emplace_back(makeArucoSearch(params, family), tracking, params.refine_corners);
   }
   if (!tags.empty()) trackers.emplace_back(makeAprilTagSearch(params, tags), tracking, params.refine_corners);
   return std::make_unique<TrackingDetector>(std::move(trackers));

@@ -22,8 +22,6 @@ const std::map<std::string, std::string>& sharedPrints() {
   return names;
 }
 
-bool isAprilTag(const std::string& canonical) { return canonical.rfind("tag", 0) == 0; }
-
 // Not by apriltag_to_image: that of libapriltag 0.10 draws the white ring in the wrong place.
 MarkerImage aprilTagImage(const std::string& family, int id) {
   const AprilTagFamily tags = makeAprilTagFamily(family);
@@ -50,6 +48,8 @@ MarkerImage arucoImage(const std::string& family, int id) {
 }
 
 }  // namespace
+
+bool isAprilTag(const std::string& canonical) { return canonical.rfind("tag", 0) == 0; }
 
 std::vector<std::string> markerFamilies() {
   std::vector<std::string> names = arucoDictionaries();

@@ -7,6 +7,7 @@
 #include <functional>
 #include <opencv2/imgproc.hpp>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "sextant/markers/marker.hpp"
@@ -19,9 +20,9 @@ using Scene = std::function<double(const Eigen::Vector2d&)>;
 /// Intersection of a pixel's ray with a marker's plane: (0, 0) top left and (1, 1) bottom right corner.
 using PrintPlace = std::function<std::optional<Eigen::Vector2d>(const Eigen::Vector2d&)>;
 
-/// A tag36h11 print with two modules of white around it on a grey wall.
-inline Scene printScene(const PrintPlace& place) {
-  const MarkerImage marker = markerImage("tag36h11", 9);
+/// The print 9 of a family with two modules of white around it on a grey wall.
+inline Scene printScene(const PrintPlace& place, const std::string& family = "tag36h11") {
+  const MarkerImage marker = markerImage(family, 9);
   const double width = marker.border_end - marker.border_begin;
   return [=](const Eigen::Vector2d& pixel) {
     const auto p = place(pixel);
@@ -36,16 +37,17 @@ inline Scene printScene(const PrintPlace& place) {
 }
 
 /// The same without lens distortion, with these corners.
-inline Scene printScene(const Corners& corners) {
+inline Scene printScene(const Corners& corners, const std::string& family = "tag36h11") {
   std::vector<cv::Point2f> to;
   for (const auto& corner : corners)
     to.emplace_back(static_cast<float>(corner.x()), static_cast<float>(corner.y()));
   const std::vector<cv::Point2f> from = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
   const cv::Matx33d H = cv::getPerspectiveTransform(to, from);
-  return printScene([H](const Eigen::Vector2d& pixel) {
+  const PrintPlace place = [H](const Eigen::Vector2d& pixel) {
     const cv::Vec3d p = H * cv::Vec3d(pixel.x(), pixel.y(), 1);
     return std::optional<Eigen::Vector2d>(Eigen::Vector2d(p[0] / p[2], p[1] / p[2]));
-  });
+  };
+  return printScene(place, family);
 }
 
 struct Exposure {

@@ -18,6 +18,10 @@ std::vector<std::string> markerFamilies();
 /// @throws std::invalid_argument with the list of known families
 std::string canonicalFamily(const std::string& name);
 
+/// Whether libapriltag detects the markers of a family, rather than OpenCV.
+/// @param canonical its canonicalFamily()
+bool isAprilTag(const std::string& canonical);
+
 /// Returns the number of markers in a family. @throws std::invalid_argument as canonicalFamily()
 int familySize(const std::string& name);
 

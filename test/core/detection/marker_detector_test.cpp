@@ -85,7 +85,7 @@ TEST_P(EveryFamily, FindsItsPrintsAnewWithinThreeImagesWhileTracking) {
 std::string testName(const testing::TestParamInfo<std::string>& info) { return info.param; }
 INSTANTIATE_TEST_SUITE_P(All, EveryFamily, testing::ValuesIn(markerFamilies()), testName);
 
-TEST(MarkerDetector, BothBackendsSeeOnePoseOfOnePrint) {
+TEST(MarkerDetector, APrintHasOnePoseByBothOfItsNames) {
   const auto families = markerFamilies();
   for (const std::string suffix : {"16h5", "25h9", "36h10", "36h11"}) {
     if (std::count(families.begin(), families.end(), "tag" + suffix) == 0) continue;  // libapriltag 0.10
@@ -95,7 +95,7 @@ TEST(MarkerDetector, BothBackendsSeeOnePoseOfOnePrint) {
     ASSERT_EQ(a.size(), 1u);
     ASSERT_EQ(b.size(), 1u);
     EXPECT_EQ(a[0].key, b[0].key);
-    EXPECT_LT(worstCorner(a[0].corners, b[0].corners), 0.05);
+    EXPECT_EQ(a[0].corners, b[0].corners);
   }
 }
 

@@ -17,18 +17,18 @@ namespace {
 
 const cv::Size kImage = {480, 270};
 
-// The print 9 of tag36h11, somewhat turned.
+// The print, somewhat turned.
 Corners place(const Eigen::Vector2d& middle, double side) {
   const Eigen::Vector2d right(0.5 * side, 0.08 * side), down(-0.06 * side, 0.5 * side);
   return {middle - right - down, middle + right - down, middle + right + down, middle - right + down};
 }
 
-cv::Mat view(const Eigen::Vector2d& middle, double side, int seed) {
+cv::Mat view(const Eigen::Vector2d& middle, double side, int seed, const std::string& family = "tag36h11") {
   Exposure exposure;
   exposure.size = kImage;
   exposure.seed = seed;
   exposure.supersampling = 3;
-  return photograph(printScene(place(middle, side)), exposure);
+  return photograph(printScene(place(middle, side), family), exposure);
 }
 
 // The mean of the images along a motion by this many pixels.
@@ -57,6 +57,10 @@ class Tracking : public testing::TestWithParam<std::string> {
  protected:
   std::unique_ptr<MarkerDetector> tracking_ = detector(GetParam(), "tracking");
   std::unique_ptr<MarkerDetector> full_ = detector(GetParam(), "full");
+
+  static cv::Mat view(const Eigen::Vector2d& middle, double side, int seed) {
+    return sextant::view(middle, side, seed, GetParam());
+  }
 
   static double farthest(const Corners& a, const Corners& b) {
     double most = 0;
@@ -142,7 +146,7 @@ TEST_P(Tracking, SeesWhatMotionBlurs) {
     EXPECT_EQ(tracking_->detect(image).size(), 1u) << direction;
     const auto found = full_->detect(image);
     ASSERT_EQ(found.size(), 1u) << direction;
-    EXPECT_EQ(found[0].key, (MarkerKey{"tag36h11", 9}));
+    EXPECT_EQ(found[0].key, (MarkerKey{GetParam(), 9}));
     EXPECT_LT(farthest(found[0].corners, place(middle, 50)), 6) << direction;
   }
 }
@@ -155,7 +159,7 @@ TEST_P(Tracking, SeesOneWithACornerOutside) {
   EXPECT_LT(farthest(found[0].corners, place(middle, 50)), 0.5);
 }
 
-INSTANTIATE_TEST_SUITE_P(Backends, Tracking, testing::Values("tag36h11", "DICT_APRILTAG_36h11"),
+INSTANTIATE_TEST_SUITE_P(Backends, Tracking, testing::Values("tag36h11", "DICT_6X6_250"),
                          [](const auto& info) { return info.param; });
 
 // Records the regions in which it was asked to search.

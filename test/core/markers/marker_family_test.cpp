@@ -5,6 +5,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <opencv2/core.hpp>
+#include <utility>
+
+#include "sextant/markers/aruco_dictionary.hpp"
 
 namespace sextant {
 namespace {
@@ -24,6 +28,26 @@ TEST(MarkerFamily, OnePrintHasOneName) {
   EXPECT_EQ(canonicalFamily("DICT_APRILTAG_16h5"), "tag16h5");
   EXPECT_EQ(canonicalFamily("DICT_5X5_1000"), "DICT_5X5_1000");
   EXPECT_THROW(canonicalFamily("DICT_36h11"), std::invalid_argument);
+}
+
+TEST(MarkerFamily, LibapriltagDetectsItsOwnFamilies) {
+  EXPECT_TRUE(isAprilTag(canonicalFamily("DICT_APRILTAG_36h11")));
+  EXPECT_TRUE(isAprilTag("tagCircle21h7"));
+  EXPECT_FALSE(isAprilTag("DICT_6X6_250"));
+}
+
+// OpenCV draws the print of libapriltag upside down.
+TEST(MarkerFamily, BothLibrariesHaveOnePrint) {
+  for (const auto& [dictionary, tag] :
+       {std::pair("DICT_APRILTAG_16h5", "tag16h5"), std::pair("DICT_APRILTAG_25h9", "tag25h9"),
+        std::pair("DICT_APRILTAG_36h11", "tag36h11")}) {
+    const cv::Mat theirs = arucoModules(makeArucoDictionary(dictionary), 7);
+    const MarkerImage marker = markerImage(tag, 7);
+    cv::Mat turned;
+    cv::rotate(theirs, turned, cv::ROTATE_180);
+    const cv::Range inside(marker.border_begin, marker.border_end);
+    EXPECT_EQ(cv::norm(turned, marker.modules(inside, inside), cv::NORM_INF), 0) << tag;
+  }
 }
 
 TEST(MarkerFamily, DrawsThePublishedPrint) {
