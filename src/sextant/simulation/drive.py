@@ -16,11 +16,17 @@ from sextant.simulation.room_markers import default_map, room_for
 
 _CAMERA = sextant.RoomRendererParams()
 _SCENE = sextant.RoomSceneParams()
+ROOM_SIZES = "must be empty or three numbers within (0, 1000]"
 
 
 def _three_numbers(value: List[float]) -> str:
     """Check for param(): three finite numbers."""
     return "" if len(value) == 3 and np.all(np.isfinite(value)) else "must be three finite numbers"
+
+
+def _room_size(value: List[float]) -> str:
+    """Check for param(): empty, or three sizes."""
+    return "" if not value or len(value) == 3 and all(0.0 < each <= 1000.0 for each in value) else ROOM_SIZES
 
 
 @dataclass(frozen=True)
@@ -35,6 +41,12 @@ class DriveParams(StrictParams):
     )
     rate: float = param(30.0, "frames per simulated second", within(0.1, 1000.0), "Hz")
     # room
+    room_size: List[float] = param(
+        [],
+        "size of the room along x, y and z, larger if markers lie outside; empty: the default room",
+        Check("empty or 3, each (0, 1000]", _room_size),
+        "m",
+    )
     obstacles: bool = param(True, "add posts, a crate and a cupboard to the default room")
     quiet_zone: float = struct_param(sextant.RoomSceneParams, "quiet_zone")
     light_unevenness: float = struct_param(sextant.RoomSceneParams, "light_unevenness")
@@ -91,7 +103,7 @@ class DriveParams(StrictParams):
 
     def scene_params(self, marker_map: "sextant.MarkerMap") -> "sextant.RoomSceneParams":
         """Parameters of a room that contains the markers of the map."""
-        room = room_for(marker_map, self.seed, self.obstacles)
+        room = room_for(marker_map, self.seed, self.obstacles, self.room_size)
         room.quiet_zone, room.light_unevenness = self.quiet_zone, self.light_unevenness
         return room
 

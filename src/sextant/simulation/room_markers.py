@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Markers of the default room, and a room for any other map."""
 
-from typing import List
+from typing import List, Sequence
 
 import numpy as np
 
@@ -37,15 +37,18 @@ def default_map(family: str = "tag36h11") -> "sextant.MarkerMap":
 
 
 def room_for(
-    marker_map: "sextant.MarkerMap", seed: int = 1, obstacles: bool = True
+    marker_map: "sextant.MarkerMap", seed: int = 1, obstacles: bool = True, size: Sequence[float] = ()
 ) -> "sextant.RoomSceneParams":
-    """Returns the default room; if markers lie outside, a larger one without obstacles.
+    """Returns the default room, or an empty one of another size; if markers lie outside, an empty larger one.
 
     :param seed: random seed of the walls
     :param obstacles: whether the default room has posts, a crate and a cupboard
+    :param size: along x, y and z, metres; empty: that of the default room
     """
     room = sextant.RoomSceneParams()
     room.seed = seed
+    if len(size):
+        room.size = np.array(size)
     half = np.array([0.5 * room.size[0], 0.5 * room.size[1], 0.0])
     low = room.floor_center - half
     high = room.floor_center + half + [0.0, 0.0, room.size[2]]
@@ -55,7 +58,7 @@ def room_for(
         high = np.maximum(high, np.max(outside, axis=0) + CLEARANCE)
         room.size = high - low
         room.floor_center = np.array([*(0.5 * (low + high))[:2], low[2]])
-    if outside or not obstacles:
+    if outside or len(size) or not obstacles:
         room.obstacles = []
     return room
 

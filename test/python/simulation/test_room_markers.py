@@ -58,3 +58,9 @@ def test_room_grows_around_markers_of_any_map():
     np.testing.assert_allclose(low + room.size, [10.5, 3.0, 4.5])
     assert room.obstacles == []
     sextant.RoomScene(room, marker_map)
+
+
+def test_a_corridor_is_empty_and_grows_around_markers():
+    assert list(room_for(sextant.MarkerMap(), size=[30.0, 2.4, 2.5]).size) == [30.0, 2.4, 2.5]
+    room = room_for(default_map(), size=[30.0, 2.4, 2.5])
+    assert list(room.size) == [30.0, 7.0, 2.5] and room.obstacles == []

@@ -118,6 +118,8 @@ def test_path_through_the_wall_is_refused():
         ("white_level", 0.0),
         ("quiet_zone", 0.0),
         ("light_unevenness", 2.0),
+        ("room_size", [30.0, 2.4]),
+        ("room_size", [30.0, 0.0, 2.5]),
         ("robot_radius", -0.1),
     ],
 )
