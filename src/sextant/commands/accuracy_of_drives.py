@@ -172,16 +172,15 @@ def measure(
     """Compares the poses of one drive with its ground truth, if there is any.
 
     :param params: None: poses are recorded, on the topics options.pose
-    :param truth: None: from tf if options.truth_frame is set, else there is none
+    :param truth: None: from tf if options.truth_frame is set, from options.truth_topic, else there is none
     :param rpe: delta and unit of sextant.evaluation.trajectory_metrics.relative_errors()
     :raises ValueError, RuntimeError: the bag cannot be read, has no pose, or no ground truth
     """
     poses, notes = _located(bag, options, params) if params else _recorded(bag, options)
     started = _started(poses, options)
-    first = next((each for method, each in poses.items() if method not in started), None)
-    first = first or next(iter(poses.values()))
-    if options.truth_frame:
-        truth, of_truth = read_frame(bag, first.frame, options.truth_frame, _stamps(poses))
+    first = poses[min(poses, key=started.__contains__)]  # that is in the reference's frame, if there is any
+    if options.truth_frame or options.truth_topic:
+        truth, of_truth = _recorded_truth(bag, options, first.frame, _stamps(poses))
         notes += of_truth
     poses = _aligned(poses, truth or _trajectory(first), started, options.align)
     accuracy: Dict[str, DriveAccuracy] = {}
@@ -191,6 +190,18 @@ def measure(
         }
     estimates = {method: _estimate(of, accuracy.get(method)) for method, of in poses.items()}
     return MeasuredDrive(estimates, accuracy, tuple(dict.fromkeys(notes)))
+
+
+def _recorded_truth(
+    bag: str, options: argparse.Namespace, frame: str, stamps: List[int]
+) -> Tuple[Trajectory, List[str]]:
+    """:raises ValueError: the topic's poses are in another frame than the others, which are not aligned"""
+    if options.truth_frame:
+        return read_frame(bag, frame, options.truth_frame, stamps)
+    of = read_poses(bag, options.truth_topic)
+    if of.frame != frame and not options.align:
+        raise ValueError(f"{options.truth_topic} is in '{of.frame}', the poses in '{frame}'; add --align")
+    return _trajectory(of), list(of.warnings)
 
 
 def _stamps(poses: Poses) -> List[int]:

@@ -7,6 +7,7 @@
     accuracy_statistics --points points.csv --map map.yaml --mode nearest,average,joint
     accuracy_statistics drive.bag --truth truth.tum --map map.yaml
     accuracy_statistics drive.bag --truth-frame base_truth --pose /marker_locator/pose
+    accuracy_statistics drive.bag --truth-topic /ground_truth --pose /marker_locator/pose
     accuracy_statistics drive.bag --pose /odom,/odometry/filtered,/marker_locator/pose --align-start /odom
 
 Poses are computed from the bags' images or recorded markers, or read from topics (--pose); several modes of
@@ -53,14 +54,14 @@ def _kind(options: argparse.Namespace) -> str:
 
 
 def _has_truth(options: argparse.Namespace) -> bool:
-    return options.truth is not None or bool(options.truth_frame)
+    return options.truth is not None or bool(options.truth_frame or options.truth_topic)
 
 
 def _unused(options: argparse.Namespace, kind: str) -> Dict[str, str]:
     """Returns unused options with the reason."""
     robot = ("mounts", "base_frame", "odometry")
     of_bags = ("images", "markers", "calibrations", "rectified", "every", "corner_sigma", "mode")
-    of_truth = ("truth", "truth_frame", "align", "rpe")
+    of_truth = ("truth", "truth_frame", "truth_topic", "align", "rpe")
     rules = (
         (kind == "drives", "for drives: their ground truth is a trajectory", ("axis", "true")),
         (kind == "drives" and not _has_truth(options), "without ground truth", of_truth),
@@ -138,6 +139,7 @@ def _add_drive(group) -> None:
     truth = group.add_mutually_exclusive_group()
     truth.add_argument("--truth", type=Path, metavar="FILE", help="trajectory, .tum, .txt or .csv")
     truth.add_argument("--truth-frame", default="", metavar="FRAME", help="tf frame of the true pose")
+    truth.add_argument("--truth-topic", default="", metavar="TOPIC", help="topic of the true poses")
     group.add_argument("--align", action="store_true", help="align poses with the truth first (Umeyama)")
     group.add_argument(
         "--align-start", default="", metavar="TOPIC[,TOPIC]",

@@ -31,6 +31,7 @@ def write_drive(path, bias, seed, count=200):
             message.pose.pose = pose_to_message(estimate)
             message.pose.covariance = np.diag([0.02**2] * 3 + [0.01**2] * 3).ravel()
             bag.write("/pose", message, second)
+            bag.odometry("/truth", T, second, frame="map")
     return lines
 
 
@@ -97,7 +98,9 @@ def rmse_of(out):
 def test_a_drive_against_its_truth(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     Path("truth.tum").write_text("\n".join(write_drive(tmp_path / "drive.bag", 0.0, 1)))
-    for name, truth in (("file", ["--truth", "truth.tum"]), ("frame", ["--truth-frame", "truth"])):
+    truths = {"file": ["--truth", "truth.tum"], "frame": ["--truth-frame", "truth"]}
+    truths["topic"] = ["--truth-topic", "/truth"]
+    for name, truth in truths.items():
         arguments = ["drive.bag", "--pose", "pose", *truth, "-o", name, "--rpe", 2, "seconds"]
         code, out, _ = called(capsys, *arguments)
         assert code == 0 and "drive.bag: 200 poses\n" in out
@@ -107,7 +110,15 @@ def test_a_drive_against_its_truth(tmp_path, monkeypatch, capsys):
         assert sorted(path.name for path in tmp_path.glob(f"{name}*")) == [
             *(f"{name}.csv", f"{name}.png", f"{name}_bands.png")
         ]
-    assert Path("file.csv").read_text() == Path("frame.csv").read_text()
+    assert len({Path(f"{name}.csv").read_text() for name in truths}) == 1
+
+
+def test_true_poses_in_another_frame_have_to_be_aligned(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    write_topics(tmp_path / "drive.bag", 50)
+    arguments = ["drive.bag", "--pose", "/pose", "--truth-topic", "/odom"]
+    assert "/odom is in 'odom', the poses in 'map'; add --align" in refused(capsys, *arguments)
+    assert called(capsys, *arguments, "--align")[0] == 0
 
 
 @pytest.mark.slow
