@@ -9,8 +9,8 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from sextant.base.plot_colours import COLOURS
-from sextant.base.plot_file import new_figure, save_figure
-from sextant.evaluation.drive_plot import draw_top_view
+from sextant.base.plot_file import save_figure
+from sextant.evaluation.drive_plot import drive_figure
 from sextant.evaluation.trajectory import Trajectory
 
 SIGMAS = 2.0  # half width of a band, standard deviations
@@ -41,17 +41,14 @@ def plot_bands(
     :raises OSError: the file cannot be written
     :raises ValueError: the ending is not an image format
     """
-    figure = new_figure(path, 13, 7.5)
-    grid = figure.add_gridspec(3, 2, left=0.05, right=0.985, bottom=0.07, top=0.95, wspace=0.15, hspace=0.3)
-    above = figure.add_subplot(grid[:, 0])
-    draw_top_view(above, truth or {}, {name: each.poses for name, each in estimates.items()}, markers)
+    paths = {name: each.poses for name, each in estimates.items()}
+    figure, panels = drive_figure(path, truth or {}, paths, markers, len(AXES))
     start = min(min(each.poses) for each in estimates.values())
-    for row, axis in enumerate(AXES):
-        panel = figure.add_subplot(grid[row, 1])
+    for panel, axis in zip(panels, AXES):
         for colour, (name, each) in zip(cycle(COLOURS), estimates.items()):
             _draw(panel, _curve(each, truth, axis, start), colour, name)
         _finish(panel, axis, truth is not None)
-    figure.axes[1].set_title(f"bands: {SIGMAS:g} standard deviations", fontsize=11)
+    panels[0].set_title(f"bands: {SIGMAS:g} standard deviations", fontsize=11)
     save_figure(path, figure)
 
 
@@ -67,7 +64,8 @@ def _curve(
     if axis == "yaw":
         values = (values + np.pi) % (2.0 * np.pi) - np.pi
     index, nothing = AXES[axis], np.full((6, 6), np.nan)
-    sigmas = np.sqrt([of.covariances.get(int(stamp), nothing)[index, index] for stamp in stamps])
+    variances = np.array([of.covariances.get(int(stamp), nothing)[index, index] for stamp in stamps])
+    sigmas = np.sqrt(np.where(variances >= 0.0, variances, np.nan))  # some filters publish negative ones
     seconds = 1e-9 * (stamps - start)
     jumps = (np.diff(seconds) > GAP) | ((axis == "yaw") & (np.abs(np.diff(values)) > np.pi))
     scale = 180.0 / np.pi if axis == "yaw" else 100.0 if truth is not None else 1.0
@@ -94,9 +92,15 @@ def _finish(axes: Axes, axis: str, is_error: bool) -> None:
     axes.grid(alpha=0.3)
     if is_error:
         axes.axhline(0.0, color="black", linewidth=1)
-    drawn = [line.get_ydata() for line in axes.lines if len(line.get_ydata()) > 2]
-    drawn += [path.vertices[:, 1] for band in axes.collections for path in band.get_paths()]
-    values = np.concatenate(drawn) if drawn else np.zeros(1)
-    low, high = np.nanpercentile(values, INSIDE)
+    curves = [line.get_ydata() for line in axes.lines if len(line.get_ydata()) > 2]
+    bands = [path.vertices[:, 1] for band in axes.collections for path in band.get_paths()]
+    low, high = _percentiles(curves)
+    span, (lowest, highest) = high - low, _percentiles([*curves, *bands])
+    low, high = max(lowest, low - span), min(highest, high + span)  # a wide band does not hide the others
     margin = max(0.15 * (high - low), 1e-3)
     axes.set_ylim(low - margin, high + margin)
+
+
+def _percentiles(drawn: Sequence[np.ndarray]) -> np.ndarray:
+    """Low and high percentile of what is drawn."""
+    return np.nanpercentile(np.concatenate(drawn) if drawn else np.zeros(1), INSIDE)

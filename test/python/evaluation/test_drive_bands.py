@@ -12,8 +12,8 @@ TIMES = range(100)
 
 
 def path(shift=0.0, times=TIMES):
-    """A straight line along x, with this error of y."""
-    places = {t * SECOND // 10: [0.05 * t, shift, 0.0] for t in times}
+    """A straight line, with this error of y."""
+    places = {t * SECOND // 10: [0.05 * t, 0.02 * t + shift, 0.0] for t in times}
     return {stamp: sextant.pose_from_xyz_rpy(xyz, [0.0, 0.0, 0.0]) for stamp, xyz in places.items()}
 
 
@@ -45,3 +45,19 @@ def test_without_truth_or_covariances_and_with_a_gap(tmp_path):
     plot_bands(str(tmp_path / "a.png"), {"/odom": estimate(0.0, 0.1), "/pose": gap})
     plot_bands(str(tmp_path / "b.png"), {"one pose": DriveEstimate(path(0.0, [5]), {})})
     assert min((tmp_path / name).stat().st_size for name in ("a.png", "b.png")) > 10000
+
+
+@pytest.mark.slow
+def test_a_wide_band_does_not_change_the_scale(tmp_path):
+    pictures = []
+    for sigma in (3.0, 300.0):
+        plot_bands(str(tmp_path / "a.png"), {"a": estimate(0.0, 0.1), "b": estimate(1.0, sigma)}, path())
+        pictures.append(cv2.imread(str(tmp_path / "a.png")))
+    assert np.mean(np.any(pictures[0] != pictures[1], axis=2)) < 1e-3
+
+
+@pytest.mark.slow
+def test_a_negative_variance_has_no_band(tmp_path, recwarn):
+    negative = DriveEstimate(path(), {stamp: -np.eye(6) for stamp in path()})
+    plot_bands(str(tmp_path / "a.png"), {"a": negative}, path())
+    assert band_height(cv2.imread(str(tmp_path / "a.png")), 1) < 20 and not list(recwarn)

@@ -46,6 +46,14 @@ def test_one_wild_pose_does_not_change_the_scale(tmp_path):
     assert np.mean(np.any(pictures[0] != pictures[1], axis=2)) < 1e-3
 
 
+def test_a_corridor_is_drawn_above_the_errors_in_the_whole_width(tmp_path):
+    path, truth = str(tmp_path / "drive.png"), {i * 10**8: at(0.1 * i, 0.0) for i in range(300)}
+    plot_drive(path, truth, {"first": {stamp: T @ at(0.0, 0.1) for stamp, T in truth.items()}})
+    picture = cv2.imread(path)
+    line = np.all(picture == 0, axis=2)[:150].sum(axis=1)  # in the top view
+    assert picture.shape[1] == 1430 and line.max() > 1200
+
+
 def test_a_folder_that_is_not_there(tmp_path):
     with pytest.raises(OSError):
         plot_drive(str(tmp_path / "absent" / "drive.png"), TRUTH, {"first": FIRST})
