@@ -18,6 +18,7 @@ from test_doc import table_of
 import sextant
 from sextant.base.strict_params import parse_params, parse_struct
 from sextant.nodes.simulation.landmark_simulator import LandmarkSimulatorParams
+from sextant.simulation.drive import DriveParams
 from sextant.simulation.rgbd_camera import RgbdParams
 from sextant.simulation.room_markers import default_map
 
@@ -45,6 +46,7 @@ BRANCHES = {
         ["start_manager:=false"],
         ["detections:=tag_detections", "camera_info:=calibration"],
     ],
+    "corridor_experiment.launch": [["ekf:=true"]],
     "demo.launch": [["rviz:=true", "mode:=nearest"], ["mode:=average"]],
     "calibrate.launch": [
         ["fisheye:=true", "commit:=false"],
@@ -88,6 +90,7 @@ STARTED = {"adapter_params": ["detections:=tag_detections"]}
 # What such a file cannot set, because it is of several nodes or the user has to give it.
 ARGUMENTS_ALONE = {
     ("demo.launch", "simulator_params"): {"map_file", "family", "marker_size"},
+    ("corridor_experiment.launch", "simulator_params"): {"map_file"},
     ("places.launch", "localizer_params"): {"map_file"},
     ("places.launch", "visualizer_params"): {"map_file"},
     ("amcl.launch", "localizer_params"): {"map_file"},
@@ -276,6 +279,14 @@ def test_filter_of_robot_localization_is_whole():
     covariance = np.reshape(config["initial_estimate_covariance"], (15, 15))
     assert np.count_nonzero(covariance) == 15 and covariance[0, 0] >= 1000.0
     assert (config["world_frame"], config["map_frame"]) == ("map", "map")
+
+
+def test_the_corridor_experiment_knows_the_noise_of_its_odometry():
+    config = load(ROOT / "launch/corridor_experiment.launch")
+    noise, params = DriveParams().odometry, params_of(config, "landmark_slam")
+    assert params["translation_from_translation"] == noise.distance_per_metre
+    assert params["rotation_from_translation"] == noise.angle_per_metre
+    assert params["rotation_from_rotation"] == noise.angle_per_radian
 
 
 @pytest.mark.slow

@@ -5,7 +5,6 @@ ground truth."""
 
 import os
 import threading
-import time
 from dataclasses import dataclass
 from typing import Dict, List
 
@@ -13,8 +12,6 @@ import numpy as np
 import rospy
 from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped
 from nav_msgs.msg import Odometry, Path
-from std_msgs.msg import Bool
-from std_srvs.srv import SetBool
 
 from sextant.base.strict_params import not_empty, param, within
 from sextant.evaluation.drive_plot import plot_drive
@@ -25,9 +22,9 @@ from sextant.msg import MarkerMapEntries
 from sextant.nodes.base.exits import fatal
 from sextant.nodes.base.init_node import init_node
 from sextant.nodes.base.params import read_params
+from sextant.nodes.evaluation.drive_watch import DriveWatch
 from sextant.nodes.markers.marker_map_messages import marker_from_entry
 
-SETTLE = 1.0  # seconds without a new pose, after which the last image is considered processed
 TRAIL = 1800  # maximum number of true poses in the published path
 
 
@@ -61,11 +58,9 @@ class DriveRecorder:
         self._truth: Dict[int, np.ndarray] = {}
         self._poses: Dict[str, Dict[int, np.ndarray]] = {mode: {} for mode in params.modes}
         self._markers: list = []
-        self._received = time.monotonic()
+        self._watch = DriveWatch(params.start_service, params.timeout)
         self._trail = Path()
         self._path = rospy.Publisher("ground_truth/path", Path, queue_size=1)
-        self._finished = False
-        rospy.Subscriber("finished", Bool, self._on_finished)
         rospy.Subscriber("marker_map/entries", MarkerMapEntries, self._on_map)
         self._inputs = [rospy.Subscriber("ground_truth", Odometry, self._on_truth)]
         for mode in params.modes:
@@ -75,7 +70,7 @@ class DriveRecorder:
     def _on_truth(self, message: Odometry) -> None:
         with self._lock:
             self._truth[message.header.stamp.to_nsec()] = pose_from_message(message.pose.pose)
-            self._received = time.monotonic()
+        self._watch.pose_received()
         self._trail.header = message.header
         self._trail.poses = self._trail.poses[1 - TRAIL :] + [PoseStamped(message.header, message.pose.pose)]
         if len(self._truth) % 6 == 0:
@@ -84,44 +79,22 @@ class DriveRecorder:
     def _on_pose(self, message: PoseWithCovarianceStamped, mode: str) -> None:
         with self._lock:
             self._poses[mode][message.header.stamp.to_nsec()] = pose_from_message(message.pose.pose)
-            self._received = time.monotonic()
+        self._watch.pose_received()
 
     def _on_map(self, message: MarkerMapEntries) -> None:
         self._markers = [marker_from_entry(entry) for entry in message.markers]
 
-    def _on_finished(self, message: Bool) -> None:
-        self._finished = message.data
+    def record(self) -> None:
+        """Starts the drive when all topics are connected, and waits for its end or the node's shutdown.
 
-    def start(self) -> None:
-        """Starts the drive when all topics are connected.
-
-        :raises RuntimeError: a topic or the service is not available in time
+        :raises RuntimeError: a topic or the service is not available in time, or the drive stops
         """
-        end = time.monotonic() + self._params.timeout
-        while not all(each.get_num_connections() for each in self._inputs) or not self._markers:
-            if time.monotonic() > end or rospy.is_shutdown():
-                missing = [each.resolved_name for each in self._inputs if not each.get_num_connections()]
-                missing += [] if self._markers else ["marker_map/entries"]
-                raise RuntimeError("nothing is published on " + ", ".join(missing))
-            time.sleep(0.1)
-        if self._params.start_service:
-            time.sleep(SETTLE)  # the locators may receive the map a little later
-            rospy.wait_for_service(self._params.start_service, self._params.timeout)
-            rospy.ServiceProxy(self._params.start_service, SetBool)(True)
-        self._received = time.monotonic()
+        self._watch.start(self._missing)
+        self._watch.wait()
 
-    def wait(self) -> None:
-        """Waits until the drive has ended or the node is shut down.
-
-        :raises RuntimeError: no pose was received for too long
-        """
-        while not rospy.is_shutdown():
-            idle = time.monotonic() - self._received
-            if self._finished and idle > SETTLE:
-                return
-            if idle > self._params.timeout:
-                raise RuntimeError(f"no pose for {idle:.0f} s, and the drive has not ended")
-            time.sleep(0.1)
+    def _missing(self) -> List[str]:
+        missing = [each.resolved_name for each in self._inputs if not each.get_num_connections()]
+        return missing + ([] if self._markers else ["marker_map/entries"])
 
     def report(self) -> None:
         """Prints the table and writes the plot."""
@@ -145,7 +118,6 @@ def main() -> None:
     recorder = DriveRecorder(read_params(RecorderParams))
     try:
         with fatal(RuntimeError, rospy.ROSException):
-            recorder.start()
-            recorder.wait()
+            recorder.record()
     finally:
         recorder.report()
