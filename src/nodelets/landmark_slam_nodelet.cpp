@@ -31,6 +31,16 @@
 #include "sextant/ros/markers/marker_conversions.hpp"
 
 namespace sextant {
+namespace {
+
+/// @throws std::runtime_error if the seconds cannot be converted back to ros::Time
+double secondsOf(const ros::Time& stamp) {
+  const double seconds = stamp.toSec();
+  [[maybe_unused]] const ros::Time back(seconds);
+  return seconds;
+}
+
+}  // namespace
 
 /// Localizes the robot by odometry and landmarks, and maps the landmarks.
 class LandmarkSlamNodelet : public nodelet::Nodelet {
@@ -137,7 +147,7 @@ class LandmarkSlamNodelet : public nodelet::Nodelet {
     const Pose2 T_odom_base = planarFromMsg(msg.pose.pose);
     if (odometry_ && jumpsBack(msg.header.stamp, odometry_->header.stamp)) restart();
     const int jumps = session_->timeline().jumps();
-    if (!session_->timeline().odometry(msg.header.stamp.toSec(), T_odom_base))
+    if (!session_->timeline().odometry(secondsOf(msg.header.stamp), T_odom_base))
       throw std::invalid_argument("its stamp is not newer than that of the last message");
     if (session_->timeline().jumps() > jumps)
       trouble_->report("odometry jump",
@@ -187,7 +197,7 @@ class LandmarkSlamNodelet : public nodelet::Nodelet {
     waiting_->add(header, [this, topic, observations, stamp = header.stamp](const Pose& T_base_frame) {
       try {
         clock_.start();
-        const Arrival arrival = session_->timeline().observe(stamp.toSec(), observations(T_base_frame),
+        const Arrival arrival = session_->timeline().observe(secondsOf(stamp), observations(T_base_frame),
                                                              planarSensorPose(T_base_frame));
         clock_.finish("observations");
         const double ahead = odometry_ ? (stamp - odometry_->header.stamp).toSec() : 0.0;

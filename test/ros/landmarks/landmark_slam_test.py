@@ -30,6 +30,7 @@ from sextant.srv import LandmarkMapFile
 
 NEAR = 0.3  # m and rad, of a robot that has found itself
 THREE_SIGMA = 14.16  # squared, in three dimensions: 0.27 % are beyond
+LAST = rospy.Time(2**32 - 1, 10**9 - 1)  # its seconds, as a float, are 2**32: no stamp any more
 WORLD = {"seed": 3, "landmarks": 15, "half_side": 5.0, "field_of_view": 2.0}
 
 
@@ -280,6 +281,8 @@ def bad_messages(robot):
         observations("observations", covariance=[0.0] * 9),
         observations("observations", covariance=[-1.0, 0, 0, 0, -1.0, 0, 0, 0, 0]),
         observations("observations", class_name=""),
+        observations("observations", stamp=LAST),
+        odometry(lambda msg: None, LAST),
         observations("observations too late", stamp=robot.stamp - rospy.Duration(5)),
         observations("observations ahead", stamp=robot.stamp + rospy.Duration(60)),
         observations("transform", frame="nowhere"),
