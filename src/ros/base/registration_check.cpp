@@ -10,7 +10,7 @@ namespace sextant {
 namespace {
 
 constexpr std::chrono::seconds kPeriod(3);  // between two looks at the master
-constexpr int kLooks = 4;                   // successive looks without the node after which it ends
+constexpr int kLooks = 3;                   // successive looks without the node after which it ends
 const std::string kKeeper = "registration_keeper";
 
 bool isForgottenNow() {

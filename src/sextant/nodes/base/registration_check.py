@@ -12,7 +12,7 @@ import rosgraph
 import rospy
 
 PERIOD = 3.0  # seconds between two looks at the master
-LOOKS = 4  # number of successive looks without the node after which it ends
+LOOKS = 3  # number of successive looks without the node after which it ends
 KEEPER = "registration_keeper"  # beginning of the name of that node
 
 
