@@ -50,9 +50,10 @@ ParamList DetectorParams::fields() {
       {"threads", &threads, Range::closed(1, 64), "",
        "number of threads of the AprilTag backend; with more than one, OpenCV also uses threads of its own"},
       {"search", &search, oneOf({"full", "tracking"}), "",
-       "`tracking`: search known markers at their predicted positions, and new ones in every third image; in "
-       "the others only at the sides of the image where new parts of the scene come into view; `full`: "
-       "search every image completely, also at a coarser scale for motion blur, several times slower"},
+       "`tracking`: search known markers at their predicted positions, and new ones in every third image "
+       "(faint ones in every 36th); in the others only at the sides of the image where new parts of the "
+       "scene come into view; `full`: search every image completely, also at a coarser scale for motion "
+       "blur, several times slower"},
       {"decimate", &decimate, Range::closed(1, 8), "",
        "AprilTag: factor by which the image is reduced for the quad search; 2 is 4 times as fast"},
       {"max_hamming", &max_hamming, Range::closed(0, 3), "bits",

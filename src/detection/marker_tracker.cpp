@@ -7,9 +7,10 @@
 namespace sextant {
 namespace {
 
-constexpr int kSweep = 3;          // period of searches for quads in the whole image, images
-constexpr double kOutside = 0.5;   // modules by which an edge may be outside the image, and at least a pixel
-constexpr double kCrowded = 0.25;  // of the image's area: larger windows cost as much as a full search
+constexpr int kSweep = 3;           // period of searches for quads in the whole image, images
+constexpr int kThoroughSweep = 12;  // period of thorough ones, sweeps; quick ones never find faint markers
+constexpr double kOutside = 0.5;    // modules by which an edge may be outside the image, and at least a pixel
+constexpr double kCrowded = 0.25;   // of the image's area: larger windows cost as much as a full search
 constexpr double kThoroughMargin = 3;  // of a thorough search, in margins of the track
 constexpr double kPredicted = 1.5;     // pixels; standard deviation of a predicted corner
 
@@ -69,11 +70,12 @@ void MarkerTracker::follow(const cv::Mat& image, const CameraModel* camera, Foun
   if (refine_ && search_->readsInPlace())
     for (const auto& marker : expected) confirm(marker, image, camera, found);
   const bool due = ++since_sweep_ >= kSweep;
-  if (due) sweep(image, whole, found);
+  if (due) sweep(image, whole, ++sweeps_ % kThoroughSweep == 0 ? Effort::thorough : Effort::quick, found);
   if (!lookFor(expected, image, found)) return search_->everywhere(image, found);
   if (due) return;
-  if (found.markers.empty() && !expected.empty()) return sweep(image, whole, found);
-  for (const cv::Rect& strip : tracks_.entrances(image.size(), cut_off_)) sweep(image, strip, found);
+  if (found.markers.empty() && !expected.empty()) return sweep(image, whole, Effort::quick, found);
+  for (const cv::Rect& strip : tracks_.entrances(image.size(), cut_off_))
+    sweep(image, strip, Effort::quick, found);
 }
 
 void MarkerTracker::refine(const cv::Mat& image, const CameraModel* camera, Detection& marker) const {
@@ -121,8 +123,8 @@ bool MarkerTracker::lookFor(const std::vector<MarkerTracks::Expected>& expected,
   return true;
 }
 
-void MarkerTracker::sweep(const cv::Mat& image, const cv::Rect& part, FoundMarkers& found) {
-  quads_.find(image, part, search_->minSide(image.size()), Effort::quick);
+void MarkerTracker::sweep(const cv::Mat& image, const cv::Rect& part, Effort effort, FoundMarkers& found) {
+  quads_.find(image, part, search_->minSide(image.size()), effort);
   if (part.size() == image.size()) {
     since_sweep_ = 0;
     cut_off_ = quads_.cutOff();

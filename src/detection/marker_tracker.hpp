@@ -15,8 +15,9 @@ namespace sextant {
 
 /// Selects the parts of each image in which a backend searches: the whole image first and after a change of
 /// size; then the predicted positions of markers, the strips at the sides where new parts of it come into
-/// view, and in every third image all quads. A new marker is detected within three images. A marker in steady
-/// motion is not searched: its edges are fitted from the predicted ones, and its code is read between them.
+/// view, and in every third image all quads. A new marker is detected within three images, a faint one
+/// within 36. A marker in steady motion is not searched: its edges are fitted from the predicted ones, and
+/// its code is read between them.
 class MarkerTracker {
  public:
   /// @param tracking false: search every image completely
@@ -37,7 +38,7 @@ class MarkerTracker {
   bool lookFor(const std::vector<MarkerTracks::Expected>& expected, const cv::Mat& image,
                FoundMarkers& found);
   bool leaves(const cv::Mat& image, const Detection& marker) const;
-  void sweep(const cv::Mat& image, const cv::Rect& part, FoundMarkers& found);
+  void sweep(const cv::Mat& image, const cv::Rect& part, Effort effort, FoundMarkers& found);
 
   std::unique_ptr<MarkerSearch> search_;
   bool tracking_, refine_;
@@ -45,6 +46,7 @@ class MarkerTracker {
   MarkerTracks tracks_;
   QuadSearch quads_;
   int since_sweep_ = 0;            // images
+  int sweeps_ = 0;                 // of whole images
   std::vector<cv::Rect> cut_off_;  // boxes of outlines at the border of that image
 };
 

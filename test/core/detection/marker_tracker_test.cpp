@@ -137,6 +137,19 @@ TEST_P(Tracking, SeesInPoorLight) {
   }
 }
 
+// A contrast of 15 grey levels on a bright wall.
+TEST_P(Tracking, FindsAFaintOneWithin36Images) {
+  tracking_->detect(empty());
+  int images = 0;
+  bool is_found = false;
+  while (!is_found && ++images <= 36) {
+    cv::Mat faint = view({240 + 0.2 * images, 135}, 34, images);
+    faint.convertTo(faint, CV_8U, 0.1, 200);
+    is_found = !tracking_->detect(faint).empty();
+  }
+  EXPECT_TRUE(is_found);
+}
+
 // 12 pixels, as wide as two of its modules, in four directions.
 TEST_P(Tracking, SeesWhatMotionBlurs) {
   for (int direction = 0; direction < 4; ++direction) {
