@@ -70,7 +70,7 @@ def large_map_tables(quick: bool) -> List[Table]:
         drives = [
             (Drive(200, 2000, 40), 20),
             (Drive(200, 1000, 40), 1),
-            (Drive(560, 500, 200), 1),
+            (Drive(560, 250, 200), 1),
             (Drive(200, 2000, 40, moved=0.3), 1),
         ]
     rows = [_row(drive, [make(drive, seed) for seed in range(count)], quick) for drive, count in drives]
