@@ -8,10 +8,12 @@ import json
 import re
 import sys
 from pathlib import Path
-from typing import Callable, Dict, Iterable, List, Optional
+from typing import Callable, Dict, Iterable, List, Optional, Tuple
 
 from real_data import EXTERNAL
 from tables import Table
+
+from sextant.base.atomic_file import atomic_file
 
 Topics = Dict[str, Callable[[argparse.Namespace], List[Table]]]
 Results = Dict[str, List[Table]]
@@ -35,9 +37,9 @@ def run(topics: Topics, what: Optional[str], pictures: Optional[str] = None) -> 
         except OSError as error:
             print(f"{name} could not be measured: {error}", file=sys.stderr)
             return 2
+        print("\n\n".join(map(str, results[name])), end="\n\n", file=stream, flush=True)
         if options.markdown:
             write_section(options.markdown, Path(sys.argv[0]).stem, what or "", topics, {name: results[name]})
-        print("\n\n".join(map(str, results[name])), end="\n\n", file=stream, flush=True)
     holds = all(table.holds for tables in results.values() for table in tables)
     print("every bar holds" if holds else "a bar FAILS", file=stream)
     _write(options, pictures, results, holds)
@@ -72,8 +74,13 @@ def _check_writable(parser: argparse.ArgumentParser, options: argparse.Namespace
     """Checks the output paths before measuring, which may take an hour."""
     if options.json and not Path(options.json).parent.is_dir():
         parser.error(f"--json: there is no folder {Path(options.json).parent}")
-    if options.markdown and not options.markdown.is_file():
-        parser.error(f"--markdown: there is no page {options.markdown}")
+    if options.markdown and options.quick:
+        parser.error("--markdown: not with --quick, which has no bars")
+    if options.markdown:
+        try:
+            divided(options.markdown, Path(sys.argv[0]).stem)
+        except (OSError, ValueError) as error:
+            parser.error(f"--markdown: {error}")
     if options.plots:
         try:
             options.plots.mkdir(parents=True, exist_ok=True)
@@ -102,17 +109,38 @@ def write_section(page: Path, script: str, what: str, topics: Iterable[str], res
     """Writes the topics of results into the section of a script in a page; other topics are kept.
 
     :param topics: all of the script, in their order
+    :raises ValueError: see divided()
     """
-    begin, end = f"<!-- begin {script} -->\n", f"<!-- end {script} -->\n"
-    text = page.read_text()
-    if begin not in text:
-        text = f"{text.rstrip()}\n\n{begin}{end}"
-    before, _, rest = text.partition(begin)
-    section, _, after = rest.partition(end)
-    words = re.split(r"<!-- topic (\w+) -->", section)
-    parts = dict(zip(words[1::2], map(str.strip, words[2::2])))
+    before, section, after = divided(page, script)
+    split = re.split(r"<!-- topic (\w+) -->", section)
+    parts = dict(zip(split[1::2], map(str.strip, split[2::2])))
     for name, tables in results.items():
         parts[name] = "\n\n".join(table.as_markdown() for table in tables)
     summary = " ".join(what.strip().partition("\n\n")[0].split())
     body = "\n\n".join(f"<!-- topic {name} -->\n\n{parts[name]}" for name in topics if name in parts)
-    page.write_text(f"{before}{begin}## {script}\n\n{summary}\n\n{body}\n{end}{after}")
+    with atomic_file(page, "w") as file:
+        file.write(f"{before}<!-- begin {script} -->\n## {script}\n\n{summary}\n\n{body}\n")
+        file.write(f"<!-- end {script} -->\n{after}")
+
+
+def divided(page: Path, script: str) -> Tuple[str, str, str]:
+    """Returns what a page has before, in and after the section of a script.
+
+    :raises ValueError: the comments around the section or its topics are damaged: something would be lost
+    """
+    begin, end, text = f"<!-- begin {script} -->\n", f"<!-- end {script} -->\n", page.read_text()
+    if begin.strip() not in text and end.strip() not in text:
+        return f"{text.rstrip()}\n\n", "", ""
+    before, _, rest = text.partition(begin)
+    section, _, after = rest.partition(end)
+    names = re.findall(r"<!-- topic (\w+) -->", section)
+    is_damaged = (
+        (text.count(begin), text.count(end)) != (1, 1)
+        or end in before
+        or "<!-- begin " in section
+        or "### " in section.partition("<!-- topic ")[0]
+        or len(set(names)) != len(re.findall("<!-- *topic", section))
+    )
+    if is_damaged:
+        raise ValueError(f"{page}: the comments of the section of {script} are damaged; restore them")
+    return before, section, after

@@ -11,7 +11,7 @@ import numpy as np
 from tables import Table, Value
 from under_test import detector
 
-from field.images import DICTIONARY, SIZES, TAGS, KnownImage, blurred, libapriltag, rendered, tag_photos
+from field.images import SIZES, TAGS, KnownImage, blurred, libapriltag, rendered, tag_photos
 
 LENGTH = 12  # pixels
 FORMER_MARGIN = 20.0  # grey levels
@@ -25,22 +25,19 @@ COLUMNS = ["tags", "libapriltag, d 1", "libapriltag, d 2", "ours", "over d 1's",
 
 
 def blur_tables(data: Path, quick: bool) -> List[Table]:
-    """Rendered images and photos, by the family's names in both backends. :raises OSError: no photos"""
+    """Rendered images and photos. :raises OSError: no photos"""
     photos = list(tag_photos(data).values())
-    tables = []
-    for family in (TAGS, DICTIONARY):
-        rows = []
-        room = list(
-            blurred_rooms(rendered(SIZES["640 x 480"], QUICK_FRAMES if quick else FRAMES, noise_sigma=2.0))
-        )
-        for (least, most), gain in GAINS.items():
-            images = [sized(image, least, most) for image in room]
-            name = f"rendered, sides of {least:g} to {most:g} pixels"
-            rows.append((name, _cells(family, images, None if quick else gain)))
-        scales = SCALES[-1:] if quick else SCALES
-        rows.append(("photos", _cells(family, blurred_photos(photos, scales), None if quick else GAIN)))
-        tables.append(Table(f"{family}, motion blur of {LENGTH} pixels, full search", COLUMNS, rows))
-    return tables
+    rows = []
+    room = list(
+        blurred_rooms(rendered(SIZES["640 x 480"], QUICK_FRAMES if quick else FRAMES, noise_sigma=2.0))
+    )
+    for (least, most), gain in GAINS.items():
+        images = [sized(image, least, most) for image in room]
+        name = f"rendered, sides of {least:g} to {most:g} pixels"
+        rows.append((name, _cells(images, None if quick else gain)))
+    scales = SCALES[-1:] if quick else SCALES
+    rows.append(("photos", _cells(blurred_photos(photos, scales), None if quick else GAIN)))
+    return [Table(f"{TAGS}, motion blur of {LENGTH} pixels, full search", COLUMNS, rows)]
 
 
 def blurred_rooms(images: Iterable[KnownImage]) -> Iterator[KnownImage]:
@@ -65,8 +62,8 @@ def blurred_photos(photos: List[KnownImage], scales: Iterable[float]) -> Iterato
                 yield KnownImage(blurred(large, LENGTH, (k + 0.5) * np.pi / DIRECTIONS), markers, photo.ids)
 
 
-def _cells(family: str, images: Iterable[KnownImage], bar) -> List[Value]:
-    finds = [libapriltag(1.0, FORMER_MARGIN), libapriltag(2.0), detector(family).detect]
+def _cells(images: Iterable[KnownImage], bar) -> List[Value]:
+    finds = [libapriltag(1.0, FORMER_MARGIN), libapriltag(2.0), detector(TAGS).detect]
     known, counts, wrong = 0, [0, 0, 0], [0, 0, 0]
     for image in images:
         known += len(image.markers)

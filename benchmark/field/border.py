@@ -9,7 +9,7 @@ import numpy as np
 from tables import Table, Value
 from under_test import detector
 
-from field.images import DICTIONARY, TAGS, KnownImage, libapriltag, tag_photos
+from field.images import TAGS, KnownImage, libapriltag, tag_photos
 
 OUTSIDE = np.arange(-3.0, 4.0)  # pixels from the outermost corner to the border
 COLUMNS = ["views", "libapriltag's", "ours", "over libapriltag's"]
@@ -18,18 +18,14 @@ COLUMNS = ["views", "libapriltag's", "ours", "over libapriltag's"]
 def border_tables(data: Path, quick: bool) -> List[Table]:
     """One table. :raises OSError: no photos"""
     photos = list(tag_photos(data).values())
-    rows = []
-    for family in (TAGS, DICTIONARY):
-        plain, ours = libapriltag(), detector(family).detect
-        views = theirs = found = 0
-        for view in cut_views(photos[:1] if quick else photos, plain):
-            views += 1
-            theirs += view.count(plain(view.grey))
-            found += view.count(ours(view.grey))
-        bar = 1.0 if family == TAGS and not quick else None
-        rows.append(
-            (family, [*(Value(n, 0) for n in (views, theirs, found)), Value(found / theirs, 3, at_least=bar)])
-        )
+    plain, ours = libapriltag(), detector(TAGS).detect
+    views = theirs = found = 0
+    for view in cut_views(photos[:1] if quick else photos, plain):
+        views += 1
+        theirs += view.count(plain(view.grey))
+        found += view.count(ours(view.grey))
+    ratio = Value(found / theirs, 3, at_least=None if quick else 1.0)
+    rows = [(TAGS, [*(Value(count, 0) for count in (views, theirs, found)), ratio])]
     return [Table("Tags of photos that the border of the image touches", COLUMNS, rows)]
 
 

@@ -8,7 +8,7 @@ from typing import Iterable, List
 from tables import Table, Value
 from under_test import detector
 
-from field.images import DICTIONARY, SIZES, TAGS, KnownImage, darkened, libapriltag, rendered, tag_photos
+from field.images import SIZES, TAGS, KnownImage, darkened, libapriltag, rendered, tag_photos
 
 BRIGHTNESS = (1.0, 0.1, 0.05)
 WHITE, READ_NOISE = 200.0, 0.7  # grey levels of the rendered images
@@ -17,30 +17,27 @@ COLUMNS = ["tags", "libapriltag's", "ours", "over libapriltag's", "wrong, libapr
 
 
 def dark_tables(data: Path, quick: bool) -> List[Table]:
-    """Photos and rendered images, by the family's names in both backends. :raises OSError: no photos"""
+    """Photos and rendered images. :raises OSError: no photos"""
     photos = list(tag_photos(data).values())
-    tables = []
-    for family in (TAGS, DICTIONARY):
-        rows = []
-        for brightness in BRIGHTNESS:
-            dark = [photo._replace(grey=darkened(photo.grey, brightness)) for photo in photos]
-            rows.append((f"photos, {100 * brightness:g} %", _cells(family, dark, brightness, quick)))
-        for name, size in SIZES.items():
-            for brightness in BRIGHTNESS[1:]:
-                room = rendered(
-                    size,
-                    QUICK_FRAMES if quick else FRAMES,
-                    white_level=brightness * WHITE,
-                    noise_sigma=READ_NOISE,
-                )
-                cells = _cells(family, room, brightness, quick)
-                rows.append((f"rendered, {name}, {100 * brightness:g} %", cells))
-        tables.append(Table(f"{family} by brightness, full search", COLUMNS, rows))
-    return tables
+    rows = []
+    for brightness in BRIGHTNESS:
+        dark = [photo._replace(grey=darkened(photo.grey, brightness)) for photo in photos]
+        rows.append((f"photos, {100 * brightness:g} %", _cells(dark, brightness, quick)))
+    for name, size in SIZES.items():
+        for brightness in BRIGHTNESS[1:]:
+            room = rendered(
+                size,
+                QUICK_FRAMES if quick else FRAMES,
+                white_level=brightness * WHITE,
+                noise_sigma=READ_NOISE,
+            )
+            cells = _cells(room, brightness, quick)
+            rows.append((f"rendered, {name}, {100 * brightness:g} %", cells))
+    return [Table(f"{TAGS} by brightness, full search", COLUMNS, rows)]
 
 
-def _cells(family: str, images: Iterable[KnownImage], brightness: float, quick: bool) -> List[Value]:
-    plain, ours = libapriltag(), detector(family).detect
+def _cells(images: Iterable[KnownImage], brightness: float, quick: bool) -> List[Value]:
+    plain, ours = libapriltag(), detector(TAGS).detect
     known = theirs = found = wrong = theirs_wrong = 0
     for image in images:
         tags, detections = plain(image.grey), ours(image.grey)

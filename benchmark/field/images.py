@@ -15,7 +15,7 @@ from markers.detector_speed import true_corners
 from sextant.simulation.drive import DriveParams, SimulatedDrive
 from sextant.simulation.room_markers import default_map
 
-TAGS, DICTIONARY = "tag36h11", "DICT_APRILTAG_36h11"  # one print by both of its names
+TAGS = "tag36h11"
 SIZES = {"640 x 480": (640, 480), "1280 x 720": (1280, 720)}
 NEAR = 0.25  # sides; distance between the centres of a detected and a known marker
 STEP = 8.0  # pixels an image by which the camera in front of a photo moves

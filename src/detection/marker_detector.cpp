@@ -46,7 +46,8 @@ void requireFamilies(const Param& param) {
 ParamList DetectorParams::fields() {
   return {
       {"families", &families, Allowed("[families](#marker-families)", requireFamilies), "",
-       "marker families to detect, e.g. `tag36h11` or `DICT_4X4_50`"},
+       "marker families to detect, e.g. `tag36h11` or `DICT_4X4_50`; `DICT_APRILTAG_...` are AprilTag "
+       "families"},
       {"threads", &threads, Range::closed(1, 64), "",
        "number of threads of the AprilTag backend; with more than one, OpenCV also uses threads of its own"},
       {"search", &search, oneOf({"full", "tracking"}), "",

@@ -58,6 +58,7 @@ class MarkerSearch {
 std::unique_ptr<MarkerSearch> makeAprilTagSearch(const DetectorParams& params,
                                                  const std::vector<std::string>& families);
 /// Creates a search with OpenCV's aruco module, for one dictionary.
+/// @param dictionary its canonicalFamily()
 /// @throws std::out_of_range for an unknown dictionary
 std::unique_ptr<MarkerSearch> makeArucoSearch(const DetectorParams& params, const std::string& dictionary);
 

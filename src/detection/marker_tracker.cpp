@@ -70,12 +70,11 @@ void MarkerTracker::follow(const cv::Mat& image, const CameraModel* camera, Foun
   if (refine_ && search_->readsInPlace())
     for (const auto& marker : expected) confirm(marker, image, camera, found);
   const bool due = ++since_sweep_ >= kSweep;
-  if (due) sweep(image, whole, ++sweeps_ % kThoroughSweep == 0 ? Effort::thorough : Effort::quick, found);
+  if (due) sweep(image, whole, found);
   if (!lookFor(expected, image, found)) return search_->everywhere(image, found);
   if (due) return;
-  if (found.markers.empty() && !expected.empty()) return sweep(image, whole, Effort::quick, found);
-  for (const cv::Rect& strip : tracks_.entrances(image.size(), cut_off_))
-    sweep(image, strip, Effort::quick, found);
+  if (found.markers.empty() && !expected.empty()) return sweep(image, whole, found);
+  for (const cv::Rect& strip : tracks_.entrances(image.size(), cut_off_)) sweep(image, strip, found);
 }
 
 void MarkerTracker::refine(const cv::Mat& image, const CameraModel* camera, Detection& marker) const {
@@ -123,9 +122,11 @@ bool MarkerTracker::lookFor(const std::vector<MarkerTracks::Expected>& expected,
   return true;
 }
 
-void MarkerTracker::sweep(const cv::Mat& image, const cv::Rect& part, Effort effort, FoundMarkers& found) {
-  quads_.find(image, part, search_->minSide(image.size()), effort);
-  if (part.size() == image.size()) {
+void MarkerTracker::sweep(const cv::Mat& image, const cv::Rect& part, FoundMarkers& found) {
+  const bool is_whole = part.size() == image.size();
+  const bool is_thorough = is_whole && ++sweeps_ % kThoroughSweep == 0;
+  quads_.find(image, part, search_->minSide(image.size()), is_thorough ? Effort::thorough : Effort::quick);
+  if (is_whole) {
     since_sweep_ = 0;
     cut_off_ = quads_.cutOff();
   }

@@ -38,7 +38,7 @@ class MarkerTracker {
   bool lookFor(const std::vector<MarkerTracks::Expected>& expected, const cv::Mat& image,
                FoundMarkers& found);
   bool leaves(const cv::Mat& image, const Detection& marker) const;
-  void sweep(const cv::Mat& image, const cv::Rect& part, Effort effort, FoundMarkers& found);
+  void sweep(const cv::Mat& image, const cv::Rect& part, FoundMarkers& found);
 
   std::unique_ptr<MarkerSearch> search_;
   bool tracking_, refine_;

@@ -18,7 +18,8 @@ using Vector4d = Eigen::Vector4d;
 using Matrix4d = Eigen::Matrix4d;
 using Matrix64d = Eigen::Matrix<double, 6, 4>;
 
-// Cost above the minimum at which the grid ends; a Gaussian has 5e-5 of its probability beyond it.
+// Cost above the minimum at which the grid ends: a Gaussian has 5e-5 of its probability beyond it. A minimum
+// that is more than kDepth - kBarrier above the least one may become a hypothesis of its own.
 constexpr double kDepth = 20.0;
 // Distance of the cells, standard deviations; up to 1, a sum over a Gaussian is exact to 1e-6.
 constexpr double kSpacing = 1.0;

@@ -33,11 +33,11 @@
 namespace sextant {
 namespace {
 
-/// @throws std::runtime_error if the seconds cannot be converted back to ros::Time
+/// @throws std::invalid_argument after January 2038: ros::Duration cannot hold differences of such stamps
 double secondsOf(const ros::Time& stamp) {
-  const double seconds = stamp.toSec();
-  [[maybe_unused]] const ros::Time back(seconds);
-  return seconds;
+  if (stamp.sec >= static_cast<uint32_t>(std::numeric_limits<int32_t>::max()))
+    throw std::invalid_argument("its stamp is after January 2038");
+  return stamp.toSec();
 }
 
 }  // namespace
@@ -200,7 +200,7 @@ class LandmarkSlamNodelet : public nodelet::Nodelet {
         const Arrival arrival = session_->timeline().observe(secondsOf(stamp), observations(T_base_frame),
                                                              planarSensorPose(T_base_frame));
         clock_.finish("observations");
-        const double ahead = odometry_ ? (stamp - odometry_->header.stamp).toSec() : 0.0;
+        const double ahead = odometry_ ? stamp.toSec() - odometry_->header.stamp.toSec() : 0.0;
         report_->observations(topic, arrival, ahead + params_.timeline.clock_offset, params_.timeline.lag);
         publishApplied();
       } catch (const std::exception& error) {

@@ -3,7 +3,8 @@
 """Random faults in random order on all systems at once, between good input. Called by soak.sh.
 
 After each fault all systems must answer good input again: within a second, or within RESTART seconds if nodes
-or roscore were restarted. Fails when one does not, when a node ends unkilled, or when memory grows.
+or roscore were restarted in the last RETURN seconds. Fails when one does not, when a node ends unkilled, or
+when memory grows.
 """
 
 import os

@@ -50,7 +50,8 @@ def _value(value: Any, kind: str, rng: np.random.Generator) -> Any:
     if kind == "string":
         return STRINGS[int(rng.integers(len(STRINGS)))]
     if kind in ("time", "duration"):
-        return type(value)(int(rng.integers(0, 2**31)), int(rng.integers(0, 10**9)))
+        most = 2**32 if kind == "time" else 2**31
+        return type(value)(int(rng.integers(0, most)), int(rng.integers(0, 10**9)))
     return _float(value, rng)
 
 

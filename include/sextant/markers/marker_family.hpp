@@ -9,8 +9,7 @@
 namespace sextant {
 
 /// Returns every family name that detectors, marker maps and markerImage() accept: OpenCV's predefined
-/// dictionaries
-/// ("DICT_4X4_50", ..., read by the ArUco backend) and libapriltag's families ("tag36h11", ...).
+/// dictionaries ("DICT_4X4_50", ...) and libapriltag's families ("tag36h11", ...).
 std::vector<std::string> markerFamilies();
 
 /// Returns the canonical name of a family. OpenCV's "DICT_APRILTAG_36h11" and libapriltag's "tag36h11" are

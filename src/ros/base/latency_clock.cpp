@@ -9,7 +9,7 @@ namespace sextant {
 void LatencyClock::published(const ros::Time& stamp, const ros::Time& now) {
   ++published_;
   if (stamp.isZero()) return;
-  const double latency = (now - stamp).toSec();
+  const double latency = now.toSec() - stamp.toSec();  // a ros::Duration has 31 bits
   longest_ = stamped_ == 0 ? latency : std::max(longest_, latency);
   ++stamped_;
   sum_ += latency;

@@ -178,9 +178,11 @@ def measure(
     """
     poses, notes = _located(bag, options, params) if params else _recorded(bag, options)
     started = _started(poses, options)
-    first = poses[min(poses, key=started.__contains__)]  # that is in the reference's frame, if there is any
+    fixed = [each for method, each in poses.items() if method not in started]
+    first = next(iter(fixed or poses.values()))
     if options.truth_frame or options.truth_topic:
-        truth, of_truth = _recorded_truth(bag, options, first.frame, _stamps(poses))
+        aligned = options.align or not fixed
+        truth, of_truth = _recorded_truth(bag, options, first.frame, aligned, _stamps(poses))
         notes += of_truth
     poses = _aligned(poses, truth or _trajectory(first), started, options.align)
     accuracy: Dict[str, DriveAccuracy] = {}
@@ -193,13 +195,13 @@ def measure(
 
 
 def _recorded_truth(
-    bag: str, options: argparse.Namespace, frame: str, stamps: List[int]
+    bag: str, options: argparse.Namespace, frame: str, aligned: bool, stamps: List[int]
 ) -> Tuple[Trajectory, List[str]]:
     """:raises ValueError: the topic's poses are in another frame than the others, which are not aligned"""
     if options.truth_frame:
         return read_frame(bag, frame, options.truth_frame, stamps)
     of = read_poses(bag, options.truth_topic)
-    if of.frame != frame and not options.align:
+    if of.frame != frame and not aligned:
         raise ValueError(f"{options.truth_topic} is in '{of.frame}', the poses in '{frame}'; add --align")
     return _trajectory(of), list(of.warnings)
 

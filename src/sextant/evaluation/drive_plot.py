@@ -72,7 +72,7 @@ def _figure(path: str, panels: int) -> Tuple[Figure, Axes, List[Axes]]:
 def _long_figure(path: str, panels: int, ratio: float) -> Tuple[Figure, Axes, List[Axes]]:
     """Arranges the top view above the panels. :param ratio: of its height to its width"""
     left, right, above, under, between, below, panel = 0.75, 0.15, 0.5, 0.4, 0.5, 0.55, 2.0  # inches
-    view = (13.0 - left - right) * ratio
+    view = max(0.6, (13.0 - left - right) * ratio)
     height = above + view + under + panels * (between + panel) + below
     figure = new_figure(path, 13, height)
 

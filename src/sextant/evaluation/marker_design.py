@@ -112,7 +112,7 @@ class DesignParams(StrictParams):
 
     def setups(self, resolutions: Sequence[Resolution]) -> List[Setup]:
         """Returns the setups with these resolutions."""
-        families = [sextant.canonical_family(name) for name in self.family]
+        families = dict.fromkeys(map(sextant.canonical_family, self.family))
         return [Setup(*values) for values in itertools.product(resolutions, families, self.noise, self.light)]
 
 

@@ -148,6 +148,7 @@ TEST_P(Tracking, FindsAFaintOneWithin36Images) {
     is_found = !tracking_->detect(faint).empty();
   }
   EXPECT_TRUE(is_found);
+  EXPECT_GT(images, 3);  // it is too faint for a quick search
 }
 
 // 12 pixels, as wide as two of its modules, in four directions.
@@ -244,7 +245,7 @@ TEST(MarkerTracker, LooksForNoMarkerThatItReadsInPlace) {
 }
 
 // A corner may lie outside, where its edges meet, but no edge: a module has 6 pixels.
-TEST(MarkerTracker, TellsNoMarkerThatGoesOnOutsideTheImage) {
+TEST(MarkerTracker, ReportsNoMarkerThatGoesOnOutsideTheImage) {
   for (const auto& [x, count] : {std::pair(100.0, 1u), {26.0, 1u}, {21.0, 0u}}) {
     auto search = std::make_unique<Watched>();
     search->there = Detection{{"tag36h11", 9}, place({x, 130}, 50), {0.5, 0.5, 0.5, 0.5}};

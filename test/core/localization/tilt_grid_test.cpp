@@ -52,7 +52,7 @@ TEST(TiltGrid, IsTheGaussianWhereThereIsOne) {
     const Vector6d e = poseError(cell.T_map_base, seen.minima[0].T_map_base);
     moment += weight * (e * e.transpose() + cell.covariance);
     sum += weight;
-    EXPECT_LT(cell.cost - seen.minima[0].cost, 31);
+    EXPECT_LT(cell.cost - seen.minima[0].cost, 21);
   }
   const Matrix6d P = seen.minima[0].covariance, L = P.llt().matrixL();
   const Matrix6d inverse = L.inverse();

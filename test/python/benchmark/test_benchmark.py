@@ -12,7 +12,7 @@ import pytest
 BENCHMARK = Path(__file__).resolve().parents[3] / "benchmark"
 sys.path.insert(0, str(BENCHMARK))
 
-from command import write_section  # noqa: E402
+from command import divided, write_section  # noqa: E402
 from real_data import EXTERNAL  # noqa: E402
 from tables import Table, Value  # noqa: E402
 
@@ -297,3 +297,30 @@ def test_a_page_gets_one_section_of_each_script_and_keeps_topics_that_were_not_m
         f"<!-- topic simulated -->\n\n{table.format('2.00')}\n<!-- topic real -->\n\n{table.format('7.00')}"
         "<!-- end markers -->\n"
     )
+
+
+@pytest.mark.parametrize(
+    "whole, damaged",
+    [
+        ("<!-- end a -->\n", ""),
+        ("<!-- begin a -->\n", ""),
+        ("<!-- begin a -->", "<!-- begin a --> "),
+        ("<!-- topic x -->\n", ""),
+        ("<!-- topic y -->", "<!--  topic y -->"),
+        ("<!-- topic y -->", "<!-- topic x -->"),
+    ],
+)
+def test_a_page_whose_comments_are_damaged_is_refused(tmp_path, whole, damaged):
+    page = tmp_path / "figures.md"
+    text = (
+        "# Figures\n\n<!-- begin a -->\n## a\n\n<!-- topic x -->\n\n### X\n\n"
+        "<!-- topic y -->\n\n### Y\n<!-- end a -->\n"
+        "\n<!-- begin b -->\n## b\n<!-- end b -->\n"
+    )
+    page.write_text(text)
+    assert "".join(divided(page, "a")) == text.replace("<!-- begin a -->\n", "").replace(
+        "<!-- end a -->\n", ""
+    )
+    page.write_text(text.replace(whole, damaged))
+    with pytest.raises(ValueError, match="section of a are damaged"):
+        divided(page, "a")

@@ -119,6 +119,9 @@ def test_true_poses_in_another_frame_have_to_be_aligned(tmp_path, monkeypatch, c
     arguments = ["drive.bag", "--pose", "/pose", "--truth-topic", "/odom"]
     assert "/odom is in 'odom', the poses in 'map'; add --align" in refused(capsys, *arguments)
     assert called(capsys, *arguments, "--align")[0] == 0
+    arguments = ["drive.bag", "--pose", "/odom", "--truth-topic", "/pose"]
+    code, out, error = called(capsys, *arguments, "--align-start", "/odom", "--force")
+    assert code == 0, error
 
 
 @pytest.mark.slow

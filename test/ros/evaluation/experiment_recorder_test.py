@@ -2,6 +2,7 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
 import re
+import signal
 import subprocess
 import tempfile
 import unittest
@@ -19,6 +20,16 @@ TOPICS = {"/odom", "/marker_locator/pose", "/odometry/filtered"}
 MARKERS_AGAIN = 42.0  # simulated seconds, when the robot has turned and sees markers again after 17 s without
 
 
+def output_of(command):
+    """What a launch file prints until it ends."""
+    launch = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    try:
+        return launch.communicate(timeout=PATIENCE)[0]
+    except subprocess.TimeoutExpired:
+        launch.send_signal(signal.SIGINT)  # roslaunch ends its nodes
+        raise AssertionError(launch.communicate(timeout=40.0)[0]) from None
+
+
 def positions(bag, topic):
     """(N, 2) x and y by stamp, nanoseconds."""
     messages = (message for _, message, _ in bag.read_messages([topic]))
@@ -31,11 +42,8 @@ class ExperimentRecorderTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         with tempfile.TemporaryDirectory() as folder:
-            args = [f"output:={folder}/corridor", "frames:=460", "speed:=10.0", "ekf:=true"]
-            cls.log = subprocess.run(
-                ["roslaunch", "sextant", "corridor_experiment.launch", *args],
-                stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=PATIENCE,
-            ).stdout  # fmt: skip
+            args = [f"output:={folder}/corridor", "frames:=460", "speed:=4.0", "ekf:=true"]
+            cls.log = output_of(["roslaunch", "sextant", "corridor_experiment.launch", *args])
             cls.files = {path.name: path.stat().st_size for path in Path(folder).iterdir()}
             with rosbag.Bag(f"{folder}/corridor.bag") as bag:
                 topics = bag.get_type_and_topic_info().topics

@@ -31,6 +31,7 @@ from sextant.srv import LandmarkMapFile
 NEAR = 0.3  # m and rad, of a robot that has found itself
 THREE_SIGMA = 14.16  # squared, in three dimensions: 0.27 % are beyond
 LAST = rospy.Time(2**32 - 1, 10**9 - 1)  # its seconds, as a float, are 2**32: no stamp any more
+LATE = rospy.Time(2**32 - 1)  # a rospy.Duration cannot hold its difference from stamps of today
 WORLD = {"seed": 3, "landmarks": 15, "half_side": 5.0, "field_of_view": 2.0}
 
 
@@ -285,6 +286,7 @@ def bad_messages(robot):
         odometry(lambda msg: None, LAST),
         observations("observations too late", stamp=robot.stamp - rospy.Duration(5)),
         observations("observations ahead", stamp=robot.stamp + rospy.Duration(60)),
+        odometry(lambda msg: None, LATE),
         observations("transform", frame="nowhere"),
         observations("transform", frame=""),
         observations("transform", stamp=rospy.Time(0)),

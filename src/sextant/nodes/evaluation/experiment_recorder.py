@@ -113,7 +113,7 @@ def main() -> None:
     """Runs the node; exits with the status of accuracy_statistics."""
     init_node("experiment_recorder")
     params = read_params(ExperimentParams)
-    with fatal(OSError, RuntimeError, rospy.ROSException):
+    with fatal(OSError, RuntimeError, ValueError, rospy.ROSException):
         recorder = ExperimentRecorder(params)
         has_ended = recorder.record()
     if has_ended:
