@@ -178,10 +178,9 @@ def measure(
     """
     poses, notes = _located(bag, options, params) if params else _recorded(bag, options)
     started = _started(poses, options)
-    fixed = [each for method, each in poses.items() if method not in started]
-    first = next(iter(fixed or poses.values()))
+    first = _first(poses, started)
     if options.truth_frame or options.truth_topic:
-        aligned = options.align or not fixed
+        aligned = options.align or len(started) == len(poses)
         truth, of_truth = _recorded_truth(bag, options, first.frame, aligned, _stamps(poses))
         notes += of_truth
     poses = _aligned(poses, truth or _trajectory(first), started, options.align)
@@ -192,6 +191,12 @@ def measure(
         }
     estimates = {method: _estimate(of, accuracy.get(method)) for method, of in poses.items()}
     return MeasuredDrive(estimates, accuracy, tuple(dict.fromkeys(notes)))
+
+
+def _first(poses: Poses, started: List[str]) -> RecordedPoses:
+    """Returns the first poses that are in the reference's frame; if there are none, the first."""
+    fixed = (each for method, each in poses.items() if method not in started)
+    return next(fixed, next(iter(poses.values())))
 
 
 def _recorded_truth(
