@@ -48,7 +48,7 @@ TEST(MapMaker, CorrelatedErrorsAndTheLensAreInTheCovariance) {
     auto simulated = drive(roomWithMarkers(markers), 400, 0.1, seed);
     addSlowErrors(simulated.recording, 0.1, 0.8, seed);
     LensCorrection lens;
-    for (double& each : lens) each = lens_error(random);
+    for (Eigen::Index i = 0; i < lens.size(); ++i) lens[i] = lens_error(random);
     addLensError(simulated.recording, lens);
     const MappingResult made = makeMarkerMap(simulated.recording, {}, only(simulated.truth, {0}), {});
     ASSERT_EQ(made.map.markers().size(), static_cast<size_t>(markers));

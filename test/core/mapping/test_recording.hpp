@@ -110,7 +110,7 @@ inline void addSlowErrors(MarkerRecording& recording, double sigma, double corre
     for (MarkerView& view : instant.views)
       for (Detection& detection : view.detections) {
         const auto [error, first] = errors.emplace(detection.key, Eigen::Matrix<double, 8, 1>::Zero());
-        for (double& each : error->second) next(each, first ? 0 : correlation);
+        for (int i = 0; i < 8; ++i) next(error->second[i], first ? 0 : correlation);
         for (int k = 0; k < 4; ++k) detection.corners[k] += error->second.segment<2>(2 * k);
       }
 }

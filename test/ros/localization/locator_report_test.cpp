@@ -31,7 +31,10 @@ TEST(LocatorReport, UnmappedMarkersAreDetectedButNotUsed) {
   EXPECT_EQ(all.at("no pose: no mapped marker"), "1");
   EXPECT_EQ(all.at("not in the map: tag36h11/7"), "1");
 
-  report.result({LocatedPose(), "", {}, {}, {}}, 3);
+  LocatedPose pose;
+  pose.T_map_base.setIdentity();
+  pose.covariance.setIdentity();
+  report.result({pose, "", {}, {}, {}}, 3);
   all = rows(report);
   EXPECT_EQ(all.at("markers in the last image"), "3");
   EXPECT_EQ(all.at("poses"), "1");
