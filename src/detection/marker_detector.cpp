@@ -52,7 +52,7 @@ ParamList DetectorParams::fields() {
        "number of threads of the AprilTag backend; with more than one, OpenCV also uses threads of its own"},
       {"search", &search, oneOf({"full", "tracking"}), "",
        "`tracking`: search known markers at their predicted positions, and new ones in every third image "
-       "(faint ones in every 36th); in the others only at the sides of the image where new parts of the "
+       "(faint ones in every 30th); in the others only at the sides of the image where new parts of the "
        "scene come into view; `full`: search every image completely, also at a coarser scale for motion "
        "blur, several times slower"},
       {"decimate", &decimate, Range::closed(1, 8), "",

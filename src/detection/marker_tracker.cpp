@@ -8,7 +8,7 @@ namespace sextant {
 namespace {
 
 constexpr int kSweep = 3;           // period of searches for quads in the whole image, images
-constexpr int kThoroughSweep = 12;  // period of thorough ones, sweeps; quick ones never find faint markers
+constexpr int kThoroughSweep = 10;  // period of thorough ones, sweeps; quick ones never find faint markers
 constexpr double kOutside = 0.5;    // modules by which an edge may be outside the image, and at least a pixel
 constexpr double kCrowded = 0.25;   // of the image's area: larger windows cost as much as a full search
 constexpr double kThoroughMargin = 3;  // of a thorough search, in margins of the track

@@ -16,7 +16,7 @@ namespace sextant {
 /// Selects the parts of each image in which a backend searches: the whole image first and after a change of
 /// size; then the predicted positions of markers, the strips at the sides where new parts of it come into
 /// view, and in every third image all quads. A new marker is detected within three images, a faint one
-/// within 36. A marker in steady motion is not searched: its edges are fitted from the predicted ones, and
+/// within 30. A marker in steady motion is not searched: its edges are fitted from the predicted ones, and
 /// its code is read between them.
 class MarkerTracker {
  public:

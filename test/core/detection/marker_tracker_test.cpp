@@ -138,11 +138,11 @@ TEST_P(Tracking, SeesInPoorLight) {
 }
 
 // A contrast of 15 grey levels on a bright wall.
-TEST_P(Tracking, FindsAFaintOneWithin36Images) {
+TEST_P(Tracking, FindsAFaintOneWithin30Images) {
   tracking_->detect(empty());
   int images = 0;
   bool is_found = false;
-  while (!is_found && ++images <= 36) {
+  while (!is_found && ++images <= 30) {
     cv::Mat faint = view({240 + 0.2 * images, 135}, 34, images);
     faint.convertTo(faint, CV_8U, 0.1, 200);
     is_found = !tracking_->detect(faint).empty();
