@@ -94,9 +94,10 @@ def _finish(axes: Axes, axis: str, is_error: bool) -> None:
         axes.axhline(0.0, color="black", linewidth=1)
     curves = [line.get_ydata() for line in axes.lines if len(line.get_ydata()) > 2]
     bands = [path.vertices[:, 1] for band in axes.collections for path in band.get_paths()]
-    low, high = _percentiles(curves)
-    span, (lowest, highest) = high - low, _percentiles([*curves, *bands])
-    low, high = max(lowest, low - span), min(highest, high + span)  # a wide band does not hide the others
+    low, high = _percentiles([*curves, *bands])
+    if len(curves) > 1:  # a wide band does not hide the other curves
+        least, most = _percentiles(curves)
+        low, high = max(low, 2.0 * least - most), min(high, 2.0 * most - least)
     margin = max(0.15 * (high - low), 1e-3)
     axes.set_ylim(low - margin, high + margin)
 

@@ -48,6 +48,14 @@ def test_without_truth_or_covariances_and_with_a_gap(tmp_path):
 
 
 @pytest.mark.slow
+def test_the_band_of_a_single_topic_is_not_cut_off(tmp_path):
+    plot_bands(str(tmp_path / "a.png"), {"a": estimate(0.0, 0.5)}, path())
+    picture = cv2.imread(str(tmp_path / "a.png"))
+    panel = 0.88 / 3.6 * len(picture)  # pixels
+    assert band_height(picture, 1) == pytest.approx(panel / 1.3, rel=0.1)
+
+
+@pytest.mark.slow
 def test_a_wide_band_does_not_change_the_scale(tmp_path):
     pictures = []
     for sigma in (3.0, 300.0):
