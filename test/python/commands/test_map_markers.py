@@ -109,7 +109,8 @@ def test_a_taped_map_gets_better_and_its_wrong_entry_is_named(bags, room, tmp_pa
     assert errors(taped).max() == pytest.approx(0.12)
     assert errors(out).max() < 0.02
     named = [line for line in capsys.readouterr().out.splitlines() if line.startswith("- ")]
-    assert len(named) == 1 and "3" in named[0] and "12" in named[0]
+    assert len(named) == 1 and named[0].startswith("- 3 ")
+    assert float(re.search(r"off by ([\d.]+) cm", named[0])[1]) == pytest.approx(12, abs=1)
 
 
 REFUSED = {
