@@ -1,85 +1,86 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Calibration of the probabilities of places, in the corridor and on simulated walks.
+"""Calibration of the probabilities of places, on the external test data and on simulated walks.
 
-The evidence is fitted to single images of two of three domains (the corridor and two streets), and
-tested on the third. EvidenceParams has the fit to all three.
+The evidence of single images is fitted to all domains but one, and tested on that one. EvidenceParams has the
+fit to all of them. Each image is used twice: with the map, and with the map without the right places.
 """
 
 import tempfile
 from dataclasses import astuple
 from pathlib import Path
-from typing import Dict, List, NamedTuple, Sequence, Tuple
+from typing import Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 from scipy.optimize import minimize
 from scipy.special import logsumexp
+from scipy.stats import mannwhitneyu
 from tables import Row, Table, Value
 
-from places.place_recall import corridor_map, measured, part_of, still_right
+from places import place_domains
+from places.place_domains import Asked, part_of, still_right
+from places.place_recall import measured
 from places.place_seasons import FEW, MAP_STEP, QUERY_STEP, SIZE, SMALL, walk
-from sextant.place_maps.photo_file import find_photos, read_grey
-from sextant.place_maps.place_map import PlaceMap
-from sextant.places.place_evidence import EvidenceParams, score_features
-from sextant.places.place_index import IndexParams
+from sextant.place_maps.photo_file import find_photos
+from sextant.places.index_params import IndexParams
+from sextant.places.photo_features import decode_photo
+from sextant.places.place_evidence import EvidenceParams
 from sextant.places.place_index_update import PlaceIndexer
 from sextant.places.place_metrics import calibration_error, perfect_calibration_error
-from sextant.places.place_queries import Query, default_tolerance, queries_of_map, queries_of_table
+from sextant.places.place_queries import Query, default_tolerance, queries_of_map
 from sextant.places.place_recognition import PlaceRecognizer
 
 STREETS, SEASONS = (1, 2), ("evening", "autumn", "winter")
-BEYOND = 0.05  # maximum excess over the calibration error of perfectly calibrated probabilities
-LIKELY = 500  # minimum number of queries
+MAX_ERROR = 0.08  # maximum calibration error over all domains
+SURE = 0.9  # probability of a sure answer
+RIGHT, ALL_RIGHT = 90.0, 95.0  # minimum % of the sure answers that are right: in each domain, in all
+AREA = 0.85  # minimum area under the ROC curve of "in the map"
 REGULAR = 1e-3  # factor of the L2 regularization of the weights
-WEIGHTS = ("deviation", "score", "size", "offset")
-
-
-class Asked(NamedTuple):
-    """Queries to a map, in the order of a walk."""
-
-    domain: str  # corridor or street
-    name: str  # of the walk
-    place_map: PlaceMap
-    queries: Sequence[Query]
+WEIGHTS = ("slope", "margin", "excess", "offset")
 
 
 class Seen(NamedTuple):
-    """Features of an image's evidence, and the correct places."""
+    """Evidence of an image, and the correct places."""
 
-    features: np.ndarray  # (places, 3), see score_features()
-    right: np.ndarray  # bool (places,) correct places; none True: the query is not in the map
-    weight: float  # of the image in the fit: all walks have the same total weight
+    scores: np.ndarray  # (photos,)
+    features: np.ndarray  # (2,) see image_features()
+    right: np.ndarray  # bool (photos,) correct ones; none: the image is not of the map
+    around: np.ndarray  # bool (photos,) near the best one: merged into one hypothesis
+    weight: float  # of the image in the fit: all domains have the same total weight
 
 
 def calibration_tables(data: Path, quick: bool) -> List[Table]:
-    """Two tables: calibration by mode, and the fitted weights.
+    """Three tables: calibration by domain, by mode, and the fitted weights.
 
     :raises OSError: the external test data is missing
     """
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        asked = [*_corridor(data, quick), *_streets(folder, quick)]
-        seen = {each.domain: [] for each in asked}
-        for each in asked:
-            seen[each.domain] += _seen(folder, each)
-        weights = _fitted([one for domain in seen.values() for one in domain])
-        rows = [_tried(seen), *(_shipped(folder, asked, mode, quick) for mode in ("single", "filter"))]
-        if not quick:
-            rows[0] = _barred(rows[0])
-    return [_table(rows), _weights_table(weights)]
+        walks = [*_corridor(data, quick), *_streets(folder, quick)]
+        asked = [*walks, *_others(data, quick)]
+        seen = {domain: _seen(folder, each) for domain, each in _by_domain(asked).items()}
+        rows = [_shipped(folder, walks, mode) for mode in ("single", "filter")]
+    weights = _fitted([one for domain in seen.values() for one in domain])
+    return [_domains_table(seen, quick), _modes_table(rows), _weights_table(weights)]
 
 
 def _corridor(data: Path, quick: bool) -> List[Asked]:
-    folder, lund = data / "corridor", find_photos(data / "lund")
-    whole = corridor_map(folder)
-    queries = queries_of_table(whole, folder / "truth.csv", folder / "query")
+    asked, lund = place_domains.corridor(data), find_photos(data / "lund")
+    whole, queries = asked.place_map, asked.queries
     if quick:
         whole, queries, lund = part_of(whole, 0, 2 * FEW), queries[:FEW], lund[:FEW]
     half = len(whole.photos) // 2
     asked = [Asked("corridor", "corridor", whole, queries)]
     for name, part in (("first_out", part_of(whole, half, None)), ("second_out", part_of(whole, 0, half))):
         asked.append(Asked("corridor", name, part, still_right(queries, part)))
-    return [*asked, Asked("corridor", "lund", whole, [Query(path, frozenset()) for path in lund])]
+    return [*asked, Asked("corridor", "strangers", whole, [Query(path, frozenset()) for path in lund])]
+
+
+def _others(data: Path, quick: bool) -> List[Asked]:
+    """Photos that are not of a walk."""
+    if quick:
+        return place_domains.campus(data)[:2]
+    return [*place_domains.campus(data), *place_domains.lund(data), place_domains.tower(data)]
 
 
 def _streets(folder: Path, quick: bool) -> List[Asked]:
@@ -98,24 +99,46 @@ def _streets(folder: Path, quick: bool) -> List[Asked]:
     return asked
 
 
-def _seen(folder: Path, asked: Asked) -> List[Seen]:
-    index = PlaceIndexer(folder / f"{asked.domain}_{asked.name}.txt", asked.place_map, IndexParams()).index()
-    recognizer = PlaceRecognizer(asked.place_map, index)
-    positions = [(photos[0].x, photos[0].y) for photos in asked.place_map.places()]
-    return [
-        Seen(
-            score_features(recognizer.recognize(read_grey(query.path)).scores),
-            np.array([position in query.true_places for position in positions]),
-            1.0 / len(asked.queries),
-        )
-        for query in asked.queries
-    ]
+def _by_domain(asked: Iterable[Asked]) -> Dict[str, List[Asked]]:
+    domains: Dict[str, List[Asked]] = {}
+    for each in asked:
+        domains.setdefault(each.domain, []).append(each)
+    return domains
+
+
+def _seen(folder: Path, asked: Sequence[Asked]) -> List[Seen]:
+    """The evidence of one domain."""
+    seen = [one for each in asked for one in _seen_once(folder, each)]
+    return [one._replace(weight=1 / len(seen)) for one in seen]
+
+
+def _seen_once(folder: Path, asked: Asked) -> List[Seen]:
+    index = PlaceIndexer(folder / f"{asked.name}.txt", asked.place_map, IndexParams()).index()
+    recognizer, seen = PlaceRecognizer(asked.place_map, index), []
+    positions = [(photos[0].x, photos[0].y) for photos in asked.place_map.places() for _ in photos]
+    for query in asked.queries:
+        scores = recognizer.scores(decode_photo(index.params, query.path.read_bytes(), query.path))
+        right = np.array([position in query.true_places for position in positions])
+        seen.append(_one(recognizer, scores, right, np.arange(len(scores))))
+        others = np.flatnonzero(~recognizer.near(right))
+        if right.any() and len(others) > 1:
+            seen.append(_one(recognizer, scores, np.zeros_like(right), others))
+    return seen
+
+
+def _one(recognizer: PlaceRecognizer, scores: np.ndarray, right: np.ndarray, numbers: np.ndarray) -> Seen:
+    """Of the photos with these numbers, as if the map had no other."""
+    best = np.arange(len(scores)) == numbers[scores[numbers].argmax()]
+    around = recognizer.near(best)[numbers]
+    return Seen(scores[numbers], recognizer.features(scores, numbers), right[numbers], around, 1.0)
 
 
 def _log_probabilities(weights: np.ndarray, seen: Seen) -> np.ndarray:
-    """Log probabilities (places + 1,) of the places and of an unknown place; its prior is 0.5."""
-    places = seen.features @ weights[:3] - weights[3] - np.log(len(seen.features))
-    both = np.append(places, 0.0)
+    """Log probabilities (photos + 1,) of the photos and of an unknown place; its prior is 0.5."""
+    slope, margin, excess, offset = weights
+    photos = slope * seen.scores
+    odds = seen.features @ (margin, excess) - offset
+    both = np.append(odds + photos - logsumexp(photos), 0.0)
     return both - logsumexp(both)
 
 
@@ -132,57 +155,83 @@ def _fitted(seen: Sequence[Seen]) -> np.ndarray:
     return minimize(loss, astuple(EvidenceParams())[:4], method="L-BFGS-B").x
 
 
-def _tried(seen: Dict[str, List[Seen]]) -> Row:
-    """Results of every domain with weights that are fitted to the others (cross-validation)."""
-    predicted, right = [], []
-    for domain, pictures in seen.items():
+class Tried(NamedTuple):
+    """Answers to the images of one domain."""
+
+    predicted: np.ndarray  # (n,) probabilities of the best answers
+    is_right: np.ndarray  # bool (n,)
+    known: np.ndarray  # (n,) probabilities that the image is of the map
+    is_known: np.ndarray  # bool (n,)
+
+    def row(self, name: str, right: Optional[float], error: Optional[float], area: Optional[float]) -> Row:
+        """Row of the table of domains.
+
+        :param right: minimum % of the sure answers that are right
+        :param error: maximum calibration error
+        :param area: minimum area under the ROC curve
+        """
+        sure = self.predicted > SURE
+        known, unknown = self.known[self.is_known], self.known[~self.is_known]
+        found = mannwhitneyu(known, unknown).statistic / (len(known) * len(unknown))
+        return name, [
+            Value(len(known), 0),
+            Value(100 * float(self.is_right[self.is_known].mean()), 1),
+            Value(100 * float(sure[self.is_known].mean()), 1),
+            Value(100 * float(self.is_right[sure].mean()), 1, at_least=right) if sure.any() else "-",
+            Value(calibration_error(self.predicted, self.is_right), 3, at_most=error),
+            Value(float(found), 3, at_least=area),
+        ]
+
+
+def _tried(weights: np.ndarray, seen: Sequence[Seen]) -> Tried:
+    answers = []
+    for each in seen:
+        probabilities = np.exp(_log_probabilities(weights, each))
+        best = probabilities[:-1].argmax()
+        answers.append(
+            (probabilities[:-1][each.around].sum(), each.right[best], 1 - probabilities[-1], each.right.any())
+        )
+    return Tried(*(np.array(column) for column in zip(*answers)))
+
+
+def _domains_table(seen: Dict[str, List[Seen]], quick: bool) -> Table:
+    """Each domain with weights that are fitted to the others."""
+    tried = {}
+    for domain, images in seen.items():
         others = [each for name, all_of in seen.items() if name != domain for each in all_of]
-        weights = _fitted(others)
-        for each in pictures:
-            probabilities = np.exp(_log_probabilities(weights, each)[:-1])
-            best = int(probabilities.argmax())
-            around = _around(best, len(probabilities))
-            predicted.append(probabilities[around].sum())
-            right.append(each.right[best])
-    return _row("single, fitted to the other domains", np.array(predicted), np.array(right))
+        tried[domain] = _tried(_fitted(others), images)
+    every = Tried(*map(np.concatenate, zip(*tried.values())))
+    bars, bars_of_all = (RIGHT, None, AREA), (ALL_RIGHT, MAX_ERROR, None)
+    if quick:
+        bars = bars_of_all = (None, None, None)
+    rows = [each.row(domain, *bars) for domain, each in tried.items()]
+    rows.append(every.row("all", *bars_of_all))
+    columns = [
+        "images of the map", "recall@1, %", "sure, %", "sure and right, %",
+        "calibration error", "area: in the map or not",
+    ]  # fmt: skip
+    title = f"Single images, fitted to the other domains; sure: a probability above {SURE:g}"
+    return Table(title, columns, rows)
 
 
-def _around(place: int, count: int) -> np.ndarray:
-    """Indices of a place and its neighbours on the walk, which PlaceBelief merges into one hypothesis."""
-    return np.arange(max(place - 2, 0), min(place + 3, count))
-
-
-def _shipped(folder: Path, asked: Sequence[Asked], mode: str, quick: bool) -> Row:
+def _shipped(folder: Path, asked: Sequence[Asked], mode: str) -> Row:
     predicted: List[Tuple[np.ndarray, np.ndarray]] = []
     for each in asked:
-        name = f"{each.domain}_{each.name}"
-        predicted.append(measured(folder, name, each.place_map, each.queries, mode).predictions)
-    row = _row(f"{mode}, as it is", *(np.concatenate(part) for part in zip(*predicted)))
-    return _barred(row) if mode == "filter" and not quick else row
-
-
-def _row(name: str, predicted: np.ndarray, right: np.ndarray) -> Row:
+        predicted.append(measured(folder, each.name, each.place_map, each.queries, mode).predictions)
+    probabilities, right = (np.concatenate(part) for part in zip(*predicted))
     cells = [
-        Value(len(predicted), 0),
+        Value(len(probabilities), 0),
         Value(100 * float(np.mean(right)), 1),
-        Value(100 * float(np.mean(predicted)), 1),
-        Value(calibration_error(predicted, right), 3),
-        Value(perfect_calibration_error(predicted), 3),
+        Value(100 * float(np.mean(probabilities)), 1),
+        Value(calibration_error(probabilities, right), 3),
+        Value(perfect_calibration_error(probabilities), 3),
     ]
-    return name, cells
+    return mode, cells
 
 
-def _barred(row: Row) -> Row:
-    name, (count, right, predicted, error, perfect) = row
-    held = Value(error.value, 3, at_most=round(BEYOND + perfect.value, 4))
-    return name, [Value(count.value, 0, at_least=LIKELY), right, predicted, held, perfect]
-
-
-def _table(rows: List[Row]) -> Table:
+def _modes_table(rows: List[Row]) -> Table:
     columns = ["queries", "right, %", "predicted, %", "calibration error", "of a perfect one"]
-    return Table(
-        "Probabilities in the corridor and on walks in three seasons, some of them elsewhere", columns, rows
-    )
+    return Table("As it is, in the corridor and on walks in three seasons, some elsewhere", columns, rows)
 
 
 def _weights_table(weights: np.ndarray) -> Table:

@@ -15,8 +15,8 @@ import sextant
 from sextant.base.jobs import worker_environment
 from sextant.place_maps.place_map import PlaceMap
 from sextant.place_maps.place_map_file import read_place_map
+from sextant.places.index_params import IndexParams, plain_features
 from sextant.places.place_evaluation import resident_bytes
-from sextant.places.place_index import IndexParams, plain_features
 from sextant.places.place_index_update import PlaceIndexer
 from sextant.places.place_recognition import PlaceRecognizer
 from sextant.places.place_votes import count_votes

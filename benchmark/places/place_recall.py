@@ -9,26 +9,20 @@ from typing import Dict, List, Optional, Sequence
 import numpy as np
 from tables import Row, Table, Value
 
+from places.place_domains import NEAR, corridor, lund_map, part_of, still_right
 from places.place_method import METHODS
-from sextant.place_maps.exif_map import corners_around, exif_map, positions_of
 from sextant.place_maps.photo_file import find_photos
-from sextant.place_maps.place_map import Overview, Photo, PlaceMap
+from sextant.place_maps.place_map import PlaceMap
 from sextant.places.place_evaluation import PlaceEvaluation, evaluate, evaluate_leave_one_out
 from sextant.places.place_index_update import PlaceIndexer
 from sextant.places.place_localizer import VOTES, PlaceLocalizationParams
-from sextant.places.place_queries import Query, queries_of_table
+from sextant.places.place_queries import Query
 
 PLAIN, OURS = METHODS
 MODES = ("single", "filter", "sequence")
 COLUMNS = ["recall@1", "@5", "area", "calibration error", "of a perfect one", "wrongly unknown, %"]
 RECALL, AREA = 0.92, 0.87  # minimum recall@1 and area in mode single
 OF_VOTES = (0.36, 0.42)  # minimum and maximum recall@1 of mode votes, which reproduces the original work
-STEP = 10.0  # pixels from one photo of the corridor to the next
-NEAR, MARGIN, SCALE = (
-    15.0,
-    20.0,
-    10.0,
-)  # tolerance, metres; margin around the photos, metres; pixels per metre
 LEFT_OUT = 0.9  # minimum recall@1 of the photos that have a neighbour
 ELSEWHERE, OUT = 95.0, 80.0  # minimum % reported unknown in mode filter: other city; half left out
 FEW = 8  # number of photos of a quick run
@@ -39,11 +33,10 @@ def recall_tables(data: Path, quick: bool) -> List[Table]:
 
     :raises OSError: the data is missing
     """
-    corridor, lund = data / "corridor", find_photos(data / "lund")
+    lund = find_photos(data / "lund")
     if not lund:
         raise FileNotFoundError(2, "there is no photo", str(data / "lund"))
-    place_map = corridor_map(corridor)
-    queries = queries_of_table(place_map, corridor / "truth.csv", corridor / "query")
+    _, _, place_map, queries = corridor(data)
     if quick:
         place_map, queries, lund = part_of(place_map, 0, FEW), queries[:FEW], lund[:FEW]
     with tempfile.TemporaryDirectory() as folder:
@@ -52,24 +45,6 @@ def recall_tables(data: Path, quick: bool) -> List[Table]:
             _unknown(Path(folder), place_map, queries, lund, quick),
             _lund(Path(folder), lund, quick),
         ]
-
-
-def corridor_map(corridor: Path) -> PlaceMap:
-    """Map of the corridor: its reference photos on a line."""
-    names = sorted(path.name for path in (corridor / "ref").iterdir())
-    photos = tuple(Photo(i, name, STEP * i, 0.0) for i, name in enumerate(names))
-    return PlaceMap(corridor / "ref", Overview("none.png", int(STEP * len(names)), 1), photos)
-
-
-def part_of(place_map: PlaceMap, begin: int, end: Optional[int]) -> PlaceMap:
-    """The map with the photos from begin up to, but not including, end."""
-    return place_map._replace(photos=place_map.photos[begin:end])
-
-
-def still_right(queries: Sequence[Query], place_map: PlaceMap) -> List[Query]:
-    """The queries with only those true places that the map still contains."""
-    there = {(photo.x, photo.y) for photo in place_map.photos}
-    return [query._replace(true_places=query.true_places & there) for query in queries]
 
 
 def measured(
@@ -142,11 +117,7 @@ def _unknown_row(name: str, found: PlaceEvaluation, bar: Optional[float]) -> Row
 
 
 def _lund(folder: Path, photos: Sequence[Path], quick: bool) -> Table:
-    positions, _ = positions_of(photos)
-    corners = corners_around(list(positions.values()), MARGIN)
-    width, height = (int(SCALE * side) for side in corners.extent())
-    empty = PlaceMap(photos[0].parent, Overview("none.png", width, height), (), corners)
-    made = exif_map(empty, photos)[0]
+    made = lund_map(photos)
     indexer = PlaceIndexer(folder / "lund.txt", made, METHODS[OURS])
     found = evaluate_leave_one_out(indexer, PlaceLocalizationParams(mode="single"), NEAR)
     errors = np.linalg.norm(found.position_errors, axis=1)

@@ -19,8 +19,10 @@ from tqdm import tqdm
 import sextant
 from sextant.base.jobs import worker_environment
 from sextant.place_maps.place_map import Overview, Photo, PlaceMap
+from sextant.places.index_params import IndexParams
+from sextant.places.photo_keypoints import UNIT
 from sextant.places.place_evaluation import resident_bytes
-from sextant.places.place_index import SAMPLES, UNIT, IndexedPhoto, IndexParams, PlaceIndex
+from sextant.places.place_index import SAMPLES, IndexedPhoto, PlaceIndex
 from sextant.places.place_recognition import PlaceRecognizer
 
 FEW, MANY = 1000, 100_000  # numbers of places

@@ -1,11 +1,13 @@
 // SPDX-FileCopyrightText: Sextant authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pybind11/eigen.h>
 #include <pybind11/stl.h>
 
 #include "image_arrays.hpp"
 #include "params.hpp"
 #include "sextant/places/descriptor_index.hpp"
 #include "sextant/places/local_features.hpp"
+#include "sextant/places/photo_scores.hpp"
 
 namespace py = pybind11;
 using namespace py::literals;
@@ -110,6 +112,63 @@ void bindDescriptorIndex(py::module_& module) {
              "Raises ValueError if the matcher cannot compare the extractor's descriptors.");
 }
 
+// Exact types, as the arrays may be memory-mapped and large.
+using Positions = py::array_t<uint16_t, py::array::c_style>;
+using Codes = py::array_t<int8_t, py::array::c_style>;
+
+/// Views of rows first to first + count of all keypoints. @throws py::value_error if the shapes do not fit
+CodedKeypoints codedKeypoints(const Positions& positions, const Codes& codes, int64_t first, int64_t count) {
+  if (positions.ndim() != 2 || positions.shape(1) != 2 || codes.ndim() != 2 ||
+      positions.shape(0) != codes.shape(0))
+    throw py::value_error("positions must be (n, 2) and codes (n, width)");
+  if (first < 0 || count < 0 || first + count > codes.shape(0))
+    throw py::value_error("a photo has keypoints " + std::to_string(first) + " to " +
+                          std::to_string(first + count) + " of " + std::to_string(codes.shape(0)));
+  const int64_t width = codes.shape(1);
+  return {Eigen::Map<const CodedKeypoints::Positions>(positions.data() + 2 * first, count, 2),
+          Eigen::Map<const CodedKeypoints::Codes>(codes.data() + width * first, count, width)};
+}
+
+py::tuple photoScores(const Positions& positions, const Codes& codes, const Positions& map_positions,
+                      const Codes& map_codes, const std::vector<int64_t>& firsts,
+                      const std::vector<int64_t>& counts, int k) {
+  if (firsts.size() != counts.size() || k < 1)
+    throw py::value_error("firsts and counts must be as many, and k at least 1");
+  const CodedKeypoints image = codedKeypoints(positions, codes, 0, codes.shape(0));
+  std::vector<CodedKeypoints> photos;
+  for (size_t i = 0; i < firsts.size(); ++i)
+    photos.push_back(codedKeypoints(map_positions, map_codes, firsts[i], counts[i]));
+  PhotoScores scores;
+  {
+    const py::gil_scoped_release release;
+    scores = scorePhotos(image, photos, k);
+  }
+  return py::make_tuple(scores.distinctive, scores.consistent, scores.background, scores.nearest);
+}
+
+py::tuple photoMatches(const Positions& positions, const Codes& codes, const Positions& photo_positions,
+                       const Codes& photo_codes) {
+  const PhotoMatches found =
+      matchPhoto(codedKeypoints(positions, codes, 0, codes.shape(0)),
+                 codedKeypoints(photo_positions, photo_codes, 0, photo_codes.shape(0)));
+  return py::make_tuple(found.distances, found.rows, found.mutual);
+}
+
+void bindPhotoScores(py::module_& module) {
+  module.def(
+      "photo_scores", &photoScores, "positions"_a, "codes"_a, "map_positions"_a, "map_codes"_a, "firsts"_a,
+      "counts"_a, "k"_a,
+      "Compares an image with m photos. positions: uint16 (n, 2), x and y in units of the longer side / "
+      "65535; codes: int8 (n, width); map_positions, map_codes: of all photos; firsts, counts: rows of "
+      "each photo. Returns (distinctive (m,), consistent (m,), background (n,), nearest (n,)): two "
+      "scores of each photo, distance of each keypoint from those that do not match it (the k-th of two "
+      "of each photo), and from the most similar one.");
+  module.def(
+      "photo_matches", &photoMatches, "positions"_a, "codes"_a, "photo_positions"_a, "photo_codes"_a,
+      "Returns (distances, rows, is_mutual), each (n,), of the most similar keypoint of a photo for each "
+      "of an image; inf, -1, False if the photo has none.");
+}
+
 }  // namespace
 }  // namespace sextant
 
@@ -117,4 +176,5 @@ PYBIND11_MODULE(places, module) {
   module.doc() = "Local image features and their nearest-neighbour index.";
   sextant::bindLocalFeatures(module);
   sextant::bindDescriptorIndex(module);
+  sextant::bindPhotoScores(module);
 }

@@ -192,6 +192,9 @@ KeyPoints detect(const FeatureParams& params, const cv::Mat& image) {
   if (std::min(image.rows, image.cols) < kMinSide) return {};
   KeyPoints keypoints = method("detector", params.detector).detect(params, image);
   if (params.upright) makeUpright(keypoints);
+  keypoints.erase(std::remove_if(keypoints.begin(), keypoints.end(),
+                                 [&](const cv::KeyPoint& point) { return point.size < params.min_size; }),
+                  keypoints.end());
   if (params.max_features) keepStrongest(keypoints, params.max_features);
   return keypoints;
 }
@@ -225,6 +228,8 @@ ParamList FeatureParams::fields() {
        "descriptor extractor; AKAZE needs keypoints of AKAZE"},
       {"max_side", &max_side, Range::closed(0, 16384), "px",
        "longer side to which images are reduced; 0: no limit"},
+      {"min_size", &min_size, Range::closed(0, 1000), "px",
+       "minimum size of a keypoint in the reduced image"},
       {"max_features", &max_features, Range::closed(0, 1000000), "",
        "maximum number of keypoints per image, the strongest ones; 0: all (ORB: 500)"},
       {"upright", &upright, Allowed(), "", "ignore keypoint orientation"},

@@ -5,14 +5,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <opencv2/core/utility.hpp>
 
 namespace sextant {
 namespace {
 
 // Cells of the histograms, as fractions of the longer side: displacements depend on the depth of the scene.
 constexpr float kCells[] = {0.1F, 0.2F, 0.45F};
-constexpr float kReach = 1.6F;      // maximum displacement, as a fraction of the longer side
-constexpr float kNoMatches = 1e-3F;  // added to scores before the logarithm
+constexpr float kReach = 1.6F;  // maximum displacement, as a fraction of the longer side
 
 // Weights by displacement, each shared by the four nearest cells.
 class DisplacementHistogram {
@@ -58,46 +58,53 @@ float highestCells(const CodedKeypoints& image, const CodedKeypoints& photo, con
     DisplacementHistogram histogram(cell);
     for (Eigen::Index i = 0; i < weights.size(); ++i) {
       if (!matches.mutual[i] || weights[i] <= 0) continue;
-      const auto there = photo.places.row(matches.rows[i]), here = image.places.row(i);
-      histogram.add(there[0] - here[0], there[1] - here[1], weights[i]);
+      const auto there = photo.positions.row(matches.rows[i]), here = image.positions.row(i);
+      const Eigen::Array2f displacement =
+          (there.cast<float>() - here.cast<float>()).array() / CodedKeypoints::kUnit;
+      histogram.add(displacement.x(), displacement.y(), weights[i]);
     }
     sum += histogram.highest();
   }
   return sum;
 }
 
-}  // namespace
-
-Eigen::ArrayXf PhotoScores::logarithms() const {
-  return (distinctive + kNoMatches).log() + (consistent + kNoMatches).log();
-}
-
-Eigen::ArrayXf backgroundDistances(const std::vector<PhotoMatches>& matches, int k) {
-  if (matches.empty()) return {};
-  const Eigen::Index size = matches[0].distances.size();
-  const auto nth = static_cast<std::ptrdiff_t>(std::min<size_t>(k, matches.size())) - 1;
-  Eigen::ArrayXf background(size);
-  std::vector<float> distances(matches.size());
+// Distance of each keypoint of an image from those of the photos that it does not match, see scorePhotos().
+Eigen::ArrayXf backgroundDistances(const std::vector<PhotoMatches>& matches, Eigen::Index size, int k) {
+  Eigen::ArrayXf background = Eigen::ArrayXf::Zero(size);
+  std::vector<float> distances;
   for (Eigen::Index i = 0; i < size; ++i) {
-    std::transform(matches.begin(), matches.end(), distances.begin(),
-                   [i](const PhotoMatches& photo) { return photo.distances[i]; });
-    std::nth_element(distances.begin(), distances.begin() + nth, distances.end());
-    background[i] = distances[static_cast<size_t>(nth)];
+    distances.clear();
+    for (const PhotoMatches& photo : matches)
+      for (const float distance : {photo.distances[i], photo.seconds[i]})
+        if (std::isfinite(distance)) distances.push_back(distance);
+    if (distances.empty()) continue;
+    const auto kth =
+        distances.begin() + static_cast<std::ptrdiff_t>(std::min<size_t>(k, distances.size())) - 1;
+    std::nth_element(distances.begin(), kth, distances.end());
+    background[i] = *kth;
   }
   return background;
 }
 
-PhotoScores photoScores(const CodedKeypoints& image, const PhotoMatcher& photos,
-                        const std::vector<PhotoMatches>& matches, const Eigen::ArrayXf& background) {
-  PhotoScores scores{Eigen::ArrayXf(matches.size()), Eigen::ArrayXf(matches.size())};
-  for (size_t p = 0; p < matches.size(); ++p) {
-    const CodedKeypoints& photo = photos.photo(static_cast<int>(p));
-    const Eigen::ArrayXf weights = weightsOf(matches[p], background);
-    const double product = static_cast<double>(image.places.rows()) * static_cast<double>(photo.places.rows());
+}  // namespace
+
+PhotoScores scorePhotos(const CodedKeypoints& image, const std::vector<CodedKeypoints>& photos, int k) {
+  const auto count = static_cast<Eigen::Index>(photos.size());
+  const Eigen::Index size = image.codes.rows();
+  std::vector<PhotoMatches> matches(photos.size());
+  cv::parallel_for_({0, static_cast<int>(count)}, [&](const cv::Range& range) {
+    for (int p = range.start; p < range.end; ++p) matches[p] = matchPhoto(image, photos[p]);
+  });
+  PhotoScores scores{Eigen::ArrayXf(count), Eigen::ArrayXf(count), backgroundDistances(matches, size, k),
+                     Eigen::ArrayXf::Constant(size, std::numeric_limits<float>::infinity())};
+  for (Eigen::Index p = 0; p < count; ++p) {
+    const CodedKeypoints& photo = photos[p];
+    const Eigen::ArrayXf weights = weightsOf(matches[p], scores.background);
+    const double product = static_cast<double>(size) * static_cast<double>(photo.codes.rows());
     const auto mean = static_cast<float>(std::sqrt(std::max(product, 1.0)));
-    const auto number = static_cast<Eigen::Index>(p);
-    scores.distinctive[number] = weights.sum() / mean;
-    scores.consistent[number] = highestCells(image, photo, matches[p], weights) / mean;
+    scores.distinctive[p] = weights.sum() / mean;
+    scores.consistent[p] = highestCells(image, photo, matches[p], weights) / mean;
+    scores.nearest = scores.nearest.min(matches[p].distances);
   }
   return scores;
 }

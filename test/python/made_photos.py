@@ -10,7 +10,9 @@ import numpy as np
 
 from sextant.place_maps.place_map import Overview, Photo, PlaceMap
 from sextant.place_maps.place_map_file import write_place_map
-from sextant.places.place_index import IndexParams, PlaceIndex, extract_all
+from sextant.places.index_params import IndexParams
+from sextant.places.photo_features import extract_all
+from sextant.places.place_index import PlaceIndex
 
 
 def picture(seed: int, size=(320, 240)) -> np.ndarray:

@@ -17,7 +17,8 @@ struct FeatureParams {
   std::string detector = "SIFT";
   std::string extractor = "SIFT";
   int max_side = 320;
-  int max_features = 250;
+  double min_size = 0;
+  int max_features = 300;
   bool upright = true;
   bool root_sift = true;
   double support_scale = 3.0;

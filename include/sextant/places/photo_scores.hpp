@@ -5,32 +5,28 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "sextant/places/photo_matcher.hpp"
+#include "sextant/places/photo_matches.hpp"
 
 namespace sextant {
 
-/// Scores of the photos of a map against one image, each (photos); larger is better. Both are sums of
-/// weights of matches over the geometric mean of the numbers of keypoints.
+/// Scores of m photos for one image with n keypoints. They are sums of weights of matches over the geometric
+/// mean of the numbers of keypoints; larger is better, and 1 is that of equal codes. The weight of a match is
+/// 1 for equal codes, and 0 from the background distance on: local naive Bayes nearest neighbour (McCann and
+/// Lowe, CVPR 2012).
 struct PhotoScores {
-  /// Of all matches: local naive Bayes nearest neighbour (McCann and Lowe, CVPR 2012).
-  Eigen::ArrayXf distinctive;
-  /// Of mutual matches with about the same displacement in the image: the highest cells of three histograms.
-  Eigen::ArrayXf consistent;
-
-  /// The logarithm of their product.
-  Eigen::ArrayXf logarithms() const;
+  Eigen::ArrayXf distinctive;  ///< (m) of all matches
+  Eigen::ArrayXf consistent;   ///< (m) of mutual matches with about the same displacement: the sum of the
+                               ///< highest cells of three histograms of displacements
+  Eigen::ArrayXf background;   ///< (n) distance of a keypoint of the photos that does not match
+  Eigen::ArrayXf nearest;      ///< (n) distance of the most similar keypoint of all photos
 };
 
-/// Distance (n) of each keypoint of an image from the background: to the k-th nearest of the photos, each
-/// with its most similar keypoint.
-/// @param matches with the photos of the map and, if they are few, with other photos
-/// @param k at least 1; with fewer photos, the farthest
-Eigen::ArrayXf backgroundDistances(const std::vector<PhotoMatches>& matches, int k);
-
-/// Scores all photos.
-/// @param matches of the image with each photo
-/// @param background (n) distances, see backgroundDistances()
-PhotoScores photoScores(const CodedKeypoints& image, const PhotoMatcher& photos,
-                        const std::vector<PhotoMatches>& matches, const Eigen::ArrayXf& background);
+/// Compares an image with each photo. For up to about a thousand photos this takes some ten milliseconds, and
+/// recognizes more than the nearest neighbours among the keypoints of all photos: there, photos with many
+/// keypoints take those of the right one.
+/// @param k at least 1: the background distance of a keypoint is the k-th smallest among the distances of
+/// the most similar and second most similar keypoints of all photos; with fewer of them, the largest
+/// @throws std::invalid_argument as matchPhoto()
+PhotoScores scorePhotos(const CodedKeypoints& image, const std::vector<CodedKeypoints>& photos, int k);
 
 }  // namespace sextant

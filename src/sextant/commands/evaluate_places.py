@@ -22,6 +22,7 @@ from sextant.base.atomic_file import atomic_file
 from sextant.commands.command_line import Answer, CommandParser, check_output, run
 from sextant.place_maps.place_map_file import read_place_map
 from sextant.places.global_descriptor import BACKEND_NAMES, CHANNELS, GlobalDescriptorParams
+from sextant.places.index_params import PROFILES, IndexParams
 from sextant.places.place_estimate import scale_of
 from sextant.places.place_evaluation import (
     INDEPENDENT_MODES,
@@ -31,7 +32,6 @@ from sextant.places.place_evaluation import (
     evaluate,
     evaluate_leave_one_out,
 )
-from sextant.places.place_index import PROFILES, IndexParams
 from sextant.places.place_index_update import PlaceIndexer
 from sextant.places.place_localizer import VOTES, PlaceLocalizationParams
 from sextant.places.place_modes import MODES

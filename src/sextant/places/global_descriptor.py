@@ -3,6 +3,8 @@
 """Global image descriptor by a network that the user supplies; see doc/how_to/place_networks.md."""
 
 from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
 from typing import Tuple
 
 import cv2
@@ -101,6 +103,20 @@ class GlobalDescriptor:
         values = small.reshape(self.size[1], self.size[0], count) / 255.0
         normalized = (values - self._params.mean) / self._params.std
         return np.ascontiguousarray(normalized.transpose(2, 0, 1)[np.newaxis], np.float32)
+
+
+def cached_descriptor(params: GlobalDescriptorParams) -> GlobalDescriptor:
+    """The global descriptor, cached by this process until its file changes.
+
+    :raises: as GlobalDescriptor()
+    """
+    status = Path(params.model).stat()
+    return _loaded(params, (status.st_size, status.st_mtime_ns, status.st_ctime_ns), cv2.getNumThreads())
+
+
+@lru_cache(maxsize=1)
+def _loaded(params: GlobalDescriptorParams, _state: Tuple[int, int, int], threads: int) -> GlobalDescriptor:
+    return GlobalDescriptor(params, threads)
 
 
 def _size(params: GlobalDescriptorParams, model_input: ImageInput) -> Tuple[int, int]:

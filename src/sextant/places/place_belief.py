@@ -15,6 +15,7 @@ from scipy.sparse import csr_matrix
 from scipy.spatial import cKDTree
 
 from sextant.base.strict_params import ParamError, StrictParams, param, within
+from sextant.places.place_spacing import neighbour_radius, spacing_of
 
 DISTANCE_STEP = 0.1  # spacings; distances are rounded to it, so that transition matrices can be cached
 MAX_CACHED = 64  # maximum number of cached transition matrices
@@ -67,7 +68,10 @@ class BeliefParams(StrictParams):
         within(0.001, 1),
     )
     radius: float = param(
-        2.2, "distance within which places are merged into one hypothesis, spacings", within(0, 20)
+        2.2,
+        "distance within which places are merged into one hypothesis, spacings; at most a tenth of the map's "
+        "extent",
+        within(0, 20),
     )
 
     def __post_init__(self) -> None:
@@ -77,15 +81,6 @@ class BeliefParams(StrictParams):
         if self.kidnap_probability + self.exit_probability > 1:
             total = self.kidnap_probability + self.exit_probability
             raise ParamError("kidnap_probability + exit_probability", "must be at most 1", total)
-
-
-def spacing_of(positions: np.ndarray) -> float:
-    """Median distance between neighbouring places (n, 2); 1 if there are no two distinct positions."""
-    if len(positions) < 2:
-        return 1.0
-    nearest = cKDTree(positions).query(positions, 2)[0][:, 1]
-    distinct = nearest[nearest > 0]
-    return float(np.median(distinct)) if len(distinct) else 1.0
 
 
 class BeliefPeak(NamedTuple):
@@ -109,6 +104,7 @@ class PlaceBelief:
         self._positions = np.asarray(positions, float).reshape(-1, 2)
         self._tree = cKDTree(self._positions)
         self.spacing = spacing_of(self._positions)
+        self._radius = neighbour_radius(self._positions, self._params.radius)
         self._transitions = {}
         self.reset()
 
@@ -157,7 +153,7 @@ class PlaceBelief:
             place = int(remaining.argmax())
             if remaining[place] <= 0:
                 break
-            near = self._tree.query_ball_point(self._positions[place], self._params.radius * self.spacing)
+            near = self._tree.query_ball_point(self._positions[place], self._radius)
             around = np.array([neighbour for neighbour in sorted(near) if remaining[neighbour] > 0], int)
             peaks.append(BeliefPeak(place, float(remaining[around].sum()), around))
             remaining[around] = 0

@@ -14,7 +14,8 @@ from scipy.stats import chi2
 from tqdm import tqdm
 
 from sextant.place_maps.place_map import Photo, PlaceMap
-from sextant.places.place_index import PlaceIndex, decode_photo, photo_features
+from sextant.places.photo_features import decode_photo, photo_features
+from sextant.places.place_index import PlaceIndex
 from sextant.places.place_index_update import PlaceIndexer
 from sextant.places.place_localizer import Localization, PlaceLocalizationParams, PlaceLocalizer, Status
 from sextant.places.place_metrics import (
@@ -211,11 +212,13 @@ def _start(indexer: PlaceIndexer, params: PlaceLocalizationParams) -> _Session:
 
 
 def _left_out(session: _Session, photo: Photo, others: PlaceMap, query: Query) -> QueryResult:
-    """Localizes a photo with an index that does not contain it, then adds it again."""
-    index = session.index
-    index.remove([each for each in index.photos if each.image == photo.image])
+    """Localizes a photo with a map that does not contain it."""
+    index, is_searched = session.index, session.index.params.matcher is not None
+    if is_searched:  # else the photo's neighbours would take the votes of others
+        index.remove([each for each in index.photos if each.image == photo.image])
     result = _localized(index, _ready(PlaceLocalizer(others, index, session.params)), query)
-    index.add([photo.image], [photo_features(index.params, query.path)])
+    if is_searched:
+        index.add([photo.image], [photo_features(index.params, query.path)])
     return result
 
 

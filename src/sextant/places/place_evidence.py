@@ -6,6 +6,7 @@ The ratio compares the hypotheses that an image was taken at the photo's place a
 """
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from scipy.special import logsumexp
@@ -14,36 +15,82 @@ from sextant.base.strict_params import StrictParams, param, within
 
 MAD_TO_DEVIATION = 1.4826  # standard deviation over median absolute deviation (MAD), normal distribution
 REFERENCE = 100  # number of best photos; their scores represent those of wrong photos
-MIN_PHOTOS = 4  # smaller maps are treated as this size: their scores have no reliable deviation
 ROUNDING = 1e-6  # of the largest score; smaller differences are rounding in single precision
-MIN_DEVIATION = 0.1  # minimum deviation as a fraction of the median, in absolute evidence
-MIN_SCORE = 1e-6  # lower scores are raised to it before the logarithm
-MAX_Z = 30.0  # maximum z-score in absolute evidence
-MAX_RELATIVE_Z = 6.0  # maximum z-score in relative evidence, for robustness against one wrong image
+MIN_DEVIATION = 0.3  # minimum deviation of UnknownPlaces: that of few photos is not reliable
+MAX_Z = 6.0  # maximum z-score in relative evidence, for robustness against one wrong image
 
 
 @dataclass(frozen=True)
 class EvidenceParams(StrictParams):
-    """Weights of the log likelihood ratio of a photo; `benchmark/places.py --only calibration` fits them.
+    """Weights of the evidence; `benchmark/places.py --only calibration` fits them.
 
-    log ratio = deviation * z + score * ln(s) + size * ln(n) - offset, where s is the photo's score by votes,
-    z is its deviations(), and n is the number of photos
+    The log odds that an image was taken at a place of the map are margin * m + excess * z - offset: m is the
+    highest score minus that of the best photo elsewhere, z is the excess over the scores of unknown places,
+    see image_features(). Among the photos, the likelihood is exp(slope * score).
     """
 
-    deviation: float = param(0.313, "weight of z", within(0, 100))
-    score: float = param(3.33, "weight of ln(s)", within(0, 100))
-    size: float = param(3.40, "weight of ln(n)", within(0, 100))
-    offset: float = param(11.9, "subtracted from the sum", within(-100, 100))
-    limit: float = param(12.0, "maximum absolute log ratio of one image, not fitted", within(1e-6, 100))
+    slope: float = param(1.2, "logarithm of the likelihood ratio of two photos per score", within(0, 100))
+    margin: float = param(0.5, "weight of m", within(0, 100))
+    excess: float = param(0.5, "weight of z", within(0, 100))
+    offset: float = param(1.5, "subtracted from the sum", within(-100, 100))
+    limit: float = param(12.0, "maximum absolute log odds of one image, not fitted", within(1e-6, 100))
 
 
-def deviations(scores: np.ndarray, least: float = 0.0) -> np.ndarray:
+class UnknownPlaces(NamedTuple):
+    """Distribution of the highest score minus the median of all, for images of unknown places."""
+
+    mean: float  # over images
+    deviation: float  # standard deviation over images
+
+    @classmethod
+    def of_map(cls, scores: np.ndarray, is_near: np.ndarray) -> "UnknownPlaces":
+        """Estimates it from photos of the map, each compared with those that are not near it.
+
+        In a map of look-alike places these scores are high.
+
+        :param scores: (m, n) of n photos for m of them; nan: the photo itself
+        :param is_near: bool (m, n) whether each photo is near the other, or is the same
+        """
+        highest = np.max(scores, axis=1, where=~(is_near | np.isnan(scores)), initial=-np.inf)
+        compared = np.isfinite(highest)
+        if not compared.any():
+            return cls(0.0, MIN_DEVIATION)
+        excess = highest[compared] - np.nanmedian(scores[compared], axis=1)
+        return cls(float(excess.mean()), max(float(excess.std()), MIN_DEVIATION))
+
+
+def image_features(scores: np.ndarray, is_near: np.ndarray, unknown: UnknownPlaces) -> np.ndarray:
+    """Features (2,) of EvidenceParams, m and z, of an image.
+
+    :param scores: (n,) of the photos
+    :param is_near: bool (n,) whether each photo is near the best one, or is the same
+    """
+    highest = scores.max()
+    elsewhere = np.max(scores, where=~is_near, initial=-np.inf)
+    margin = highest - elsewhere if np.isfinite(elsewhere) else 0.0
+    return np.array([margin, (highest - np.median(scores) - unknown.mean) / unknown.deviation])
+
+
+def absolute_log_ratios(
+    scores: np.ndarray, features: np.ndarray, shares: np.ndarray, params: EvidenceParams
+) -> np.ndarray:
+    """Log likelihood ratios (n,) of photos against an unknown place.
+
+    Their weighted mean is the odds that the image was taken at a place of the map.
+
+    :param scores: (n,) of the photos
+    :param features: (2,) see image_features()
+    :param shares: (n,) weights of the photos; they sum to 1
+    """
+    odds = features @ (params.margin, params.excess) - params.offset
+    return np.clip(odds, -params.limit, params.limit) + _normalized(params.slope * scores, shares)
+
+
+def deviations(scores: np.ndarray) -> np.ndarray:
     """Robust z-scores (n,): (score - median) / (1.4826 * median absolute deviation); 0 if all are equal.
 
     Median and deviation are those of the REFERENCE best photos. The deviation ignores scores that are equal
     to the median: otherwise it would be 0 if most photos had no votes.
-
-    :param least: minimum deviation as a fraction of the median, for maps of few photos
     """
     reference = -np.sort(-scores)[:REFERENCE]
     centre = np.median(reference)
@@ -51,23 +98,7 @@ def deviations(scores: np.ndarray, least: float = 0.0) -> np.ndarray:
     distinct = residuals[residuals > ROUNDING * np.abs(reference).max()]
     if not len(distinct):
         return np.zeros(len(scores))
-    deviation = max(MAD_TO_DEVIATION * np.median(distinct), least * centre)
-    return (scores - centre) / deviation
-
-
-def score_features(scores: np.ndarray) -> np.ndarray:
-    """Features (n, 3) of EvidenceParams: z, ln(s) and ln(n), each limited to its reliable range."""
-    z = np.minimum(deviations(scores, MIN_DEVIATION), MAX_Z)
-    logs = np.log(np.maximum(scores, MIN_SCORE))
-    count = np.clip(len(scores), MIN_PHOTOS, REFERENCE)
-    return np.stack([z, logs, np.full(len(scores), np.log(count))], axis=1)
-
-
-def absolute_log_ratios(scores: np.ndarray, params: EvidenceParams) -> np.ndarray:
-    """Log likelihood ratios (n,) of scores by votes; all are negative if no photo matches."""
-    ratios = score_features(scores) @ (params.deviation, params.score, params.size) - params.offset
-    excess = max(ratios.max() - params.limit, 0.0)  # shifts instead of clipping, to keep the differences
-    return np.maximum(ratios - excess, -params.limit)
+    return (scores - centre) / (MAD_TO_DEVIATION * np.median(distinct))
 
 
 def relative_log_ratios(scores: np.ndarray, shift: float, shares: np.ndarray) -> np.ndarray:
@@ -79,5 +110,9 @@ def relative_log_ratios(scores: np.ndarray, shift: float, shares: np.ndarray) ->
 
     :param shares: (n,) weights of the photos in the mean; they sum to 1
     """
-    z = np.clip(deviations(scores), -MAX_RELATIVE_Z, MAX_RELATIVE_Z)
-    return shift * z - logsumexp(shift * z, b=shares)
+    return _normalized(shift * np.clip(deviations(scores), -MAX_Z, MAX_Z), shares)
+
+
+def _normalized(logs: np.ndarray, shares: np.ndarray) -> np.ndarray:
+    """Logarithms whose exponentials have the weighted mean 1."""
+    return logs - logsumexp(logs, b=shares)

@@ -2,29 +2,32 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Cache of the index of a map's photos: a binary file beside the map.
 
-  magic and version | vectors | keypoints | index | table (JSON) | length and checksum of the table, magic
+  magic and version | arrays | index | table (JSON) | length and checksum of the table, magic
 
-The table contains the parameters, the photos, and offset, length and checksum of the other parts. The index
-has the format of DescriptorIndex.append. Vectors (global descriptors), keypoints and a faiss index are
-memory-mapped. The file contains no code. A file of another version, or that is truncated or corrupted, is
-rejected.
+The table contains the parameters, the photos, and offset, length and checksum of the other parts. The arrays
+are the vectors (global descriptors), the scores of compared photos and, for each kind of keypoints, the mean
+and the basis of the codes, positions and codes. The index, if there is one, has the format of
+DescriptorIndex.append. Arrays and a faiss index are memory-mapped. The file contains no code. A file of
+another version, or that is truncated or corrupted, is rejected.
 """
 
 import json
 import struct
 import zlib
 from pathlib import Path
-from typing import IO, Any, Dict, Tuple
+from typing import IO, Any, Dict, List, Tuple
 
 import numpy as np
 
 import sextant
 from sextant.base.atomic_file import atomic_file
-from sextant.places.place_index import IndexedPhoto, IndexParams, PlaceIndex
+from sextant.places.descriptor_codes import DescriptorCodes
+from sextant.places.index_params import IndexParams
+from sextant.places.photo_keypoints import PhotoKeypoints
+from sextant.places.place_index import ComparedPhotos, IndexedPhoto, PlaceIndex
 
 MAGIC = b"SEXTANT PLACES\n\0"
-VERSION = 3
-_MAPPED = {"vectors": np.float32, "keypoints": np.uint16}  # vectors first: aligned to 4 bytes
+VERSION = 4
 _BEGIN = struct.Struct("<16sI")  # magic, version
 _END = struct.Struct("<QI16s")  # length and checksum of the table, magic
 _CHUNK = 1 << 22  # bytes read at once for a checksum
@@ -47,17 +50,18 @@ def write_cache(path: Path, index: PlaceIndex) -> None:
     with atomic_file(path, "wb") as file:
         file.write(_BEGIN.pack(MAGIC, VERSION))
         parts = {}
-        for name in _MAPPED:
-            values = getattr(index, name)
+        for name, values in _arrays(index).items():
             parts[name] = (file.tell(), values.nbytes)
             file.write(np.ascontiguousarray(values).data)
         file.flush()
-        begin, fd_path = file.tell(), _fd_path(file)
-        try:
-            index.descriptors.append(fd_path)
-        except RuntimeError as error:
-            raise OSError(str(error).replace(fd_path, str(path))) from None
-        parts["index"] = (begin, file.seek(0, 2) - begin)
+        fd_path = _fd_path(file)
+        if index.descriptors:
+            begin = file.tell()
+            try:
+                index.descriptors.append(fd_path)
+            except RuntimeError as error:
+                raise OSError(str(error).replace(fd_path, str(path))) from None
+            parts["index"] = (begin, file.seek(0, 2) - begin)
         table = _table(index, {name: (*part, _checksum(fd_path, *part)) for name, part in parts.items()})
         file.write(table)
         file.write(_END.pack(len(table), zlib.crc32(table), MAGIC))
@@ -90,10 +94,25 @@ def _fd_path(file: IO) -> str:
     return f"/dev/fd/{file.fileno()}"
 
 
+def _arrays(index: PlaceIndex) -> Dict[str, np.ndarray]:
+    """All arrays by name; those of larger elements first, so that each is aligned."""
+    arrays = {"vectors": index.vectors}
+    if index.compared:
+        arrays["compared"] = index.compared.scores
+    kinds = list(enumerate(index.keypoints))
+    arrays.update({f"mean{number}": kind.coder.mean for number, kind in kinds})
+    arrays.update({f"basis{number}": kind.coder.basis for number, kind in kinds})
+    arrays.update({f"positions{number}": kind.positions for number, kind in kinds})
+    arrays.update({f"codes{number}": kind.codes for number, kind in kinds})
+    return arrays
+
+
 def _table(index: PlaceIndex, parts: Dict[str, Tuple[int, int, int]]) -> bytes:
     table = {
         "settings": index.params.as_json(),
         "photos": [photo._asdict() for photo in index.photos],
+        "compared": index.compared.rows.tolist() if index.compared else None,
+        "counts": [kind.counts.tolist() for kind in index.keypoints],
         "learned_from": index.learned_from,
         "parts": parts,
     }
@@ -135,15 +154,28 @@ def _checksum(path: str, begin: int, length: int) -> int:
 
 def _index(path: str, table: Dict[str, Any], params: IndexParams) -> PlaceIndex:
     photos = [IndexedPhoto(**{**photo, "state": tuple(photo["state"])}) for photo in table["photos"]]
-    keypoints = _mapped(path, table, "keypoints").reshape(-1, 2)
-    vectors = _mapped(path, table, "vectors").reshape(len(photos), -1)
-    descriptors = sextant.DescriptorIndex.read(path, table["parts"]["index"][0])
-    return PlaceIndex(params, photos, keypoints, descriptors, table["learned_from"], vectors)
+    keypoints = [_keypoints(path, table, *each) for each in enumerate(table["counts"])]
+    vectors = _mapped(path, table, "vectors", np.float32, len(photos))
+    index = table["parts"].get("index")
+    descriptors = sextant.DescriptorIndex.read(path, index[0]) if index else None
+    rows, compared = table["compared"], None
+    if rows is not None:
+        scores = _mapped(path, table, "compared", np.float32, len(rows))
+        compared = ComparedPhotos(np.array(rows, int), scores)
+    return PlaceIndex(params, photos, keypoints, descriptors, table["learned_from"], vectors, compared)
 
 
-def _mapped(path: str, table: Dict[str, Any], name: str) -> np.ndarray:
-    """A part of the file as a memory-mapped array."""
+def _keypoints(path: str, table: Dict[str, Any], number: int, counts: List[int]) -> PhotoKeypoints:
+    mean = _mapped(path, table, f"mean{number}", np.float32, 1)[0]
+    basis = _mapped(path, table, f"basis{number}", np.float32, len(mean))
+    positions = _mapped(path, table, f"positions{number}", np.uint16, sum(counts))
+    codes = _mapped(path, table, f"codes{number}", np.int8, sum(counts))
+    return PhotoKeypoints(DescriptorCodes(mean, basis), positions, codes, counts)
+
+
+def _mapped(path: str, table: Dict[str, Any], name: str, kind: type, rows: int) -> np.ndarray:
+    """A part of the file as a memory-mapped array of this many rows."""
     begin, length, _ = table["parts"][name]
     if not length:  # an empty part cannot be mapped
-        return np.zeros(0, _MAPPED[name])
-    return np.memmap(path, _MAPPED[name], "r", begin, length // np.dtype(_MAPPED[name]).itemsize)
+        return np.zeros((rows, 0), kind)
+    return np.memmap(path, kind, "r", begin, length // np.dtype(kind).itemsize).reshape(rows, -1)

@@ -8,17 +8,11 @@ from typing import Callable, Dict, Iterable, List, Optional, Set
 
 import sextant
 from sextant.place_maps.place_map import PlaceMap
-from sextant.places.place_index import (
-    MAX_NAMES,
-    IndexedPhoto,
-    IndexParams,
-    PhotoFeatures,
-    PlaceIndex,
-    content_digest,
-    extract_all,
-    file_state,
-)
+from sextant.places.index_params import IndexParams, content_digest
+from sextant.places.photo_features import MAX_NAMES, PhotoFeatures, extract_all, file_state
+from sextant.places.place_index import EXHAUSTIVE, IndexedPhoto, PlaceIndex, is_large
 from sextant.places.place_index_file import CacheError, cache_path, read_cache, write_cache
+from sextant.places.place_scores import compared_photos
 
 MANY = 100_000  # descriptors; searching this number exactly takes about a second per image
 GROWTH = 4  # the index is rebuilt if the map has more than this times the photos that trained it
@@ -47,23 +41,40 @@ class PlaceIndexer:
         images = list(dict.fromkeys(photo.image for photo in self.place_map.photos))
         self._check_there(images)
         index = self._indexed(images)
-        if self.params.matcher == "faiss" and not sextant.has_faiss() and len(index.descriptors) > MANY:
+        self._report_slow(index)
+        return index
+
+    def _report_slow(self, index: PlaceIndex) -> None:
+        """Reports a map that is too large for a build without faiss."""
+        photos, matcher = len(index.photos), self.params.matcher
+        if sextant.has_faiss():
+            return
+        if matcher is None and photos > EXHAUSTIVE:
+            what = f"comparing images with each of {photos} photos is slow"
+            self.report(f"{self.map_path}: {what} (built without faiss)")
+        elif matcher == "faiss" and len(index.descriptors) > MANY:
             self.report(
                 f"{self.map_path}: the exact search of {len(index.descriptors)} descriptors is slow"
                 " (built without faiss): use fewer photos, a lower max_features, or matcher FlannBased"
             )
-        return index
 
     def _indexed(self, images: List[str]) -> PlaceIndex:
         """The cached index after an update, or a new one; stores it if it changed."""
         index = self._cached()
-        if index is None or len(images) > GROWTH * index.learned_from:
+        if index is None or self._is_outgrown(index, len(images)):
             self.report(f"{self.map_path}: describing {len(images)} photos")
             index = PlaceIndex.built(self.params, images, self._describe(images))
         elif not self._update(index, images):
             return index
+        if not self.params.matcher:
+            index.compared = compared_photos(index)
         self._store(index)
         return index
+
+    def _is_outgrown(self, index: PlaceIndex, photos: int) -> bool:
+        """Whether the map now has so many photos, or so few, that an index of another kind is better."""
+        needs_search = self.params.matcher is not None or is_large(photos)
+        return photos > GROWTH * index.learned_from or needs_search != (index.descriptors is not None)
 
     def _check_there(self, images: List[str]) -> None:
         if not images:
@@ -119,7 +130,7 @@ class PlaceIndexer:
         """
         paths = [self.place_map.folder / image for image in images]
         features = extract_all(self.params, paths, self.jobs, self.scheduler)
-        empty = [image for image, each in zip(images, features) if not len(each.keypoints)]
+        empty = [image for image, each in zip(images, features) if not each.count]
         self._report_photos("without a keypoint", empty)
         if len(empty) == len(images) and not any(photo.count for photo in kept):
             raise ValueError(f"{self.map_path}: no keypoint in any photo of the map")

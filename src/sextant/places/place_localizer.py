@@ -13,11 +13,11 @@ from sextant.place_maps.place_map import Photo, PlaceMap
 from sextant.places.place_belief import BeliefParams, BeliefPeak
 from sextant.places.place_estimate import PlaceEstimate, estimate, scale_of
 from sextant.places.place_index import PlaceIndex
-from sextant.places.place_matches import MapPhotos, MatchedPhoto
+from sextant.places.place_matches import MatchedPhoto
 from sextant.places.place_modes import MODES, ImageEvidence
 from sextant.places.place_recognition import PlaceRecognizer, Recognition, RecognitionParams
 from sextant.places.place_votes import MatchStatistics
-from sextant.places.vote_shares import vote_shares
+from sextant.places.vote_shares import VoteCounter
 
 VOTES = "votes"  # the mode that counts matches, without a belief
 
@@ -98,7 +98,8 @@ class PlaceLocalizer:
         self._positions = place_map.positions()
         self._metres_per_pixel = np.array(self.scale or (1.0, 1.0))  # (2,)
         if self._params.mode == VOTES:
-            self._photos = MapPhotos(place_map, index)
+            counts = self._params.min_matches, self._params.max_places
+            self._votes = VoteCounter(place_map, index, *counts)
         else:
             self._recognizer = PlaceRecognizer(place_map, index, self._params.recognition)
         self.reset()
@@ -144,7 +145,7 @@ class PlaceLocalizer:
         return estimate(self._positions[peak.around], probabilities, yaws, self._spacing)
 
     def _localize_by_votes(self, image: np.ndarray) -> Localization:
-        votes = vote_shares(image, self._photos, self._params.min_matches, self._params.max_places)
+        votes = self._votes.count(image)
         hypotheses = [PlaceHypothesis(*each) for each in zip(votes.photos, votes.shares)]
         status = _status(hypotheses, 0.0) if hypotheses else Status.UNUSABLE
         estimated, position = None, None

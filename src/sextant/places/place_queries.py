@@ -9,8 +9,8 @@ from typing import Dict, FrozenSet, Iterator, List, NamedTuple, Optional, Tuple
 import numpy as np
 
 from sextant.place_maps.place_map import Photo, PlaceMap
-from sextant.places.place_belief import spacing_of
 from sextant.places.place_estimate import scale_of
+from sextant.places.place_spacing import spacing_of
 
 Position = Tuple[float, float]  # pixels of the overview
 COLUMNS = ("query", "right_refs")

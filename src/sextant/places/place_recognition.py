@@ -11,11 +11,19 @@ import numpy as np
 from sextant.base.strict_params import StrictParams, nested, param, within
 from sextant.place_maps.place_map import Photo, PlaceMap
 from sextant.places.global_descriptor import GlobalDescriptor
-from sextant.places.place_evidence import EvidenceParams, absolute_log_ratios, relative_log_ratios
+from sextant.places.photo_features import KeypointExtractor
+from sextant.places.photo_keypoints import CodedKeypoints
+from sextant.places.place_evidence import (
+    EvidenceParams,
+    UnknownPlaces,
+    absolute_log_ratios,
+    image_features,
+    relative_log_ratios,
+)
 from sextant.places.place_index import PlaceIndex
-from sextant.places.place_matches import MapPhotos, MatchedPhoto, Neighbours
-from sextant.places.place_verification import displacement_support
-from sextant.places.place_votes import MatchStatistics, lnbnn_scores, lnbnn_weights, match_statistics
+from sextant.places.place_matches import MapPhotos, MatchedPhoto, matched_photo
+from sextant.places.place_scores import compared_photos, photo_scores
+from sextant.places.place_votes import MatchStatistics, match_statistics
 
 CELLS = 8  # number of cells along each side of the image, see contrast()
 MAX_DIFFERENCE = 500.0  # log ratios farther below the largest are raised to this: no exponential is 0
@@ -25,13 +33,6 @@ MAX_DIFFERENCE = 500.0  # log ratios farther below the largest are raised to thi
 class RecognitionParams(StrictParams):
     """Parameters of the scores and their evidence."""
 
-    neighbours: int = param(
-        16, "nearest neighbours per descriptor; the last one represents the background", within(2, 128)
-    )
-    hub_exponent: float = param(
-        0.5, "a photo's score is divided by its number of descriptors to this power", within(0, 1)
-    )
-    displacement_weight: float = param(2.0, "weight of votes with consistent displacement", within(0, 100))
     min_keypoints: int = param(
         10,
         "minimum number of keypoints of a usable image, without a "
@@ -78,11 +79,17 @@ class PlaceRecognizer:
         params: Optional[RecognitionParams] = None,
         extractor: Optional[Any] = None,
     ):
-        """:param extractor: replaces the sextant.FeatureExtractor of the index
-        :raises ValueError: a parameter out of range, or a photo that is not in the index
+        """:param index: without a matcher
+
+        :param extractor: replaces the KeypointExtractor of the index
+        :raises ValueError: a photo that is not in the index, or an index with a matcher
         """
+        if index.params.matcher:
+            raise ValueError(f"matcher {index.params.matcher} is for mode votes only")
         self._params, self._index = params or RecognitionParams(), index
-        self._photos = MapPhotos(place_map, index, extractor)
+        self._photos = MapPhotos(place_map, index)
+        self._unknown = self._unknown_places()
+        self._extractor = extractor or KeypointExtractor(index.params)
         network = index.params.global_descriptor
         self._descriptor = GlobalDescriptor(network) if network and self._params.network_weight else None
 
@@ -91,37 +98,66 @@ class PlaceRecognizer:
 
         :param image: uint8, (height, width) grey or (height, width, 3) BGR
         """
-        neighbours = self._photos.neighbours(image, self._params.neighbours)
-        weights = lnbnn_weights(neighbours.distances, neighbours.numbers)
-        scores = self._scores(neighbours, weights)
-        is_absolute = len(neighbours.query_xy) >= self._params.min_keypoints
-        ratios = absolute_log_ratios(scores, self._params.evidence) if is_absolute else np.zeros(len(scores))
+        kinds = self._index.encode(self._extractor.extract(image))
+        scores = photo_scores(self._index, self._photos.rows, kinds)
+        is_absolute = len(kinds[0].positions) >= self._params.min_keypoints
+        ratios = np.zeros(len(scores.logs))
+        if is_absolute:
+            features = self.features(scores.logs)
+            ratios = absolute_log_ratios(scores.logs, features, self._photos.shares, self._params.evidence)
         has_descriptor = self._descriptor is not None and contrast(image) >= self._params.min_contrast
         if has_descriptor:
             ratios = ratios + self._network_log_ratios(image)
-        order = np.lexsort((scores, ratios))
+        order = np.lexsort((scores.logs, ratios))
         best = self._best(order)
-        statistics = match_statistics(neighbours.distances, neighbours.numbers)
         return Recognition(
-            scores[best], self._of_places(ratios), [self._photos.photos[number] for number in best],
-            is_absolute or has_descriptor, is_absolute, statistics,
-            self._photos.match(neighbours, weights, int(order[-1])),
+            scores.logs[best], self._of_places(ratios), [self._photos.photos[number] for number in best],
+            is_absolute or has_descriptor, is_absolute,
+            match_statistics(scores.nearest, np.isfinite(scores.nearest)),
+            self._match(int(order[-1]), kinds[0], scores.background),
         )  # fmt: skip
+
+    def scores(self, image: np.ndarray) -> np.ndarray:
+        """Scores (photos,) of an image, see PhotoScores.logs; the photos are in the order of the places."""
+        return photo_scores(
+            self._index, self._photos.rows, self._index.encode(self._extractor.extract(image))
+        ).logs
+
+    def features(self, scores: np.ndarray, numbers: Optional[np.ndarray] = None) -> np.ndarray:
+        """Features (2,) of the evidence of an image, see image_features().
+
+        :param scores: (photos,) see scores()
+        :param numbers: int (m,) of the photos that are in the map; None: all
+        """
+        numbers = np.arange(len(scores)) if numbers is None else numbers
+        best = np.zeros(len(scores), bool)
+        best[numbers[scores[numbers].argmax()]] = True
+        return image_features(scores[numbers], self.near(best)[numbers], self._unknown)
+
+    def near(self, which: np.ndarray) -> np.ndarray:
+        """Whether each photo is near one of these.
+
+        :param which: bool (photos,)
+        :returns: bool (photos,)
+        """
+        return self._photos.near(np.flatnonzero(which)).any(axis=0)
+
+    def _unknown_places(self) -> UnknownPlaces:
+        compared = self._index.compared or compared_photos(self._index)
+        number_of_row = np.full(len(self._index.photos), -1)
+        number_of_row[self._photos.rows] = np.arange(len(self._photos.rows))
+        in_map = number_of_row[compared.rows] >= 0
+        near = self._photos.near(number_of_row[compared.rows[in_map]])
+        return UnknownPlaces.of_map(compared.scores[in_map][:, self._photos.rows], near)
+
+    def _match(self, number: int, image: CodedKeypoints, background: np.ndarray) -> MatchedPhoto:
+        photo, row = self._photos.photos[number], self._photos.rows[number]
+        return matched_photo(photo, image, self._index.keypoints[0], row, background)
 
     def _network_log_ratios(self, image: np.ndarray) -> np.ndarray:
         """Log likelihood ratios (photos,) by global descriptors."""
         similarities = (self._index.vectors @ self._descriptor.describe(image))[self._photos.rows]
         return relative_log_ratios(similarities, self._params.network_weight, self._photos.shares)
-
-    def _scores(self, neighbours: Neighbours, weights: np.ndarray) -> np.ndarray:
-        """Scores (photos,): votes, and additional weight for those with consistent displacement."""
-        exponent, counts = self._params.hub_exponent, self._photos.counts
-        scores = lnbnn_scores(weights, neighbours.numbers, counts, exponent)
-        keypoint, neighbour = np.nonzero(weights > 0)
-        numbers, weights = neighbours.numbers[keypoint, neighbour], weights[keypoint, neighbour]
-        photo_xy = self._photos.xy(numbers, neighbours.rows[keypoint, neighbour])
-        support = displacement_support(neighbours.query_xy[keypoint], photo_xy, weights, numbers, len(scores))
-        return scores + self._params.displacement_weight * support / np.maximum(counts, 1) ** exponent
 
     def _best(self, order: np.ndarray) -> np.ndarray:
         """Numbers (places,) of photos: for each place, its photo that comes last in the order."""

@@ -23,9 +23,13 @@ class MatchStatistics(NamedTuple):
     total: float  # sum of the distances
 
 
-def match_statistics(distances: np.ndarray, image_ids: np.ndarray) -> MatchStatistics:
-    """Statistics of the nearest neighbours; all distances are 0 if there is no match."""
-    found = distances[image_ids[:, 0] >= 0, 0] if len(distances) else np.zeros(0)
+def match_statistics(distances: np.ndarray, is_match: np.ndarray) -> MatchStatistics:
+    """Statistics of the nearest neighbours; all distances are 0 if there is no match.
+
+    :param distances: (n,) from the nearest neighbour
+    :param is_match: bool (n,) whether there is one, in the map
+    """
+    found = distances[is_match]
     if not len(found):
         return MatchStatistics(len(distances), 0, 0, 0.0, 0.0, 0.0, 0.0)
     mean = _mean(found)
@@ -81,14 +85,7 @@ def lnbnn_weights(distances: np.ndarray, image_ids: np.ndarray) -> np.ndarray:
     return np.where(nearest.reshape(image_ids.shape), weights, 0.0)
 
 
-def lnbnn_scores(
-    weights: np.ndarray, image_ids: np.ndarray, descriptor_counts: np.ndarray, exponent: float
-) -> np.ndarray:
-    """Score (photos,) of each photo: the sum of its lnbnn_weights() over descriptor_counts ** exponent.
-
-    :param descriptor_counts: (photos,) of each photo; many descriptors attract false matches (hubness)
-    :param exponent: 0: no correction; 0.5 is usual
-    """
+def lnbnn_scores(weights: np.ndarray, image_ids: np.ndarray, photos: int) -> np.ndarray:
+    """Score (photos,) of each photo: the sum of its lnbnn_weights()."""
     valid = image_ids >= 0
-    sums = np.bincount(image_ids[valid], weights[valid], minlength=len(descriptor_counts))
-    return sums / np.maximum(descriptor_counts, 1) ** exponent
+    return np.bincount(image_ids[valid], weights[valid], minlength=photos)

@@ -13,6 +13,7 @@ from made_photos import picture, shifted, written_photos
 
 from sextant.place_maps.place_map import Overview, Photo, PlaceMap
 from sextant.places.global_descriptor import GlobalDescriptorParams
+from sextant.places.index_params import IndexParams, plain_features
 from sextant.places.place_estimate import PlaceEstimate
 from sextant.places.place_evaluation import (
     Cost,
@@ -21,7 +22,6 @@ from sextant.places.place_evaluation import (
     evaluate,
     evaluate_leave_one_out,
 )
-from sextant.places.place_index import IndexParams, plain_features
 from sextant.places.place_index_update import PlaceIndexer
 from sextant.places.place_localizer import Localization, PlaceHypothesis, PlaceLocalizationParams, Status
 from sextant.places.place_queries import Query

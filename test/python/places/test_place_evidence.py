@@ -7,9 +7,12 @@ import pytest
 from scipy.stats import norm
 
 from sextant.places.place_evidence import (
+    MIN_DEVIATION,
     EvidenceParams,
+    UnknownPlaces,
     absolute_log_ratios,
     deviations,
+    image_features,
     relative_log_ratios,
 )
 
@@ -50,20 +53,37 @@ def test_votes_for_few_of_many_photos_are_compared_with_one_another():
     assert np.delete(found, 7).max() < 3
 
 
-def test_few_photos_do_not_make_a_deviation_small():
-    scores = np.array([1.0, 1.01, 1.02, 1.5])
-    assert deviations(scores, 0.1).max() == pytest.approx((1.5 - 1.015) / 0.1015)
+# three photos, each compared with the others; the last two are near each other
+SCORES = np.array([[np.nan, 2.0, 4.0], [1.0, np.nan, 9.0], [5.0, 9.0, np.nan]])
+NEAR = np.array([[1, 0, 0], [0, 1, 1], [0, 1, 1]], bool)
 
 
-def test_absolute_evidence_is_its_formula_between_the_limits():
-    params = EvidenceParams(deviation=0.5, score=2.0, size=3.0, offset=4.0, limit=12.0)
-    scores = np.array([0.0, 1.0, 2.0, 3.0, 4.0])
-    z = (scores - 2.0) / (1.4826 * 1.5)  # of the four others that differ, medians of 1, 1, 2, 2
-    expected = 0.5 * z[1:] + 2.0 * np.log(scores[1:]) + 3.0 * np.log(5) - 4.0
-    found = absolute_log_ratios(scores, params)
-    assert found[0] == -12.0
-    assert found[1:] == pytest.approx(expected)
-    assert absolute_log_ratios(1e6 * scores, params)[-1] == 12.0
+def test_unknown_places_are_photos_without_their_neighbours():
+    excess = [4 - 3, 1 - 5, 5 - 7]  # the highest of those elsewhere minus the median of all
+    found = UnknownPlaces.of_map(SCORES, NEAR)
+    assert found == pytest.approx((np.mean(excess), np.std(excess)))
+
+
+@pytest.mark.parametrize("near", [np.ones((3, 3), bool), np.zeros((0, 3), bool)])
+def test_without_photos_elsewhere_the_distribution_is_the_narrowest(near):
+    assert UnknownPlaces.of_map(SCORES[: len(near)], near) == (0.0, MIN_DEVIATION)
+
+
+def test_features_are_the_margin_and_the_excess():
+    scores, near = np.array([3.0, 9.0, 8.0, 4.0, 1.0]), np.array([0, 1, 1, 0, 0], bool)
+    assert image_features(scores, near, UnknownPlaces(2.0, 0.5)).tolist() == [9 - 4, (9 - 4 - 2) / 0.5]
+    assert image_features(scores, np.ones(5, bool), UnknownPlaces(2.0, 0.5))[0] == 0
+
+
+def test_absolute_evidence_is_the_odds_times_the_relative_likelihood():
+    params = EvidenceParams(slope=0.7, margin=0.5, excess=2.0, offset=4.0, limit=12.0)
+    scores, shares = np.array([0.0, 1.0, 2.0]), np.array([0.5, 0.25, 0.25])
+    found = absolute_log_ratios(scores, np.array([3.0, 1.5]), shares, params)
+    assert np.log(shares @ np.exp(found)) == pytest.approx(0.5 * 3 + 2 * 1.5 - 4)
+    assert np.diff(found) == pytest.approx([0.7, 0.7])
+    for sign in (1, -1):
+        limited = absolute_log_ratios(scores, sign * np.array([1e3, 1e3]), shares, params)
+        assert np.log(shares @ np.exp(limited)) == pytest.approx(12 * sign)
 
 
 def equally(count):
@@ -90,7 +110,7 @@ def test_the_same_of_all_is_no_relative_evidence():
 
 
 @pytest.mark.parametrize(
-    "changed, reason", [({"limit": 0.0}, "limit: must be"), ({"score": -1.0}, "score: must be")]
+    "changed, reason", [({"limit": 0.0}, "limit: must be"), ({"slope": -1.0}, "slope: must be")]
 )
 def test_parameters_out_of_range_are_refused(changed, reason):
     with pytest.raises(ValueError, match=reason):

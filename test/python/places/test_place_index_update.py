@@ -11,10 +11,11 @@ import pytest
 from made_photos import picture, shifted, written_photos
 
 import sextant
-from sextant.places import place_index
-from sextant.places.place_index import IndexParams, content_digest, default_features, plain_features
+from sextant.places.index_params import IndexParams, content_digest, default_features, plain_features
+from sextant.places.photo_features import KeypointExtractor
 from sextant.places.place_index_file import VERSION, CacheError, cache_path, read_cache
 from sextant.places.place_index_update import PlaceIndexer
+from sextant.places.place_scores import photo_scores
 from sextant.places.place_votes import count_votes
 
 SETTINGS = IndexParams()
@@ -32,12 +33,26 @@ def index_of(place_map, settings=SETTINGS, **more):
 
 
 def image_of(index, seed):
-    """The photo that gets most votes for a picture."""
-    params = index.params.feature_params()
-    found = sextant.FeatureExtractor(params).extract(shifted(picture(seed), 5, 3))
-    distances, image_ids, _ = index.descriptors.search(found.descriptors, 2)
+    """The photo that is found for a picture: by votes, or by comparison with each."""
+    keypoints = KeypointExtractor(index.params).extract(shifted(picture(seed), 5, 3))
+    if index.params.matcher is None:
+        scores = photo_scores(index, np.arange(len(index.photos)), index.encode(keypoints))
+        return index.photos[scores.logs.argmax()].image
+    distances, image_ids, _ = index.descriptors.search(keypoints[0].descriptors, 2)
     image_id = count_votes(distances, image_ids, 1, 1)[0][0]
     return next(photo.image for photo in index.photos if photo.image_id == image_id)
+
+
+def is_same(one, other):
+    """Whether two indices have the same photos and features."""
+    kinds = zip(one.keypoints, other.keypoints)
+    return (
+        one.photos == other.photos
+        and np.array_equal(one.compared.scores, other.compared.scores, equal_nan=True)
+        and all(
+            np.array_equal(a.codes, b.codes) and np.array_equal(a.positions, b.positions) for a, b in kinds
+        )
+    )
 
 
 def cache_of(place_map):
@@ -49,11 +64,21 @@ def test_a_second_start_describes_nothing(place_map):
     assert lines == [f"{place_map.folder / 'park.txt'}: describing 6 photos"]
     second, lines = index_of(place_map)
     assert lines == []
-    assert second.photos == first.photos
-    assert np.array_equal(second.keypoints, first.keypoints)
-    queries = sextant.FeatureExtractor(SETTINGS.feature_params()).extract(picture(2)).descriptors
-    for one, other in zip(first.descriptors.search(queries, 8), second.descriptors.search(queries, 8)):
-        assert np.array_equal(one, other)
+    assert is_same(second, first)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not sextant.has_faiss(), reason="built without faiss")
+def test_a_large_map_is_searched_for_candidates(place_map, monkeypatch):
+    monkeypatch.setattr("sextant.places.place_index.EXHAUSTIVE", 5)
+    monkeypatch.setattr("sextant.places.place_scores.CANDIDATES", 2)
+    index_of(place_map)
+    index, lines = index_of(place_map)
+    assert lines == [] and len(index.descriptors) == index.keypoints[0].counts.sum()
+    assert [image_of(index, seed) for seed in range(6)] == [f"{seed}.png" for seed in range(6)]
+    few = place_map._replace(photos=place_map.photos[:5])
+    index, lines = index_of(few)
+    assert index.descriptors is None and lines[-1].endswith("describing 5 photos")
 
 
 @pytest.mark.slow
@@ -68,7 +93,8 @@ def test_photos_come_and_go_without_a_rebuild(place_map):
     ]
     for each in (index, index_of(changed)[0]):
         assert [image_of(each, seed) for seed in range(2, 8)] == [f"{seed}.png" for seed in range(2, 8)]
-        assert len(each.descriptors) == sum(photo.count for photo in each.photos) == len(each.keypoints)
+        (kind,) = each.keypoints
+        assert len(kind.codes) == sum(photo.count for photo in each.photos) == len(kind.positions)
 
 
 def test_a_photo_that_is_replaced_is_described_again(place_map):
@@ -117,7 +143,7 @@ def test_only_the_first_start_of_a_copied_map_reads_its_photos(place_map, read):
         index, lines = index_of(place_map)
         assert (lines, len(read)) == ([], expected)
         assert [image_of(index, seed) for seed in range(6)] == [f"{seed}.png" for seed in range(6)]
-        assert np.array_equal(index.keypoints, first.keypoints)
+        assert np.array_equal(index.keypoints[0].codes, first.keypoints[0].codes)
     touched(place_map, 1)
     cv2.imwrite(str(place_map.folder / "3.png"), picture(33))
     for expected, number_of_lines in ((2, 2), (0, 0)):
@@ -185,8 +211,8 @@ def aged(path):
         (cut, "is truncated"),
         (empty, "is not a place index"),
         (flipped(0), "is not a place index"),
-        (flipped(100), "its part 'keypoints' is damaged"),
-        (flipped(-5000), "its part 'index' is damaged"),
+        (flipped(100), "its part 'compared' is damaged"),
+        (flipped(-5000), "its part 'codes0' is damaged"),
         (flipped(-100), "its table is damaged"),
         (aged, f"has version {VERSION + 1}, expected {VERSION}"),
     ],
@@ -198,7 +224,7 @@ def test_a_cache_that_cannot_be_used_is_made_anew(place_map, damage, reason):
         read_cache(cache_of(place_map), SETTINGS)
     index, lines = index_of(place_map)
     assert lines[0] == f"{cache_of(place_map)}: {reason}; the index is rebuilt"
-    assert np.array_equal(index.keypoints, good.keypoints)
+    assert is_same(index, good)
     assert index_of(place_map)[1] == []
 
 
@@ -221,7 +247,7 @@ def test_a_photo_that_cannot_be_used_is_named(place_map, left, reason):
 
 
 def test_a_photo_with_more_keypoints_than_an_index_takes_is_named(place_map, monkeypatch):
-    monkeypatch.setattr(place_index, "MAX_KEYPOINTS", 9)
+    monkeypatch.setattr("sextant.places.photo_features.MAX_KEYPOINTS", 9)
     with pytest.raises(ValueError, match="0.png: .* keypoints, allowed are 9; set max_features"):
         index_of(place_map)
 
@@ -259,10 +285,11 @@ def test_any_pair_finds_photos(place_map, detector, extractor, matcher):
 
 def test_a_large_map_without_faiss_is_reported(place_map, monkeypatch):
     monkeypatch.setattr(sextant, "has_faiss", lambda: False)
-    for many, reported in ((10, True), (100_000, False)):
-        monkeypatch.setattr("sextant.places.place_index_update.MANY", many)
-        _, lines = index_of(place_map)
-        assert any("built without faiss" in line for line in lines) == reported
+    for settings, limit in ((IndexParams(), "EXHAUSTIVE"), (IndexParams(matcher="faiss"), "MANY")):
+        for many, reported in ((5, True), (100_000, False)):
+            monkeypatch.setattr(f"sextant.places.place_index_update.{limit}", many)
+            _, lines = index_of(place_map, settings)
+            assert any("built without faiss" in line for line in lines) == reported
     _, lines = index_of(place_map, IndexParams(matcher="FlannBased"))
     assert not any("built without" in line for line in lines)
 

@@ -10,7 +10,7 @@ import yaml
 from made_photos import index_of, picture, shifted, written_photos
 
 from sextant.place_maps.place_map import MetricFrame
-from sextant.places.place_index import IndexParams, plain_features
+from sextant.places.index_params import IndexParams, plain_features
 from sextant.places.place_localizer import PlaceLocalizationParams, PlaceLocalizer, Status
 
 COUNT = 24

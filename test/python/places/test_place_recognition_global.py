@@ -11,7 +11,7 @@ from made_network import pooling_network, root_network
 from made_photos import index_of, picture, shifted, written_photos
 
 from sextant.places.global_descriptor import GlobalDescriptorParams
-from sextant.places.place_index import IndexParams
+from sextant.places.index_params import IndexParams
 from sextant.places.place_localizer import PlaceLocalizationParams, PlaceLocalizer, Status
 from sextant.places.place_recognition import PlaceRecognizer, RecognitionParams, contrast
 

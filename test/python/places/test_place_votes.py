@@ -38,7 +38,7 @@ def test_where_all_are_as_far_all_vote():
     for distance in np.random.default_rng(1).uniform(50, 500, 50):
         distances = np.full((1000, 1), distance, np.float32)
         assert len(count_votes(distances, image_ids, 1000, 1)[0]) == 1
-        assert match_statistics(distances, image_ids).kept == 1000
+        assert match_statistics(distances[:, 0], image_ids[:, 0] >= 0).kept == 1000
 
 
 def test_descriptors_without_a_neighbour_do_not_vote():
@@ -46,8 +46,9 @@ def test_descriptors_without_a_neighbour_do_not_vote():
 
 
 def test_statistics_are_those_of_the_nearest():
-    assert match_statistics(DISTANCES, OWNERS) == (5, 5, 4, 1.0, 4.0, 12.0, 20.0)
-    assert match_statistics(DISTANCES[:0], OWNERS[:0]) == (0, 0, 0, 0.0, 0.0, 0.0, 0.0)
+    nearest, all_of_them = DISTANCES[:, 0], np.ones(5, bool)
+    assert match_statistics(nearest, all_of_them) == (5, 5, 4, 1.0, 4.0, 12.0, 20.0)
+    assert match_statistics(nearest[:0], all_of_them[:0]) == (0, 0, 0, 0.0, 0.0, 0.0, 0.0)
 
 
 def test_a_weight_is_the_part_that_a_neighbour_is_nearer_than_the_last():
@@ -63,16 +64,14 @@ def test_what_is_not_there_is_infinitely_far():
     image_ids = np.array([[0, 1, -1], [1, -1, -1], [-1] * 3])
     assert lnbnn_weights(distances, image_ids).tolist() == [[0.5, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]]
     assert count_votes(distances, image_ids, 1, 10)[0].tolist() == [0]
-    assert match_statistics(distances, image_ids).total == 3.0
+    assert match_statistics(distances[:, 0], image_ids[:, 0] >= 0).total == 3.0
 
 
-def test_scores_are_sums_for_the_size_of_the_photo():
+def test_scores_are_sums_of_weights():
     weights = np.array([[4.0, 3.0, 0.0], [1.0, 0.0, 0.0]])
-    image_ids = np.array([[0, 1, 2], [1, 1, -1]])
-    scores = lnbnn_scores(weights, image_ids, np.array([4, 16, 1]), 0.5)
-    assert scores.tolist() == [2.0, 1.0, 0.0]
+    assert lnbnn_scores(weights, np.array([[0, 1, 2], [1, 1, -1]]), 4).tolist() == [4.0, 4.0, 0.0, 0.0]
 
 
 def test_an_image_without_descriptors_scores_nothing():
     none = np.zeros((0, 3)), np.zeros((0, 3), int)
-    assert lnbnn_scores(lnbnn_weights(*none), none[1], np.array([4, 16]), 0.5).tolist() == [0.0, 0.0]
+    assert lnbnn_scores(lnbnn_weights(*none), none[1], 2).tolist() == [0.0, 0.0]

@@ -19,7 +19,7 @@ from sextant.base.strict_params import (
 )
 from sextant.place_maps.place_map_file import read_place_map
 from sextant.places.global_descriptor import GlobalDescriptorParams
-from sextant.places.place_index import PROFILES, IndexParams
+from sextant.places.index_params import PROFILES, IndexParams
 from sextant.places.place_index_update import PlaceIndexer
 from sextant.places.place_localizer import PlaceLocalizationParams
 

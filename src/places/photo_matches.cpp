@@ -1,17 +1,16 @@
 // SPDX-FileCopyrightText: Sextant authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sextant/places/photo_matcher.hpp"
+#include "sextant/places/photo_matches.hpp"
 
 #include <limits>
-#include <opencv2/core/utility.hpp>
 #include <stdexcept>
 #include <string>
 
 namespace sextant {
 namespace {
 
-// Compiled for both; the loader chooses. ARM's NEON is part of every arm64.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
+// Compiled for both; the loader chooses (before a sanitizer is ready). NEON is part of every arm64.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
 #define SEXTANT_VECTORIZED __attribute__((target_clones("avx2", "default")))
 #else
 #define SEXTANT_VECTORIZED
@@ -67,22 +66,37 @@ float rootOf(int32_t square) {
   return square == kNone ? std::numeric_limits<float>::infinity() : std::sqrt(static_cast<float>(square));
 }
 
-// Codes of an image as words, and their squares.
+// Codes as words, and their squares.
 struct Unpacked {
-  explicit Unpacked(const CodedKeypoints::Codes& codes)
-      : words(codes.cast<int16_t>()), squares(codes.cast<int32_t>().rowwise().squaredNorm()) {}
+  explicit Unpacked(const CodedKeypoints& keypoints)
+      : words(keypoints.codes.cast<int16_t>()),
+        squares(keypoints.codes.cast<int32_t>().rowwise().squaredNorm()) {}
   Words words;
   Sums squares;
 };
 
-PhotoMatches matchesOf(const Unpacked& image, const CodedKeypoints::Codes& codes) {
-  const Unpacked photo(codes);
-  const auto count = static_cast<int>(codes.rows()), dimensions = static_cast<int>(codes.cols());
-  const Eigen::Index size = image.squares.size();
+void check(const CodedKeypoints& image, const CodedKeypoints& photo) {
+  for (const CodedKeypoints* each : {&image, &photo})
+    if (each->positions.rows() != each->codes.rows())
+      throw std::invalid_argument(std::to_string(each->positions.rows()) + " keypoints have " +
+                                  std::to_string(each->codes.rows()) + " codes");
+  if (image.codes.cols() != photo.codes.cols())
+    throw std::invalid_argument("codes of " + std::to_string(image.codes.cols()) +
+                                " dimensions cannot be compared with codes of " +
+                                std::to_string(photo.codes.cols()));
+}
+
+}  // namespace
+
+PhotoMatches matchPhoto(const CodedKeypoints& image, const CodedKeypoints& photo) {
+  check(image, photo);
+  const Unpacked here(image), there(photo);
+  const auto count = static_cast<int>(photo.codes.rows()), dimensions = static_cast<int>(photo.codes.cols());
+  const Eigen::Index size = image.codes.rows();
   PhotoMatches found{Eigen::ArrayXf(size), Eigen::ArrayXf(size), Eigen::ArrayXi(size), {}};
   Sums distances(count), least = Sums::Constant(count, kNone), keypoints = Sums::Constant(count, -1);
   for (int i = 0; i < size; ++i) {
-    squaredDistances(image.words.row(i).data(), image.squares[i], photo.words.data(), photo.squares.data(),
+    squaredDistances(here.words.row(i).data(), here.squares[i], there.words.data(), there.squares.data(),
                      count, dimensions, distances.data());
     keepLeast(distances.data(), count, i, least.data(), keypoints.data());
     const Nearest nearest = nearestOf(distances.data(), count);
@@ -93,48 +107,6 @@ PhotoMatches matchesOf(const Unpacked& image, const CodedKeypoints::Codes& codes
   found.mutual.resize(size);
   for (int i = 0; i < size; ++i) found.mutual[i] = found.rows[i] >= 0 && keypoints[found.rows[i]] == i;
   return found;
-}
-
-}  // namespace
-
-PhotoMatcher::PhotoMatcher(int dimensions) : dimensions_(dimensions) {
-  if (dimensions < 1)
-    throw std::invalid_argument("codes have " + std::to_string(dimensions) + " dimensions, at least 1");
-}
-
-void PhotoMatcher::add(const CodedKeypoints& photo) {
-  check(photo);
-  photos_.push_back(photo);
-}
-
-void PhotoMatcher::remove(int photo) {
-  photos_.at(photo);
-  photos_.erase(photos_.begin() + photo);
-}
-
-int64_t PhotoMatcher::bytes() const {
-  int64_t bytes = 0;
-  for (const CodedKeypoints& photo : photos_)
-    bytes += photo.codes.size() + photo.places.size() * static_cast<int64_t>(sizeof(float));
-  return bytes;
-}
-
-std::vector<PhotoMatches> PhotoMatcher::match(const CodedKeypoints& image) const {
-  check(image);
-  const Unpacked unpacked(image.codes);
-  std::vector<PhotoMatches> matches(photos_.size());
-  cv::parallel_for_({0, size()}, [&](const cv::Range& range) {
-    for (int i = range.start; i < range.end; ++i) matches[i] = matchesOf(unpacked, photos_[i].codes);
-  });
-  return matches;
-}
-
-void PhotoMatcher::check(const CodedKeypoints& image) const {
-  if (image.places.rows() != image.codes.rows() || image.codes.cols() != dimensions_)
-    throw std::invalid_argument(std::to_string(image.places.rows()) + " keypoints have " +
-                                std::to_string(image.codes.rows()) + " codes of " +
-                                std::to_string(image.codes.cols()) + " dimensions, not of " +
-                                std::to_string(dimensions_));
 }
 
 }  // namespace sextant
