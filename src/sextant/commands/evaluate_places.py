@@ -22,7 +22,7 @@ from sextant.base.atomic_file import atomic_file
 from sextant.commands.command_line import Answer, CommandParser, check_output, run
 from sextant.place_maps.place_map_file import read_place_map
 from sextant.places.global_descriptor import BACKEND_NAMES, CHANNELS, GlobalDescriptorParams
-from sextant.places.index_params import PROFILES, IndexParams
+from sextant.places.index_params import PROFILES, VOTE_MATCHER, IndexParams
 from sextant.places.place_estimate import scale_of
 from sextant.places.place_evaluation import (
     INDEPENDENT_MODES,
@@ -77,7 +77,7 @@ def _add_method_options(parser: argparse.ArgumentParser) -> None:
     add("--profile", choices=PROFILES, default="tuned", help="plain: OpenCV's defaults")
     add("--detector", choices=names, default=known.detector, help=default)
     add("--extractor", choices=names, default=known.extractor, help=default)
-    add("--matcher", choices=sextant.matcher_names(), default=IndexParams.matcher, help=default)
+    add("--matcher", choices=sextant.matcher_names(), default=VOTE_MATCHER, help=f"of mode votes ({default})")
     text = f"ORB: points compared per descriptor element ({default})"
     add("--orb-wta-k", type=int, default=known.orb_wta_k, metavar="N", help=text)
     add("--jobs", type=int, default=1, metavar="N", help="processes for the description of the photos")
@@ -107,7 +107,7 @@ def _evaluate(options: argparse.Namespace) -> Answer:
     for path in files:
         check_output(path, options.force)
     mode = options.mode or ("single" if options.leave_one_out else PlaceLocalizationParams.mode)
-    indexer = _indexer(options)
+    indexer = _indexer(options, mode)
     recognition = RecognitionParams(network_weight=options.network_weight)
     evaluation = _evaluated(options, indexer, PlaceLocalizationParams(mode=mode, recognition=recognition))
     unit = "m" if scale_of(indexer.place_map) else "px"
@@ -132,13 +132,18 @@ def _check(options: argparse.Namespace) -> None:
         options.plots.mkdir(parents=True, exist_ok=True)
 
 
-def _indexer(options: argparse.Namespace) -> PlaceIndexer:
+def _indexer(options: argparse.Namespace, mode: str) -> PlaceIndexer:
     network = GlobalDescriptorParams(
         options.network, options.network_backend, options.network_width, options.network_height,
         options.network_channels, options.network_mean, options.network_std,
     )  # fmt: skip
     params = IndexParams.of_profile(
-        options.profile, options.detector, options.extractor, options.matcher, network, options.orb_wta_k
+        options.profile,
+        options.detector,
+        options.extractor,
+        options.matcher if mode == VOTES else None,
+        network,
+        options.orb_wta_k,
     )
     return PlaceIndexer(
         options.map, read_place_map(options.map), params,

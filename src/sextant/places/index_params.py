@@ -12,6 +12,7 @@ import sextant
 from sextant.base.strict_params import parse_struct
 from sextant.places.global_descriptor import GlobalDescriptorParams, cached_descriptor
 
+VOTE_MATCHER = "faiss"  # default of mode votes
 FINE = {"max_side": 640, "support_scale": 1.0, "min_size": 2.5}  # of the fine keypoints
 
 

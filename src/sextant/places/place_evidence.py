@@ -17,6 +17,8 @@ MAD_TO_DEVIATION = 1.4826  # standard deviation over median absolute deviation (
 REFERENCE = 100  # number of best photos; their scores represent those of wrong photos
 ROUNDING = 1e-6  # of the largest score; smaller differences are rounding in single precision
 MIN_DEVIATION = 0.3  # minimum deviation of UnknownPlaces: that of few photos is not reliable
+FEW_PLACES = (1.0, 0.5)  # UnknownPlaces of a map without photos to compare; those of a few spots of a campus
+UNRELATED = 8.0  # score of unrelated photos in a map of one place, for each kind of keypoints
 MAX_Z = 6.0  # maximum z-score in relative evidence, for robustness against one wrong image
 
 
@@ -54,21 +56,25 @@ class UnknownPlaces(NamedTuple):
         highest = np.max(scores, axis=1, where=~(is_near | np.isnan(scores)), initial=-np.inf)
         compared = np.isfinite(highest)
         if not compared.any():
-            return cls(0.0, MIN_DEVIATION)
+            return cls(*FEW_PLACES)
         excess = highest[compared] - np.nanmedian(scores[compared], axis=1)
         return cls(float(excess.mean()), max(float(excess.std()), MIN_DEVIATION))
 
 
-def image_features(scores: np.ndarray, is_near: np.ndarray, unknown: UnknownPlaces) -> np.ndarray:
+def image_features(
+    scores: np.ndarray, is_near: np.ndarray, unknown: UnknownPlaces, kinds: int = 1
+) -> np.ndarray:
     """Features (2,) of EvidenceParams, m and z, of an image.
 
     :param scores: (n,) of the photos
     :param is_near: bool (n,) whether each photo is near the best one, or is the same
+    :param kinds: number of kinds of keypoints in the scores
     """
+    elsewhere = middle = UNRELATED * kinds
+    if not is_near.all():
+        elsewhere, middle = scores[~is_near].max(), np.median(scores)
     highest = scores.max()
-    elsewhere = np.max(scores, where=~is_near, initial=-np.inf)
-    margin = highest - elsewhere if np.isfinite(elsewhere) else 0.0
-    return np.array([margin, (highest - np.median(scores) - unknown.mean) / unknown.deviation])
+    return np.array([highest - elsewhere, (highest - middle - unknown.mean) / unknown.deviation])
 
 
 def absolute_log_ratios(

@@ -103,7 +103,7 @@ class PlaceIndex:
         image_id = 1 + max((photo.image_id for photo in self.photos), default=-1)
         for number, (image, each) in enumerate(zip(images, features), image_id):
             self.photos.append(IndexedPhoto(image, each.digest, each.state, number, each.count))
-            if self.descriptors:
+            if self.descriptors is not None:
                 self.descriptors.add(number, self.searched(each.kinds[0]))
         for number, kind in enumerate(self.keypoints):
             kind.add([each.kinds[number] for each in features])
@@ -115,7 +115,7 @@ class PlaceIndex:
         if not removed:  # keeps the arrays memory-mapped
             return
         self.compared = None
-        if self.descriptors:
+        if self.descriptors is not None:
             for image_id in removed:
                 self.descriptors.remove(image_id)
         kept = np.array([photo.image_id not in removed for photo in self.photos])
@@ -147,7 +147,7 @@ class PlaceIndex:
     @property
     def bytes(self) -> int:
         """Memory of descriptors, keypoints and vectors, bytes."""
-        searched = self.descriptors.bytes if self.descriptors else 0
+        searched = self.descriptors.bytes if self.descriptors is not None else 0
         return searched + sum(kind.bytes for kind in self.keypoints) + self.vectors.nbytes
 
 

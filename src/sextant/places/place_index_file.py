@@ -55,7 +55,7 @@ def write_cache(path: Path, index: PlaceIndex) -> None:
             file.write(np.ascontiguousarray(values).data)
         file.flush()
         fd_path = _fd_path(file)
-        if index.descriptors:
+        if index.descriptors is not None:
             begin = file.tell()
             try:
                 index.descriptors.append(fd_path)

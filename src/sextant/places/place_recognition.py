@@ -132,7 +132,8 @@ class PlaceRecognizer:
         numbers = np.arange(len(scores)) if numbers is None else numbers
         best = np.zeros(len(scores), bool)
         best[numbers[scores[numbers].argmax()]] = True
-        return image_features(scores[numbers], self.near(best)[numbers], self._unknown)
+        kinds = len(self._index.keypoints)
+        return image_features(scores[numbers], self.near(best)[numbers], self._unknown, kinds)
 
     def near(self, which: np.ndarray) -> np.ndarray:
         """Whether each photo is near one of these.

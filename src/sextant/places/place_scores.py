@@ -30,7 +30,7 @@ def photo_scores(index: PlaceIndex, rows: np.ndarray, kinds: Sequence[CodedKeypo
     :param rows: int (photos,) of the photos in the index
     :param kinds: keypoints of the image, for each kind of the index
     """
-    numbers = _candidates(index, rows, kinds[0]) if index.descriptors else np.arange(len(rows))
+    numbers = _candidates(index, rows, kinds[0]) if index.descriptors is not None else np.arange(len(rows))
     scored = [all_of.scores(image, rows[numbers]) for all_of, image in zip(index.keypoints, kinds)]
     of_candidates = np.sum([each.logs for each in scored], axis=0)
     logs = np.full(len(rows), of_candidates.min())

@@ -76,7 +76,9 @@ def lnbnn_weights(distances: np.ndarray, image_ids: np.ndarray) -> np.ndarray:
     """
     valid = image_ids >= 0
     background = np.max(distances, axis=1, where=valid, initial=0.0, keepdims=True)
-    weights = np.where(valid, 1 - distances / np.maximum(background, np.finfo(np.float32).tiny), 0.0)
+    tiny = np.finfo(np.float32).tiny
+    ratios = np.divide(distances, np.maximum(background, tiny), np.ones_like(distances), where=valid)
+    weights = 1 - ratios
     rows = np.repeat(np.arange(len(image_ids)), image_ids.shape[1])
     pairs = rows * (int(image_ids.max(initial=0)) + 2) + image_ids.ravel() + 1
     _, first = np.unique(pairs, return_index=True)  # the nearest neighbour of each descriptor and photo

@@ -7,7 +7,8 @@ import pytest
 from scipy.stats import norm
 
 from sextant.places.place_evidence import (
-    MIN_DEVIATION,
+    FEW_PLACES,
+    UNRELATED,
     EvidenceParams,
     UnknownPlaces,
     absolute_log_ratios,
@@ -65,14 +66,18 @@ def test_unknown_places_are_photos_without_their_neighbours():
 
 
 @pytest.mark.parametrize("near", [np.ones((3, 3), bool), np.zeros((0, 3), bool)])
-def test_without_photos_elsewhere_the_distribution_is_the_narrowest(near):
-    assert UnknownPlaces.of_map(SCORES[: len(near)], near) == (0.0, MIN_DEVIATION)
+def test_without_photos_elsewhere_the_distribution_is_that_of_few_places(near):
+    assert UnknownPlaces.of_map(SCORES[: len(near)], near) == FEW_PLACES
 
 
 def test_features_are_the_margin_and_the_excess():
     scores, near = np.array([3.0, 9.0, 8.0, 4.0, 1.0]), np.array([0, 1, 1, 0, 0], bool)
     assert image_features(scores, near, UnknownPlaces(2.0, 0.5)).tolist() == [9 - 4, (9 - 4 - 2) / 0.5]
-    assert image_features(scores, np.ones(5, bool), UnknownPlaces(2.0, 0.5))[0] == 0
+
+
+def test_a_map_of_one_place_is_compared_with_unrelated_photos():
+    found = image_features(np.array([19.0, 21.0]), np.ones(2, bool), UnknownPlaces(2.0, 0.5), 2)
+    assert found.tolist() == [21 - 2 * UNRELATED, (21 - 2 * UNRELATED - 2) / 0.5]
 
 
 def test_absolute_evidence_is_the_odds_times_the_relative_likelihood():

@@ -49,8 +49,13 @@ def settings(map_file, **values):
 def test_only_the_tuned_profile_makes_images_smaller(map_file):
     tuned = settings(map_file, detector="ORB", extractor="ORB", max_side=200, max_features=90)
     assert [tuned.features[name] for name in ("detector", "max_side", "max_features")] == ["ORB", 200, 90]
-    plain = settings(map_file, profile="plain", matcher="FlannBased", max_side=200)
+    plain = settings(map_file, mode="votes", profile="plain", matcher="FlannBased", max_side=200)
     assert plain.features["max_side"] != 200 and plain.matcher == "FlannBased"
+
+
+def test_only_votes_have_a_matcher(map_file):
+    for mode, matcher in (("votes", "faiss"), ("filter", None)):
+        assert settings(map_file, mode=mode).matcher == matcher
 
 
 def test_a_network_comes_with_its_settings(map_file):
@@ -69,7 +74,7 @@ def test_who_describes_the_photos_is_reported(map_file):
 @pytest.mark.parametrize("profile", ["tuned", "plain"])
 @pytest.mark.parametrize("points, matcher", [(2, "BruteForce-Hamming"), (4, "BruteForce-Hamming(2)")])
 def test_each_kind_of_orb_has_its_matcher(map_file, profile, points, matcher):
-    orb = {"detector": "ORB", "extractor": "ORB", "profile": profile, "orb_wta_k": points}
+    orb = {"detector": "ORB", "extractor": "ORB", "profile": profile, "orb_wta_k": points, "mode": "votes"}
     taken = settings(map_file, matcher=matcher, **orb)
     taken.validate()
     assert taken.features["orb_wta_k"] == points

@@ -4,7 +4,7 @@
 
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Callable
+from typing import Callable, Optional
 
 import sextant
 from sextant.base.strict_params import (
@@ -19,9 +19,9 @@ from sextant.base.strict_params import (
 )
 from sextant.place_maps.place_map_file import read_place_map
 from sextant.places.global_descriptor import GlobalDescriptorParams
-from sextant.places.index_params import PROFILES, IndexParams
+from sextant.places.index_params import PROFILES, VOTE_MATCHER, IndexParams
 from sextant.places.place_index_update import PlaceIndexer
-from sextant.places.place_localizer import PlaceLocalizationParams
+from sextant.places.place_localizer import VOTES, PlaceLocalizationParams
 
 _FEATURES = sextant.FeatureParams()
 _LOCALIZATION = (
@@ -51,8 +51,8 @@ class PlaceLocalizerNodeParams(StrictParams):
     detector: str = struct_param(sextant.FeatureParams, "detector", one_of(*sextant.feature_names()))
     extractor: str = struct_param(sextant.FeatureParams, "extractor", one_of(*sextant.feature_names()))
     matcher: str = param(
-        IndexParams().matcher,
-        "descriptor matcher; ORB and AKAZE need BruteForce-Hamming or faiss, SIFT and SURF any "
+        VOTE_MATCHER,
+        "mode votes: descriptor matcher; ORB and AKAZE need BruteForce-Hamming or faiss, SIFT and SURF any "
         "without Hamming",
         one_of(*sextant.matcher_names()),
     )
@@ -93,7 +93,10 @@ class PlaceLocalizerNodeParams(StrictParams):
         """
         path, network = Path(self.map_file), replace(self.descriptor, model=self.network)
         params = IndexParams.of_profile(
-            self.profile, self.detector, self.extractor, self.matcher, network, self.orb_wta_k,
+            self.profile, self.detector, self.extractor, self._matcher(), network, self.orb_wta_k,
             max_side=self.max_side, max_features=self.max_features,
         )  # fmt: skip
         return PlaceIndexer(path, read_place_map(path), params, self.jobs, self.scheduler, report)
+
+    def _matcher(self) -> Optional[str]:
+        return self.matcher if self.localization.mode == VOTES else None
