@@ -4,6 +4,7 @@
 
 import tempfile
 from functools import lru_cache
+from itertools import product
 from pathlib import Path
 from typing import Dict, List, Optional, Tuple
 
@@ -33,11 +34,10 @@ HARD_BARS: Dict[str, Optional[float]] = {"single": None, "filter": None}  # mini
 HARD_ASIDE, HARD_TURN = 1.0, np.deg2rad(15.0)  # offset and yaw of every query, to either side
 HARD_CAMERA = "phone"
 HOURS = (9.5, 11.0, 13.0, 14.5)  # of the parts of the walk, by the sun
-MODES_OF_HARD = MODES[:2]
 
 
 def season_tables(quick: bool) -> List[Table]:
-    """Tables of pairs of map and walk: usual, and hard ones; a quick run has one pair of a few metres each."""
+    """Tables of usual and of hard pairs of map and walk; a quick run has one pair of a few metres each."""
     return [_usual(quick), _hard(quick)]
 
 
@@ -56,24 +56,26 @@ def _hard(quick: bool) -> Table:
     """Walks with another camera, off the way of the map, in bare, snowy or wet streets in low sun."""
     pairs, seeds = (HARD_PAIRS[:1], HARD_SEEDS[:1]) if quick else (HARD_PAIRS, HARD_SEEDS)
     count, size = (FEW, SMALL) if quick else (None, SIZE)
-    found: Dict[str, List[PlaceEvaluation]] = {mode: [] for mode in MODES_OF_HARD}
+    found: Dict[str, List[PlaceEvaluation]] = {mode: [] for mode in HARD_BARS}
     rows = []
-    for seed in seeds:
+    for seed, pair in product(seeds, pairs):
         with tempfile.TemporaryDirectory() as name:
-            for pair in pairs:
-                place_map, queries = hard_walk(Path(name), pair, seed, size, count)
-                for mode in MODES_OF_HARD:
-                    found[mode].append(measured(Path(name), pair[0], place_map, queries, mode))
-                    rows.append(row_of(f"{pair[0]} -> {pair[1]}, street {seed}, {mode}", found[mode][-1], {}))
-    for mode, each in found.items():
-        mean = Value(np.mean([one.recall(1) for one in each]), 3, at_least=None if quick else HARD_BARS[mode])
-        rows.append((f"mean, {mode}", [mean, Value(np.mean([one.recall(5) for one in each]), 3), *"-" * 4]))
-    return Table(
-        f"Hard seasons: {HARD_CAMERA} camera, {HARD_ASIDE:g} m and {np.rad2deg(HARD_TURN):.0f} degrees off the "
-        f"map's way, sun of {HOURS[0]:g} to {HOURS[-1]:g} o'clock in December",
-        COLUMNS,
-        rows,
+            place_map, queries = hard_walk(Path(name), pair, seed, size, count)
+            for mode, all_of in found.items():
+                all_of.append(measured(Path(name), pair[0], place_map, queries, mode))
+                rows.append(row_of(f"{pair[0]} -> {pair[1]}, street {seed}, {mode}", all_of[-1], {}))
+    rows += [_mean(mode, all_of, None if quick else HARD_BARS[mode]) for mode, all_of in found.items()]
+    title = (
+        f"Hard seasons: a {HARD_CAMERA}, {HARD_ASIDE:g} m and {np.rad2deg(HARD_TURN):.0f} degrees off the "
+        f"map's way, in the sun of a day in December from {HOURS[0]:g} to {HOURS[-1]:g} o'clock"
     )
+    return Table(title, COLUMNS, rows)
+
+
+def _mean(mode: str, found: List[PlaceEvaluation], bar: Optional[float]) -> Row:
+    first, fifth = (float(np.mean([each.recall(k) for each in found])) for k in (1, 5))
+    cells = [Value(first, 3, at_least=bar), Value(fifth, 3)]
+    return f"mean, {mode}", cells + ["-"] * (len(COLUMNS) - len(cells))
 
 
 def hard_walk(
@@ -81,9 +83,8 @@ def hard_walk(
 ) -> Tuple[PlaceMap, List[Query]]:
     """A map in one condition, and queries to it in another one by another camera."""
     place_map = walk(folder / f"map{seed}", pair[0], MAP_STEP, size, count, seed)
-    rng = np.random.default_rng([seed, len(pair[1])])
-    arcs = np.arange(0.0, _street().length, QUERY_STEP)[:count]
-    sides = rng.choice([-1.0, 1.0], (2, len(arcs)))
+    rng, arcs = np.random.default_rng(seed), np.arange(0.0, _street().length, QUERY_STEP)[:count]
+    aside, turn = rng.choice([-1.0, 1.0], (2, len(arcs))) * [[HARD_ASIDE], [HARD_TURN]]
     hours = np.array(HOURS)[np.arange(len(arcs)) * len(HOURS) // len(arcs)]
     shots = [
         Shot(
@@ -92,8 +93,8 @@ def hard_walk(
             seed,
             at_hour(CONDITIONS[pair[1]], hours[i]),
             arc,
-            HARD_ASIDE * sides[0, i],
-            HARD_TURN * sides[1, i],
+            aside[i],
+            turn[i],
             i,
             HARD_CAMERA,
         )

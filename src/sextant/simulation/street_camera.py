@@ -28,7 +28,7 @@ class StreetCamera(StrictParams):
     gamma: float = param(1.0, "exponent of the tone curve; above 1: harder shadows", within(0.2, 5.0))
     vignetting: float = param(0.0, "loss of light in the corners", within(0, 1))
     red: float = param(0.0, "loss of light from the blue sky by a sensor for red light", within(0, 1))
-    flare: float = param(0.0, "light that the lens scatters from the sun, relative to a usual lens", within(0, 5))
+    flare: float = param(0.0, "light that the lens scatters, relative to a usual lens", within(0, 5))
 
     def focal_length(self, width: int) -> float:
         """Pixels."""

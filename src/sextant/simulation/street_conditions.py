@@ -27,6 +27,7 @@ class StreetConditions(StrictParams):
     wet: float = param(0.0, "how much wet ground reflects", within(0, 1))
     parked: float = param(0.0, "further parked cars and vans per 10 m of the street", within(0, 2))
     haze: float = param(1.0, "density of the haze", within(0, 20))
+    drops: float = param(0.0, "raindrops on the lens", within(0, 200))
     people: float = param(0.0, "pedestrians per 10 m of the street", within(0, 20))
 
 
@@ -64,7 +65,7 @@ CONDITIONS = {
     "autumn": StreetConditions("autumn", 2, 1.2, 0.3, 0.9),
     "winter": StreetConditions("winter", 3, -0.6, 0.1, 1.05),
     "dusk": StreetConditions("winter", 4, 2.9, 0.6, 0.35, 6.0),
-    "low_sun": StreetConditions("bare", 5, -1.3, 0.85, 1.0, 4.0, 0.25, True, 0.0, 0.5, 2.0, 1.0),
-    "wet": StreetConditions("bare", 6, -1.8, 0.15, 0.7, 6.0, 0.25, True, 0.9, 0.5, 4.0, 1.0),
-    "snow": StreetConditions("snow", 7, -2.0, 0.6, 1.1, 4.0, 0.2, True, 0.0, 0.4, 3.0, 0.7),
+    "low_sun": StreetConditions("bare", 5, -1.3, 0.9, 1.0, 4.0, 0.25, True, 0.0, 0.5, 2.0, 0.0, 1.0),
+    "wet": StreetConditions("bare", 6, -1.8, 0.15, 0.7, 6.0, 0.25, True, 0.9, 0.5, 3.0, 20.0, 1.0),
+    "snow": StreetConditions("snow", 7, -2.0, 0.6, 1.1, 4.0, 0.2, True, 0.0, 0.4, 3.0, 0.0, 0.7),
 }

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""The sun in front of a camera: its disc and glow in the sky, and what a lens scatters: veil, streaks and ghosts."""
+"""The sun in front of a camera: disc and glow in the sky; veil, streaks and ghosts that the lens adds."""
 
 from typing import Tuple
 
@@ -16,8 +16,13 @@ VEIL, VEIL_WIDTH = 70.0, 1.1  # scattered light
 BLOOM, BLOOM_WIDTH = 260.0, 0.09
 STREAK, STREAK_WIDTH, STREAK_LENGTH = 120.0, 0.008, 0.7
 STREAKS = 3  # lines through the sun
-GHOSTS = ((-0.35, 0.05, 26.0), (0.45, 0.09, 20.0), (0.8, 0.03, 40.0), (1.5, 0.14, 16.0), (1.9, 0.06, 30.0))
-# Each ghost: place on the line from the sun (0) through the image centre (1), radius in focal lengths, brightness
+GHOSTS = (  # place on the line from the sun (0) through the centre (1), radius in focal lengths, brightness
+    (-0.35, 0.05, 26.0),
+    (0.45, 0.09, 20.0),
+    (0.8, 0.03, 40.0),
+    (1.5, 0.14, 16.0),
+    (1.9, 0.06, 30.0),
+)
 
 
 def add_sun(sky: np.ndarray, sun: Tuple[float, float], f: float, direct: float) -> None:

@@ -15,7 +15,7 @@ GAIN = 1.6  # brightness of a surface that faces the sun, relative to one in dif
 ROUND = 0.6  # light on round objects (plants, people), relative to a surface that faces the sun
 RELIEF = 1.2  # contrast of the relief of a wall in directional light, relative to its texture
 RELIEF_STEP = 2  # texels
-SOAKED = 0.55  # how much darker soaked walls are
+SOAKED = 0.6  # how much darker soaked walls are
 
 
 def sun_of(conditions: StreetConditions) -> Sun:
@@ -63,7 +63,7 @@ def _wetted(grey: np.ndarray, left: np.ndarray, conditions: StreetConditions) ->
     soaked += 0.7 * cv2.resize(smooth_noise(rng, 8, columns, 0.2 * TEXELS), (columns, rows))
     soaked += 0.4 * smooth_noise(rng, rows, columns, 0.2 * TEXELS)
     splash = np.exp(np.linspace(-rows / TEXELS, 0, rows, dtype=np.float32) / np.float32(0.5))
-    share = np.clip(0.5 + 0.8 * soaked + 2 * splash[:, None], 0, 1)
+    share = np.clip(0.5 + 1.2 * soaked + 2 * splash[:, None], 0, 1)
     return grey * (1 - np.float32(SOAKED * conditions.wet) * share)
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from sextant.simulation import street_snow
 from sextant.simulation.street_surface import TEXELS, Texture, rough_noise, smooth_noise
 
-LEAVES = {"summer": (1.0, 84.0), "autumn": (0.1, 140.0), "snow": (-0.5, 218.0)}  # density, brightness; or snow
+LEAVES = {"summer": (1.0, 84.0), "autumn": (0.1, 140.0), "snow": (-0.5, 218.0)}  # density, tone; or of snow
 LEAF = 0.05  # size of a leaf, metres
 MARGIN = 0.35  # space for leaves around the twigs, metres
 EDGE_THINNING = 2.0  # how strongly the leaves thin out towards the edge of a crown; 0: not at all

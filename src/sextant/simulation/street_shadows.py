@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Shadows of a simulated street: outlines of uprights, projected along the light onto the ground and other uprights.
+"""Shadows of a simulated street: outlines of uprights, projected onto the ground and other uprights.
 
-Light that is parallel maps a plane to a plane by an affine transform.
+Parallel light maps a plane to a plane by an affine transform.
 """
 
 from typing import List, NamedTuple, Optional, Sequence, Tuple

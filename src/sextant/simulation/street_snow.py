@@ -31,7 +31,8 @@ def on_ledges(
     """
     for left, right, y in ledges:
         x = np.linspace(left, right, max(2, (right - left) // 8))
-        heap = depth * TEXELS * rng.uniform(0.6, 1.4, len(x)) * np.sin(np.linspace(0.2, np.pi - 0.2, len(x))) ** 0.4
+        heap = depth * TEXELS * rng.uniform(0.6, 1.4, len(x))
+        heap *= np.sin(np.linspace(0.2, np.pi - 0.2, len(x))) ** 0.4  # slides off at the ends
         outline = np.vstack([np.c_[x, y - heap], [(right, y), (left, y)]])
         cv2.fillPoly(grey, [outline.astype(np.int32)], SNOW + float(rng.uniform(-12, 8)))
 

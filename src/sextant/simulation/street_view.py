@@ -11,6 +11,7 @@ from sextant.simulation.street import COARSER, Street, Upright
 from sextant.simulation.street_camera import CAMERAS, StreetCamera, exposed
 from sextant.simulation.street_conditions import StreetConditions
 from sextant.simulation.street_flare import add_flare, add_sun, visible_sun
+from sextant.simulation.street_raindrops import add_raindrops
 from sextant.simulation.street_sky import SIDE
 from sextant.simulation.street_sky import TEXELS as SKY_TEXELS
 
@@ -75,8 +76,11 @@ def street_view(
     view = _View(*pose, width, height, f, horizon, camera.height)
     light = _light(street, view, camera)
     seeds = [street.seed, street.conditions.look, seed]
-    image = light if camera == CAMERAS["ideal"] else exposed(light, camera, np.random.default_rng([*seeds, 1]))
-    image += street.conditions.noise * np.random.default_rng(seeds).standard_normal(image.shape, np.float32)
+    light = add_raindrops(light, street.conditions.drops, np.random.default_rng([*seeds, 2]))
+    if camera != CAMERAS["ideal"]:
+        light = exposed(light, camera, np.random.default_rng([*seeds, 1]))
+    noise = np.random.default_rng(seeds).standard_normal(light.shape, np.float32)
+    image = light + street.conditions.noise * noise
     return np.clip(image, 0, 255).astype(np.uint8)
 
 

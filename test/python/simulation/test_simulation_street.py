@@ -203,7 +203,8 @@ def test_the_exposure_of_an_image_changes_with_its_seed_only():
 
 @pytest.mark.slow
 def test_snow_makes_roofs_sills_and_ground_white():
-    snow, bare = (hard(name, direct=0.0, exposure=1.0, people=0.0, parked=0.0) for name in ("snow", "low_sun"))
+    diffuse = {"direct": 0.0, "exposure": 1.0, "people": 0.0, "parked": 0.0}
+    snow, bare = (hard(name, **diffuse) for name in ("snow", "low_sun"))
     white = [np.mean([np.mean(each.grey > 190) for each in street.uprights]) for street in (snow, bare)]
     assert white[0] > white[1] + 0.1
     assert snow.ground.layout[0][:, :, 0].mean() > bare.ground.layout[0][:, :, 0].mean() + 60

@@ -37,7 +37,7 @@ def extent(shadow, origin=(0.0, 0.0), texels=SHADOW_TEXELS):
     return x.min(), x.max(), y.min(), y.max()
 
 
-@pytest.mark.parametrize("azimuth, elevation", [(180.0, 45.0), (180.0, 12.0), (150.0, 20.0), (-130.0, 30.0)])
+@pytest.mark.parametrize("azimuth, elevation", [(180, 45), (180, 12), (150, 20), (-130, 30)])
 def test_the_shadow_of_a_pole_ends_where_the_light_puts_its_top(azimuth, elevation):
     pole, height = board((20.0, 20.0), (20.0, 20.5), 3.0), 3.0
     shadow = ground_shadow([pole], sun(azimuth, elevation), np.array([0.0, 0.0]), 20.0, (800, 800))
@@ -49,7 +49,7 @@ def test_the_shadow_of_a_pole_ends_where_the_light_puts_its_top(azimuth, elevati
 
 
 def test_a_wall_is_dark_up_to_where_the_shadow_of_a_fence_reaches():
-    fence = board((-3.0, -4.0), (3.0, -4.0), 2.0)  # 4 m before the wall, the light comes from behind the fence
+    fence = board((-3.0, -4.0), (3.0, -4.0), 2.0)  # 4 m before the wall, light from behind the fence
     elevation = np.degrees(np.arctan(0.25))
     shadow = upright_shadow([fence], sun(-90, elevation), np.array([-5.0, 0.0]), np.array([5.0, 0.0]), 3.0)
     left, right, top, bottom = extent(shadow)
