@@ -23,7 +23,7 @@ class StreetConditions(StrictParams):
     exposure: float = param(1.0, "relative brightness", within(1e-3, 4))
     noise: float = param(3.0, "standard deviation of the image noise", within(0, 50), "grey levels")
     sun_height: float = param(0.7, "tangent of the sun's elevation", within(0.05, 10))
-    cast: bool = False  # shadows have outlines and fall on everything; False: rough ones, faster to build
+    cast: bool = False  # shadows have outlines and fall on everything; False: rough ones, random on walls
     wet: float = param(0.0, "how much wet ground reflects", within(0, 1))
     parked: float = param(0.0, "further parked cars and vans per 10 m of the street", within(0, 2))
     haze: float = param(1.0, "density of the haze", within(0, 20))
@@ -65,7 +65,32 @@ CONDITIONS = {
     "autumn": StreetConditions("autumn", 2, 1.2, 0.3, 0.9),
     "winter": StreetConditions("winter", 3, -0.6, 0.1, 1.05),
     "dusk": StreetConditions("winter", 4, 2.9, 0.6, 0.35, 6.0),
-    "low_sun": StreetConditions("bare", 5, -1.3, 0.9, 1.0, 4.0, 0.25, True, 0.0, 0.5, 2.0, 0.0, 1.0),
-    "wet": StreetConditions("bare", 6, -1.8, 0.15, 0.7, 6.0, 0.25, True, 0.9, 0.5, 3.0, 20.0, 1.0),
-    "snow": StreetConditions("snow", 7, -2.0, 0.6, 1.1, 4.0, 0.2, True, 0.0, 0.4, 3.0, 0.0, 0.7),
+    "low_sun": at_hour(
+        StreetConditions(
+            "bare", 5, direct=0.9, noise=4.0, cast=True, parked=0.5, haze=2.0, people=1.0
+        ),
+        14.0,
+    ),
+    "wet": at_hour(
+        StreetConditions(
+            "bare",
+            6,
+            direct=0.15,
+            exposure=0.7,
+            noise=6.0,
+            cast=True,
+            wet=0.9,
+            parked=0.5,
+            haze=3.0,
+            drops=20.0,
+            people=1.0,
+        ),
+        13.0,
+    ),
+    "snow": at_hour(
+        StreetConditions(
+            "snow", 7, direct=0.6, exposure=1.1, noise=4.0, cast=True, parked=0.4, haze=3.0, people=0.7
+        ),
+        10.0,
+    ),
 }

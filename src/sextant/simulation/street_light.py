@@ -14,7 +14,7 @@ from sextant.simulation.street_surface import TEXELS, Texture, smooth_noise
 GAIN = 1.6  # brightness of a surface that faces the sun, relative to one in diffuse light
 ROUND = 0.6  # light on round objects (plants, people), relative to a surface that faces the sun
 RELIEF = 1.2  # contrast of the relief of a wall in directional light, relative to its texture
-RELIEF_STEP = 2  # texels
+RELIEF_STEP, MAX_RELIEF = 2, 60.0  # texels; difference in brightness above which it is colour, not relief
 SOAKED = 0.6  # how much darker soaked walls are
 
 
@@ -35,10 +35,10 @@ def lit(
     facing = ROUND
     grey = texture.grey
     if texture.mask is None:
-        if conditions.wet:
-            grey = _wetted(grey, left, conditions)
         facing = max(0.0, float(along[1] * sun.toward[0] - along[0] * sun.toward[1]))
         grey = _in_relief(grey, float(along @ sun.toward), conditions)
+        if conditions.wet:
+            grey = _wetted(grey, left, conditions)
     share = np.float32(conditions.direct * GAIN * facing)
     if share == 0:
         return grey * np.float32(1 - conditions.direct)
@@ -49,10 +49,11 @@ def lit(
 
 def _in_relief(grey: np.ndarray, along: float, conditions: StreetConditions) -> np.ndarray:
     """Adds the light and dark sides of what protrudes; along: component of the light along the wall."""
-    step = [round(RELIEF_STEP * each) for each in (-conditions.sun_height, np.sign(along))]
-    raised = grey - np.roll(grey, step, (0, 1))
-    limit = np.float32(60)
-    return grey + np.float32(RELIEF * conditions.direct) * np.clip(raised, -limit, limit)
+    away = -np.sign(along), min(conditions.sun_height, 1.0)  # of the light, to the right and down
+    move = np.float32([[1, 0, RELIEF_STEP * away[0]], [0, 1, RELIEF_STEP * away[1]]])
+    moved = cv2.warpAffine(grey, move, grey.shape[::-1], borderMode=cv2.BORDER_REPLICATE)
+    raised = np.clip(grey - moved, -MAX_RELIEF, MAX_RELIEF)
+    return grey + np.float32(RELIEF * conditions.direct) * raised
 
 
 def _wetted(grey: np.ndarray, left: np.ndarray, conditions: StreetConditions) -> np.ndarray:

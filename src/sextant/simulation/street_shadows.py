@@ -69,7 +69,7 @@ def upright_shadow(
     across = np.array([along[1], -along[0]])
     if abs(across @ sun.toward) < GRAZING:
         return shadow
-    ends = np.array([[each.left, each.right] for each in casters]) - left  # (casters, 2, 2)
+    ends = np.reshape([[each.left, each.right] for each in casters], (-1, 2, 2)) - left
     behind = ends @ across / (across @ sun.toward)  # along the light, metres
     at = (ends - behind[:, :, None] * sun.toward) @ along
     top = np.array([each.height for each in casters]) - behind.min(axis=1) * sun.height

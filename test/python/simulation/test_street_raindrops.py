@@ -7,7 +7,8 @@ import pytest
 
 from sextant.simulation.street_raindrops import RADIUS, add_raindrops
 
-BRIGHT_ABOVE = np.where(np.arange(480) < 240, 200, 40).astype(np.float32)[:, None] * np.ones((1, 640), np.float32)
+BRIGHT_ABOVE = np.full((480, 640), 200, np.float32)
+BRIGHT_ABOVE[240:] = 40
 
 
 def behind(mean, seed=1, light=BRIGHT_ABOVE):
