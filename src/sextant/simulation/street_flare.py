@@ -41,15 +41,13 @@ def add_sun(sky: np.ndarray, sun: Tuple[float, float], f: float, direct: float) 
 
 def visible_sun(light: np.ndarray, sun: Tuple[float, float], f: float) -> float:
     """Fraction of the disc, drawn by add_sun(), that nothing hides; 1 outside the image."""
-    u, v = sun
+    (u, v), (rows, columns) = sun, light.shape
+    if not (0 <= u < columns and 0 <= v < rows):
+        return 1.0
     radius = max(2.0, RADIUS * f)
-    rows, columns = light.shape
-    part = light[
-        max(0, round(v - radius)) : max(0, round(v + radius) + 1),
-        max(0, round(u - radius)) : max(0, round(u + radius) + 1),
-    ]
-    inside = 0 <= u < columns and 0 <= v < rows
-    return float(min(1.0, np.mean(part > DISC / 20) * 4 / np.pi)) if inside and part.size else 1.0 - inside
+    left, top = (max(0, round(each - radius)) for each in sun)
+    square = light[top : round(v + radius) + 1, left : round(u + radius) + 1]
+    return min(1.0, float(np.mean(square > DISC / 20)) * 4 / np.pi)
 
 
 def add_flare(light: np.ndarray, sun: Tuple[float, float], f: float, strength: float) -> None:

@@ -81,7 +81,7 @@ def ground(seed: int, season: str, look: int, middle: np.ndarray, light: np.ndar
 
     :param look: random seed of leaves, tracks and puddles
     :param middle: (n, 2) closed centre line of the road, metres
-    :param light: (rows, columns) relative brightness of the layout, see cast_light(); changed in place
+    :param light: (rows, columns) relative brightness of the layout, see cast_light()
     :param wet: how much the ground reflects, [0, 1]
     """
     rng, look_rng = np.random.default_rng([seed, 5]), np.random.default_rng([seed, 6, look])

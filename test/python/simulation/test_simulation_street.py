@@ -160,14 +160,17 @@ def test_there_are_as_many_pedestrians_as_set():
 
 @pytest.mark.slow
 def test_a_wall_is_bright_where_the_sun_reaches_it_and_dark_where_it_turns_away():
-    """With all light from the sun, and no haze, a wall that turns away is black."""
+    """With all light from the sun a wall that turns away is black."""
     street = hard(direct=1.0, people=0.0, parked=0.0)
     toward = np.array([np.cos(street.conditions.sun), np.sin(street.conditions.sun)])
+    sunny = []
     for each in street.uprights:
         if each.mask is None:
             along = each.right - each.left
             facing = np.array([along[1], -along[0]]) @ toward / np.linalg.norm(along)
-            assert each.grey.max() == 0 if facing <= 0 else each.grey.max() > 20 or facing < 0.15
+            assert facing > 0 or each.grey.max() == 0
+            sunny += [each.grey.max() > 20] if facing > 0.3 else []
+    assert len(sunny) > 10 and np.mean(sunny) > 0.5  # the rest is in the shade of other houses
 
 
 @pytest.mark.slow
@@ -187,7 +190,7 @@ def test_wet_ground_mirrors_what_stands_above_it():
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["low_sun", "snow", "wet"])
 def test_a_camera_with_half_the_tangent_shows_the_middle_twice_as_large(name):
-    street, wide = hard(name), StreetCamera(horizontal_fov=1.2)
+    street, wide = hard(name, drops=0.0), StreetCamera(horizontal_fov=1.2)
     narrow = replace(wide, horizontal_fov=2 * np.arctan(np.tan(0.6) / 2))
     large = street_view(street, street.pose(20.0), (1280, 960), camera=wide)[240:720, 320:960]
     error = large.astype(int) - street_view(street, street.pose(20.0), (640, 480), camera=narrow)
