@@ -14,6 +14,7 @@ from sextant.base.jobs import run_jobs
 from sextant.place_maps.place_map import Overview, Photo, PlaceMap
 from sextant.place_maps.place_map_file import write_place_map
 from sextant.simulation.street import Street
+from sextant.simulation.street_camera import CAMERAS
 from sextant.simulation.street_conditions import CONDITIONS, StreetConditions
 from sextant.simulation.street_view import street_view
 
@@ -34,6 +35,7 @@ class Shot(NamedTuple):
     aside: float  # offset to the left, metres
     turn: float  # rotation, radians
     number: int  # random seed of the image noise
+    camera: str = "ideal"  # key of CAMERAS
 
 
 def take_all(shots: List[Shot]) -> None:
@@ -89,6 +91,7 @@ def _street(seed: int, conditions: StreetConditions) -> Street:
 
 def _take(shot: Shot) -> None:
     street = _street(shot.seed, shot.conditions)
-    view = street_view(street, street.pose(shot.arc, shot.aside, shot.turn), shot.size, shot.number)
+    pose = street.pose(shot.arc, shot.aside, shot.turn)
+    view = street_view(street, pose, shot.size, shot.number, CAMERAS[shot.camera])
     if not cv2.imwrite(str(shot.path), view, [cv2.IMWRITE_JPEG_QUALITY, QUALITY]):
         raise OSError(f"{shot.path}: cannot be written")

@@ -5,21 +5,24 @@
 Metres, x and y on the ground, z up. The arc length of the loop starts at 0 and grows counterclockwise.
 """
 
-from typing import List, NamedTuple, Optional, Tuple
+from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 import cv2
 import numpy as np
 
 from sextant.simulation.street_conditions import CONDITIONS, StreetConditions
-from sextant.simulation.street_ground import ground
+from sextant.simulation.street_ground import cast_light, darkened_feet, ground, rough_light
+from sextant.simulation.street_light import lit, rough_ground_shadows, roughly_lit, sun_of
 from sextant.simulation.street_plants import bush, tree
+from sextant.simulation.street_shadows import Caster, caster
 from sextant.simulation.street_sky import panorama
 from sextant.simulation.street_surface import Texture
-from sextant.simulation.street_textures import car, facade
+from sextant.simulation.street_textures import facade
+from sextant.simulation.street_traffic import car, person, van
 
 LENGTH, WIDTH, CORNER = 120.0, 70.0, 12.0  # of the block, and radius of its corners, metres
+PARKING, VANS = 5.5, 0.5  # length of a parking space, metres; fraction of vans among the further cars
 COARSER = 4  # ratio of texel sizes of successive levels of detail
-SUN_HEIGHT = 0.7  # tangent of the sun's elevation
 
 
 class Upright(NamedTuple):
@@ -33,6 +36,14 @@ class Upright(NamedTuple):
     coarse: Optional["Upright"] = None  # next level of detail
 
 
+class _Standing(NamedTuple):
+    """A texture that stands upright between two points."""
+
+    left: np.ndarray  # (2,) metres
+    right: np.ndarray  # (2,) metres
+    texture: Texture
+
+
 class Street:
     """Scene along the loop; the seed determines everything that StreetConditions does not describe."""
 
@@ -40,13 +51,16 @@ class Street:
         self.seed, self.conditions = seed, conditions
         self._corners, self._arc = _loop()
         self.length = float(self._arc[-1])  # of the loop, metres
-        self.uprights: List[Upright] = []
+        self._standing: List[_Standing] = []
         for side in (-1, 1):
             self._line(np.random.default_rng([seed, side + 1]), side)
         self._park(np.random.default_rng([seed, 2, conditions.look]))
+        self._walk_about(np.random.default_rng([seed, 9, conditions.look]))
+        casters = [caster(*each) for each in self._standing] if conditions.cast else []
+        self.uprights = self._lit(casters)
         season, look = conditions.season, conditions.look
-        self.ground = ground(seed, season, look, self._corners, self._shadows(), conditions.direct)
-        self.sky = panorama(seed, season, look)
+        self.ground = ground(seed, season, look, self._corners, self._ground_light(casters), conditions.wet)
+        self.sky = panorama(seed, season, look, conditions.haze)
 
     def pose(self, arc: float, aside: float = 0.0, turn: float = 0.0) -> np.ndarray:
         """Pose (x, y, yaw) at an arc length, with an offset to the left and a rotation; metres, radians."""
@@ -77,49 +91,55 @@ class Street:
 
     def _park(self, rng: np.random.Generator) -> None:
         """Adds parked cars."""
+        taken = []
         for arc in np.arange(0, self.length, 14):
             position, side, seed = arc + rng.uniform(0, 8), rng.choice([-1, 1]), int(rng.integers(1 << 30))
             if rng.random() < 0.4:
-                self._stand(position, 3.6 * side, car(seed))
+                self._stand(position, 3.6 * side, car(seed, self.conditions.season))
+                taken.append(position * side)
+        for _ in range(int(rng.poisson(self.conditions.parked * self.length / 10))):
+            place, seed = rng.choice([-1, 1]) * rng.uniform(0, self.length), int(rng.integers(1 << 30))
+            if np.abs(np.array([*taken, np.inf]) - place).min() > PARKING:
+                kind = van if rng.random() < VANS else car
+                self._stand(abs(place), 3.6 * np.sign(place), kind(seed, self.conditions.season))
+                taken.append(place)
+
+    def _walk_about(self, rng: np.random.Generator) -> None:
+        """Adds pedestrians on the pavement, seen from the front or from behind."""
+        for _ in range(int(rng.poisson(self.conditions.people * self.length / 10))):
+            arc, aside = rng.uniform(0, self.length), rng.choice([-1, 1]) * rng.uniform(2.4, 5.2)
+            turn = 0.5 * np.pi + rng.normal(0, 0.5)
+            self._stand(arc, aside, person(int(rng.integers(1 << 30))), turn)
 
     def _stand(self, arc: float, aside: float, texture: Texture, turn: float = 0.0) -> None:
-        """Adds an upright at an arc length with an offset to the left (metres), rotated by turn (radians)."""
+        """Adds a texture at an arc length with an offset to the left (metres), rotated by turn (radians)."""
         x, y, yaw = self.pose(arc, aside, turn)
         half = 0.5 * texture.width * np.array([np.cos(yaw), np.sin(yaw)])
         left, right = np.array([x, y]) - half, np.array([x, y]) + half
         if aside < 0:  # seen from the street, larger arc lengths are on the left
             left, right = right, left
-        grey = self._lit(texture, left, right)
-        self.uprights.append(_with_coarse(Upright(left, right, texture.height, grey, texture.mask)))
+        self._standing.append(_Standing(left, right, texture))
 
-    def _shadows(self) -> List[np.ndarray]:
-        """Corners (4, 2) of the shadow of each upright on the ground."""
-        away = -np.array([np.cos(self.conditions.sun), np.sin(self.conditions.sun)]) / SUN_HEIGHT
-        return [
-            np.array([each.left, each.right, each.right + each.height * away, each.left + each.height * away])
-            for each in self.uprights
-        ]
+    def _lit(self, casters: Sequence[Caster]) -> List[Upright]:
+        """The uprights in the light of the conditions."""
+        uprights = []
+        for left, right, texture in self._standing:
+            if self.conditions.cast:
+                grey = lit(texture, left, right, self.conditions, casters)
+            else:
+                grey = roughly_lit(texture, left, right, self.conditions, self.seed)
+            grey = np.clip(grey * self.conditions.exposure, 0, 255).astype(np.uint8)
+            uprights.append(_with_coarse(Upright(left, right, texture.height, grey, texture.mask)))
+        return uprights
 
-    def _lit(self, texture: Texture, left: np.ndarray, right: np.ndarray) -> np.ndarray:
-        """Brightness of a texture between two points in the light of the conditions."""
-        light, along = self.conditions, (right - left) / np.linalg.norm(right - left)
-        facing = abs(along[0] * np.sin(light.sun) - along[1] * np.cos(light.sun))
-        grey = texture.grey * (1 - light.direct + light.direct * 1.6 * facing)
-        if texture.mask is None:
-            self._shade(grey, left)
-        return np.clip(grey * light.exposure, 0, 255).astype(np.uint8)
-
-    def _shade(self, grey: np.ndarray, left: np.ndarray) -> None:
-        """Adds random shadows that depend on the sun."""
-        key = np.abs(np.rint([100 * left[0], 100 * left[1], 50 * self.conditions.sun])).astype(int)
-        rng = np.random.default_rng([self.seed, *key])
-        rows, columns = grey.shape
-        for _ in range(int(rng.integers(0, 3))):
-            x, y = rng.uniform(0, columns, 3), rng.uniform(0, rows)
-            corners = np.array([[x[0], rows], [x[1], rows], [x[2], y]], np.int32)
-            shadow = np.zeros(grey.shape, np.uint8)
-            cv2.fillPoly(shadow, [corners], 255)
-            grey[shadow > 0] *= 1 - 0.7 * self.conditions.direct
+    def _ground_light(self, casters: Sequence[Caster]) -> np.ndarray:
+        """Brightness of the ground's layout relative to an open place."""
+        if self.conditions.cast:
+            light = cast_light(casters, sun_of(self.conditions), self.conditions.direct)
+        else:
+            shadows = rough_ground_shadows(self.uprights, self.conditions)
+            light = rough_light(shadows, self.conditions.direct)
+        return darkened_feet(light, [(each.left, each.right) for each in self._standing])
 
 
 def _with_coarse(upright: Upright) -> Upright:

@@ -5,17 +5,20 @@
 A coarse layout is combined with a finer, repeating grain. Both are image pyramids, for distant pixels.
 """
 
-from typing import List, NamedTuple, Sequence, Tuple
+from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 import cv2
 import numpy as np
 
+from sextant.simulation.street_shadows import Caster, Sun, ground_shadow
 from sextant.simulation.street_surface import SNOW, repeating_noise, rough_noise, smooth_noise
 
 ORIGIN, EXTENT = np.array([-25.0, -25.0]), (170.0, 120.0)  # of the layout, metres
-LAYOUT_TEXELS = 20.0  # per metre
+LAYOUT_TEXELS, PUDDLE_TEXELS = 20.0, 10.0  # per metre
+FILM = 0.35  # reflectance of a film of water, relative to that of a puddle
 GRAIN_SIDE, GRAIN_TEXELS = 2048, 150.0  # texels; texels per metre
 ROAD, KERB, PAVEMENT = 3.2, 3.35, 5.4  # distance of the outer edges to the centre line, metres
+FALLEN = {"autumn": 0.35, "bare": 0.1}  # mean cover with fallen leaves on the road
 MIDDLE = 128.0  # mean brightness of the grain
 SHADOW, FOOT = 0.55, 0.6  # fraction of directional light blocked by shadows; brightness below uprights
 
@@ -27,6 +30,13 @@ class Ground(NamedTuple):
 
     layout: Pyramid  # brightness, grass fraction, cover fraction; fractions are 0 to 255
     grain: Pyramid  # grain of stone, of grass, of the cover (leaves or snow)
+    puddles: Optional[np.ndarray] = None  # uint8, 255: a mirror at grazing angles; None: the ground is dry
+
+    def wetness(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """How much wet ground reflects at points of the ground, float32 (rows, columns), [0, 1]."""
+        at = ((x - ORIGIN[0]) * PUDDLE_TEXELS, (y - ORIGIN[1]) * PUDDLE_TEXELS)
+        seen = cv2.remap(self.puddles, *map(np.float32, at), cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT)
+        return seen / np.float32(255)
 
     def seen(self, x: np.ndarray, y: np.ndarray, footprint: np.ndarray) -> np.ndarray:
         """Brightness at points of the ground, float32 (rows, columns).
@@ -66,32 +76,64 @@ def _sampled(
     return seen
 
 
-def ground(
-    seed: int, season: str, look: int, middle: np.ndarray, shadows: Sequence[np.ndarray], direct: float
-) -> Ground:
+def ground(seed: int, season: str, look: int, middle: np.ndarray, light: np.ndarray, wet: float) -> Ground:
     """Generates the ground along a road.
 
-    :param look: random seed of leaves and tracks
+    :param look: random seed of leaves, tracks and puddles
     :param middle: (n, 2) closed centre line of the road, metres
-    :param shadows: corners (m, 2) of each shadow, metres; the first two are the foot of the upright
-    :param direct: fraction of directional light, [0, 1]
+    :param light: (rows, columns) relative brightness of the layout, see cast_light()
+    :param wet: how much the ground reflects, [0, 1]
     """
     rng, look_rng = np.random.default_rng([seed, 5]), np.random.default_rng([seed, 6, look])
     tone, grass, distance = _bare(rng, middle)
     cover = _covered(look_rng, season, tone, distance)
-    lit = np.ones(tone.shape, np.float32)
-    for corners in shadows:
-        cv2.fillPoly(lit, [_texels(corners)], 1 - SHADOW * direct)
-    for corners in shadows:
-        cv2.line(lit, _corner(corners[0]), _corner(corners[1]), FOOT, int(0.4 * LAYOUT_TEXELS))
-    tone *= cv2.blur(lit, (5, 5))
+    tone *= cv2.blur(light, (5, 5))
     layout = cv2.merge([_bytes(each) for each in (tone, 255 * grass, 255 * cover)])
-    return Ground(_pyramid(layout), _pyramid(_grain(rng, look_rng, season)))
+    grain = _pyramid(_grain(rng, look_rng, season))
+    return Ground(_pyramid(layout), grain, _puddles(look_rng, wet, grass) if wet else None)
+
+
+def cast_light(casters: Sequence[Caster], sun: Sun, direct: float) -> np.ndarray:
+    """Relative brightness of the layout in the shadows of casters, float32 (rows, columns).
+
+    :param direct: fraction of directional light, [0, 1]
+    """
+    shadow = ground_shadow(casters, sun, ORIGIN, LAYOUT_TEXELS, _shape())
+    return 1 - np.float32(direct / 255) * shadow
+
+
+def rough_light(shadows: Sequence[np.ndarray], direct: float) -> np.ndarray:
+    """The same in shadows of which only the corners (m, 2) are known, metres."""
+    light = np.ones(_shape(), np.float32)
+    for corners in shadows:
+        cv2.fillPoly(light, [_texels(corners)], 1 - SHADOW * direct)
+    return light
+
+
+def darkened_feet(light: np.ndarray, feet: Sequence[Tuple[np.ndarray, np.ndarray]]) -> np.ndarray:
+    """Darkens the ground below uprights, which are between two points (metres), in place."""
+    for left, right in feet:
+        cv2.line(light, _corner(left), _corner(right), FOOT, int(0.4 * LAYOUT_TEXELS))
+    return light
+
+
+def _puddles(rng: np.random.Generator, wet: float, grass: np.ndarray) -> np.ndarray:
+    """Fraction of light that the ground reflects at grazing angles, uint8, PUDDLE_TEXELS per metre."""
+    rows, columns = (int(side * PUDDLE_TEXELS / LAYOUT_TEXELS) for side in grass.shape)
+    depth = smooth_noise(rng, rows, columns, 2.5 * PUDDLE_TEXELS)
+    depth += 0.5 * smooth_noise(rng, rows, columns, 0.6 * PUDDLE_TEXELS)
+    hard = 1 - cv2.resize(grass, (columns, rows), interpolation=cv2.INTER_AREA)
+    return _bytes(255 * wet * (FILM + (1 - FILM) * np.clip(2 * depth - 0.6, 0, 1)) * hard)
+
+
+def _shape() -> Tuple[int, int]:
+    columns, rows = (int(extent * LAYOUT_TEXELS) for extent in EXTENT)
+    return rows, columns
 
 
 def _bare(rng: np.random.Generator, middle: np.ndarray) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Brightness and grass fraction without cover, and distance to the centre line of the road in metres."""
-    columns, rows = (int(extent * LAYOUT_TEXELS) for extent in EXTENT)
+    rows, columns = _shape()
     line = np.full((rows, columns), 255, np.uint8)
     cv2.polylines(line, [_texels(middle)], True, 0)
     distance = cv2.distanceTransform(line, cv2.DIST_L2, 5) / LAYOUT_TEXELS
@@ -142,11 +184,12 @@ def _covered(rng: np.random.Generator, season: str, tone: np.ndarray, distance: 
     drift = smooth_noise(rng, rows, columns, LAYOUT_TEXELS) + 0.7 * smooth_noise(
         rng, rows, columns, 4 * LAYOUT_TEXELS
     )
-    if season == "autumn":
-        return np.clip(0.35 + 0.3 * drift + 0.3 * (distance > KERB), 0, 1)
+    if season in FALLEN:
+        return np.clip(FALLEN[season] + 0.3 * drift + 0.3 * (distance > KERB), 0, 1)
     drift += 0.7 * smooth_noise(rng, rows, columns, LAYOUT_TEXELS / 5)
     ruts = np.exp(-(((distance - 0.8) / 0.2) ** 2))  # of cars
-    snow = np.clip(1.4 - 1.1 * ruts - 0.5 * (distance < ROAD) + 0.3 * drift, 0, 1)
+    cleared = 1 if season == "winter" else 0
+    snow = np.clip(1.4 - 1.1 * ruts - 0.5 * cleared * (distance < ROAD) + 0.3 * drift, 0, 1)
     drifts = SNOW - 14 + 4 * drift + 5 * smooth_noise(rng, rows, columns, LAYOUT_TEXELS / 10)
     tone += snow * (drifts - tone)
     return snow
@@ -160,7 +203,7 @@ def _grain(rng: np.random.Generator, look_rng: np.random.Generator, season: str)
     stone = 15 * stones + 38 * chips
     blades = 24 * rough_noise(rng, side, side) + 9 * repeating_noise(rng, side, 0.2)
     snow = 6 * rough_noise(look_rng, side, side)
-    covering = _leaves(look_rng, side) + 0.5 * stone if season == "autumn" else snow
+    covering = _leaves(look_rng, side) + 0.5 * stone if season in FALLEN else snow
     return cv2.merge([_bytes(MIDDLE + each) for each in (stone, blades, covering)])
 
 

@@ -10,9 +10,10 @@ from typing import List, NamedTuple, Sequence, Tuple
 import cv2
 import numpy as np
 
-from sextant.simulation.street_surface import SNOW, TEXELS, Texture, rough_noise, smooth_noise
+from sextant.simulation import street_snow
+from sextant.simulation.street_surface import TEXELS, Texture, rough_noise, smooth_noise
 
-LEAVES = {"summer": (1.0, 84.0), "autumn": (0.1, 140.0), "winter": (0.0, 0.0)}  # density, brightness
+LEAVES = {"summer": (1.0, 84.0), "autumn": (0.1, 140.0), "snow": (-0.5, 218.0)}  # density, tone; or of snow
 LEAF = 0.05  # size of a leaf, metres
 MARGIN = 0.35  # space for leaves around the twigs, metres
 EDGE_THINNING = 2.0  # how strongly the leaves thin out towards the edge of a crown; 0: not at all
@@ -72,9 +73,9 @@ def _grown(
     """
     rows, columns = wood.shape
     grey = rng.uniform(40, 90) + 10 * rough_noise(rng, rows, columns)
-    density, brightness = LEAVES[season]
     mask = wood.copy()
-    if density:
+    if season in LEAVES:
+        density, brightness = LEAVES[season]
         leafiness = 0.7 * smooth_noise(look_rng, rows, columns, LEAF * TEXELS)
         leafiness += 0.5 * smooth_noise(look_rng, rows, columns, 5 * LEAF * TEXELS) + 0.4 * rough_noise(
             look_rng, rows, columns
@@ -87,8 +88,8 @@ def _grown(
         )
         grey[leaves] = (brightness + shade + texture)[leaves]
         mask[leaves] = 255
-    if season == "winter":
-        grey[cv2.subtract(mask, np.roll(mask, 3, axis=0)) > 0] = SNOW  # on top of every branch
+    if season in street_snow.DEPTH:
+        street_snow.on_outline(grey, mask, street_snow.DEPTH[season])
     return Texture(np.clip(grey, 0, 255), mask, columns / TEXELS, rows / TEXELS)
 
 

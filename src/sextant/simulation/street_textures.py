@@ -1,16 +1,21 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Textures of facades and cars of a simulated street, each with its random seed.
+"""Textures of facades of a simulated street, each with its random seed.
 
 `look` is the random seed of blinds and posters, which change from day to day.
 """
 
-from typing import Tuple
+from typing import List, Tuple
 
 import cv2
 import numpy as np
 
-from sextant.simulation.street_surface import SNOW, TEXELS, Texture, rough_noise, smooth_noise
+from sextant.simulation import street_snow
+from sextant.simulation.street_surface import TEXELS, Texture, rough_noise, smooth_noise
+
+BAR = int(0.08 * TEXELS)  # width of the frame of a window, texels
+LIGHTS = {"bare": 0.4, "snow": 0.4}  # fraction of the windows that are lit from inside, on dark days
+SILL_SNOW = 0.16  # depth of snow on sills, metres
 
 
 def facade(seed: int, width: float, height: float, look: int, season: str) -> Texture:
@@ -24,43 +29,21 @@ def facade(seed: int, width: float, height: float, look: int, season: str) -> Te
     surface(rng, grey)
     _plinth(rng, grey)
     eaves = _roof(rng, grey)
-    _windows(rng, look_rng, grey, float(np.clip(base + rng.uniform(-70, 70), 5, 250)), eaves)
+    frame = float(np.clip(base + rng.uniform(-70, 70), 5, 250))
+    windows, panes = _windows(rng, grey.shape, eaves)
+    for window in windows:
+        _window(look_rng, grey, window, frame, panes, LIGHTS.get(season, 0.0))
     _pipe(rng, grey[eaves:])
     _door(rng, grey)
     _sign(rng, grey)
     _poster(rng, look_rng, grey)
-    if season == "winter":
-        _snow(look_rng, grey[: eaves - int(0.1 * TEXELS)])
+    if season in street_snow.ROOF:
+        street_snow.on_roof(look_rng, grey[: eaves - int(0.1 * TEXELS)], season)
+    if season == "snow":
+        sills = street_snow.ledges_of(windows, BAR)
+        street_snow.on_ledges(look_rng, grey, [*sills, (0, columns, eaves)], SILL_SNOW)
+        street_snow.at_foot(look_rng, grey)
     return Texture(np.clip(grey, 0, 255), None, width, height)
-
-
-def car(seed: int) -> Texture:
-    """Texture of a parked car from its side."""
-    rng = np.random.default_rng(seed)
-    width, height = 4.2, 1.5
-    rows, columns = int(height * TEXELS), int(width * TEXELS)
-    grey = np.full((rows, columns), rng.uniform(20, 230), np.float32)
-    grey += np.linspace(18, -18, rows, dtype=np.float32)[:, None] + 2.5 * rough_noise(rng, rows, columns)
-    mask = np.zeros((rows, columns), np.uint8)
-    size = np.array([columns, rows])
-    body = np.array([[0, 0.5], [0.13, 0.45], [0.88, 0.45], [0.99, 0.52], [1, 0.84], [0, 0.84]])
-    roof = np.array([[0.15, 0.45], [0.3, 0.02], [0.68, 0], [0.88, 0.45]])
-    cv2.fillPoly(mask, [(part * size).astype(np.int32) for part in (body, roof)], 255)
-    for left, right in ((0.2, 0.47), (0.49, 0.82)):  # windows
-        glass = [[left, 0.42], [max(left, 0.32), 0.07], [min(right, 0.66), 0.07], [right, 0.42]]
-        cv2.fillPoly(grey, [(np.array(glass) * size).astype(np.int32)], 45.0)
-    for x in (0.3, 0.48, 0.7):  # joints of the doors
-        cv2.line(grey, (int(x * columns), int(0.45 * rows)), (int(x * columns), int(0.8 * rows)), 30.0, 2)
-    y = int(0.52 * rows)
-    for x in (0.36, 0.54):  # handles
-        cv2.line(grey, (int(x * columns), y), (int((x + 0.04) * columns), y), 25.0, 3)
-    grey[int(0.78 * rows) :] *= 0.5
-    for x in (0.2, 0.8):
-        hub = (int(x * columns), int(0.82 * rows))
-        for radius, tone in ((0.18, 25.0), (0.11, 150.0), (0.07, 90.0), (0.03, 180.0)):
-            cv2.circle(mask, hub, int(radius * rows), 255, -1)
-            cv2.circle(grey, hub, int(radius * rows), tone, -1)
-    return Texture(np.clip(grey, 0, 255), mask, width, height)
 
 
 def _bricks(rng: np.random.Generator, grey: np.ndarray) -> None:
@@ -118,25 +101,21 @@ def _roof(rng: np.random.Generator, grey: np.ndarray) -> int:
     return rows + gutter
 
 
-def _snow(rng: np.random.Generator, roof: np.ndarray) -> None:
-    """Snow on a roof, where it has not slid off."""
-    rows, columns = roof.shape
-    slid = smooth_noise(rng, rows, columns, 2 * TEXELS) + 0.4 * smooth_noise(rng, rows, columns, 0.1 * TEXELS)
-    lying = np.clip(1.8 + 1.5 * slid - 0.5 * np.linspace(0, 1, rows)[:, None], 0, 1)
-    roof += lying * (SNOW + 4 * rough_noise(rng, rows, columns) - roof)
-
-
 def _windows(
-    rng: np.random.Generator, look_rng: np.random.Generator, grey: np.ndarray, frame: float, eaves: int
-) -> None:
-    rows, columns = grey.shape
+    rng: np.random.Generator, shape: Tuple[int, int], eaves: int
+) -> Tuple[List[Tuple[int, int, int, int]], Tuple[int, int]]:
+    """Left, top, right and bottom of the windows, and the columns and rows of panes of each."""
+    rows, columns = shape
     storey, gap = rng.uniform(2.7, 3.6) * TEXELS, rng.uniform(0.6, 2.0) * TEXELS
     width, height = rng.uniform(0.8, 1.8) * TEXELS, rng.uniform(1.0, 1.8) * TEXELS
     panes = (int(rng.integers(1, 4)), int(rng.integers(1, 4)))
-    for y in np.arange(rows - 0.9 * TEXELS - height, eaves + 0.3 * TEXELS, -storey):
-        for x in np.arange(gap * rng.uniform(0.4, 1.0), columns - 0.2 * TEXELS - width, width + gap):
-            if rng.random() < 0.88:
-                _window(look_rng, grey, (int(x), int(y), int(x + width), int(y + height)), frame, panes)
+    boxes = [
+        (int(x), int(y), int(x + width), int(y + height))
+        for y in np.arange(rows - 0.9 * TEXELS - height, eaves + 0.3 * TEXELS, -storey)
+        for x in np.arange(gap * rng.uniform(0.4, 1.0), columns - 0.2 * TEXELS - width, width + gap)
+        if rng.random() < 0.88
+    ]
+    return boxes, panes
 
 
 def _window(
@@ -145,11 +124,14 @@ def _window(
     box: Tuple[int, int, int, int],
     frame: float,
     panes: Tuple[int, int],
+    lights: float,
 ) -> None:
+    """Draws a window; lights: probability that it is lit from inside."""
     left, top, right, bottom = box
-    bar = max(2, int(0.08 * TEXELS))
-    cv2.rectangle(grey, (left - bar, top - bar), (right + bar, bottom + bar), frame, -1)
+    cv2.rectangle(grey, (left - BAR, top - BAR), (right + BAR, bottom + BAR), frame, -1)
     dark = look_rng.uniform(20, 110)
+    if lights and look_rng.random() < lights:
+        dark = look_rng.uniform(170, 230)
     glass = grey[top:bottom, left:right]
     glass[:] = np.linspace(dark + look_rng.uniform(0, 50), dark, len(glass))[:, None]
     glass += look_rng.uniform(3, 14) * smooth_noise(look_rng, *glass.shape, 0.15 * TEXELS)  # reflections
@@ -159,13 +141,13 @@ def _window(
         blind[:: int(0.05 * TEXELS)] -= 25
     for i in range(1, panes[0]):
         x = left + i * (right - left) // panes[0]
-        cv2.line(grey, (x, top), (x, bottom), frame, bar // 2 + 1)
+        cv2.line(grey, (x, top), (x, bottom), frame, BAR // 2 + 1)
     for i in range(1, panes[1]):
         y = top + i * (bottom - top) // panes[1]
-        cv2.line(grey, (left, y), (right, y), frame, bar // 2 + 1)
-    sill = grey[bottom + bar : bottom + 2 * bar, left - bar : right + bar]
+        cv2.line(grey, (left, y), (right, y), frame, BAR // 2 + 1)
+    sill = grey[bottom + BAR : bottom + 2 * BAR, left - BAR : right + BAR]
     sill[:] = np.clip(frame + 25, 0, 255)
-    grey[bottom + 2 * bar : bottom + 3 * bar, left - bar : right + bar] *= 0.7
+    grey[bottom + 2 * BAR : bottom + 3 * BAR, left - BAR : right + BAR] *= 0.7
 
 
 def _pipe(rng: np.random.Generator, grey: np.ndarray) -> None:

@@ -168,9 +168,13 @@ def test_quick_run_of_the_maps(tmp_path):
 
 @pytest.mark.slow
 def test_quick_run_of_the_seasons(tmp_path):
-    (table,) = tables_of("places.py", "seasons", tmp_path)
-    rows = {row["name"]: row for row in table["rows"]}
+    usual, hard = tables_of("places.py", "seasons", tmp_path)
+    rows = {row["name"]: row for row in usual["rows"]}
     assert rows["summer -> autumn, filter"]["recall@1"]["value"] > 0.8
+    names = [row["name"] for row in hard["rows"]]
+    walks = "autumn -> snow, street 3", "mean"
+    assert names == [f"{each}, {mode}" for each in walks for mode in ("single", "filter")]
+    assert 0 <= hard["rows"][-1]["recall@1"]["value"] <= hard["rows"][-1]["@5"]["value"] <= 1
 
 
 @pytest.mark.slow

@@ -99,7 +99,7 @@ def test_a_carried_walker_is_elsewhere_but_not_for_its_wheels(street):
 @pytest.mark.parametrize(
     "changed, reason",
     [
-        ({"seasons": ["spring"]}, "seasons: each must be one of summer, evening, autumn, winter, dusk, is"),
+        ({"seasons": ["spring"]}, "seasons: each must be one of summer, evening, .*, snow, is"),
         ({"seasons": []}, "seasons: must not be empty"),
         ({"speed": 0.0}, r"speed: must be within \[0.01, 20.0\], is 0.0"),
     ],
