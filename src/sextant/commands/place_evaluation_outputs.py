@@ -89,25 +89,23 @@ def write_outputs(options: Namespace, findings: Findings) -> List[Path]:
     if options.json:
         ((mode, evaluation),) = findings.evaluations.items()
         write_json(options.json, mode, findings.unit, evaluation)
-    if options.plots:
-        _write_plots(options.plots, findings)
-    if options.page:
-        _write_page(options, findings)
+    if options.plots or options.page:
+        with tempfile.TemporaryDirectory() as temporary:
+            folder = options.plots or Path(temporary)
+            plots = write_plots(folder, findings.exact, findings.compared, findings.distances, findings.unit)
+            if options.page:
+                _write_page(options, findings, plots)
     return _files(options, [each.name for each in findings.compared if not each.clusters])
 
 
-def _write_plots(folder: Path, findings: Findings) -> List[Path]:
-    return write_plots(folder, findings.exact, findings.compared, findings.distances, findings.unit)
-
-
-def _write_page(options: Namespace, findings: Findings) -> None:
+def _write_page(options: Namespace, findings: Findings, plots: Sequence[Path]) -> None:
     queries = options.queries or options.truth or "each photo of the map, with the others"
-    with tempfile.TemporaryDirectory() as folder:
-        write_evaluation_page(
-            options.page,
-            f"Map: {options.map}. Queries: {queries}.",
-            findings.evaluations,
-            findings.unit,
-            _write_plots(Path(folder), findings),
-            findings.table() if findings.compared else None,
-        )
+    write_evaluation_page(
+        options.page,
+        f"Map: {options.map}. Queries: {queries}.",
+        findings.evaluations,
+        findings.unit,
+        plots,
+        list(findings.exact),
+        findings.table() if findings.compared else None,
+    )

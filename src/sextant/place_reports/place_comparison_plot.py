@@ -7,6 +7,7 @@ from typing import Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator
 
 from sextant.base.plot_colours import COLOURS
 from sextant.base.plot_file import new_figure, save_figure
@@ -77,6 +78,7 @@ def _draw_bars(axes: Axes, values: Sequence[float], highest: Sequence[float]) ->
         text = f"{value:.0f}" if value >= 100 else f"{value:.3g}"
         axes.annotate(f" {text}", (end, row), va="center")
     axes.set_xlim(0, 1.5 * max(max(highest), 1e-9))  # with room for the numbers
+    axes.xaxis.set_major_locator(MaxNLocator(3))
 
 
 def _finish(axes: Axes, names: Sequence[str], title: str) -> None:

@@ -3,14 +3,13 @@
 """Evaluation of a place map, or comparison of methods, as one self-contained HTML page."""
 
 from pathlib import Path
-from typing import Mapping, NamedTuple, Optional, Sequence
+from typing import Mapping, Optional, Sequence
 
 import numpy as np
 
-from sextant.base.html_report import Row, Table, embedded, write_report
-from sextant.place_reports.place_evaluation_report import report_lines
+from sextant.base.html_report import PagePlot, Row, Table, embedded, write_report
 from sextant.place_reports.place_predictors import Predictor, predictors
-from sextant.places.place_evaluation import PlaceEvaluation
+from sextant.places.place_evaluation import RANKS, PlaceEvaluation
 
 TEMPLATE = """\
 {% extends "report" %}
@@ -25,14 +24,9 @@ TEMPLATE = """\
 localization of a new photo, median and 95th percentile. Shares: best hypothesis within this distance of the
 truth, of the photos that are in the map.</p>
 {%- endif %}
-{%- for method in methods %}
-<h2>{{ method.name }}</h2>
-<ul>
-{%- for line in method.lines %}
-<li>{{ line }}</li>
-{%- endfor %}
-</ul>
-{%- endfor %}
+<h2>Figures</h2>
+{{ table(figures) }}
+<p class="note">As described in doc/how_to/place_accuracy.md. Position errors in {{ unit }}.</p>
 <h2>What predicts a correct answer</h2>
 <p class="note">Area under the ROC curve of each quantity: the probability that a correct best hypothesis has
 a higher value than a wrong one. ↑ high values predict a correct answer, ↓ low values do; without an arrow the
@@ -46,26 +40,13 @@ area is within the 95 % interval of a quantity that predicts nothing. Distances 
 """
 
 
-class MethodText(NamedTuple):
-    """Report of a method."""
-
-    name: str  # heading
-    lines: Sequence[str]  # of the report
-
-
-class PagePlot(NamedTuple):
-    """A plot of the page."""
-
-    name: str  # for readers without images
-    source: str  # src of an img element
-
-
 def write_evaluation_page(
     path: Path,
     what: str,
     evaluations: Mapping[str, PlaceEvaluation],
     unit: str,
     plots: Sequence[Path],
+    predicting: Sequence[str],
     comparison: Optional[Table] = None,
 ) -> None:
     """Writes the page atomically.
@@ -74,6 +55,7 @@ def write_evaluation_page(
     :param evaluations: by the name of the method
     :param unit: of position errors
     :param plots: PNG files, which are embedded
+    :param predicting: names of the methods in the predictor_table()
     :param comparison: comparison_table()
     :raises OSError: the page cannot be written, or a plot cannot be read
     """
@@ -81,11 +63,41 @@ def write_evaluation_page(
         "title": "Places",
         "what": what,
         "comparison": comparison,
-        "methods": [MethodText(name, report_lines(each, unit)) for name, each in evaluations.items()],
-        "predictors": predictor_table(evaluations),
+        "figures": figure_table(evaluations),
+        "unit": unit,
+        "predictors": predictor_table({name: evaluations[name] for name in predicting}),
         "plots": [PagePlot(plot.stem, embedded(plot.read_bytes())) for plot in plots],
     }
     write_report(path, TEMPLATE, content)
+
+
+# column: figure of PlaceEvaluation.figures(), and its format
+FIGURES = {
+    "queries": ("queries", ".0f"),
+    "not in the map": ("unmapped_queries", ".0f"),
+    **{f"recall@{n}": (f"recall@{n}", ".3f") for n in RANKS},
+    "area under precision-recall": ("area", ".3f"),
+    "calibration error": ("calibration_error", ".3f"),
+    "of a perfect one": ("perfect_calibration_error", ".3f"),
+    "unknown, in the map": ("unknown_rate_in_map", ".1%"),
+    "unknown, others": ("unknown_rate_off_map", ".1%"),
+    "position error, median": ("position_error", ".2f"),
+    "90 % below": ("position_error_90", ".2f"),
+    "in the 95 % ellipse": ("ellipse_coverage", ".1%"),
+}
+
+
+def figure_table(evaluations: Mapping[str, PlaceEvaluation]) -> Table:
+    """The figures of each method."""
+    rows = []
+    for name, evaluation in evaluations.items():
+        figures = evaluation.figures()
+        rows.append(Row((name, *(_number(figures[figure], form) for figure, form in FIGURES.values()))))
+    return Table(("method", *FIGURES), rows)
+
+
+def _number(value: float, form: str) -> str:
+    return "–" if np.isnan(value) else format(value, form)
 
 
 def predictor_table(evaluations: Mapping[str, PlaceEvaluation]) -> Table:
@@ -107,4 +119,4 @@ def _chance(predictor: Predictor) -> str:
 
 def _area(predictor: Predictor) -> str:
     arrow = {-1: " ↓", 0: "", 1: " ↑"}[predictor.direction]
-    return "–" if np.isnan(predictor.area) else f"{predictor.area:.2f}{arrow}"
+    return _number(predictor.area, ".2f") + arrow

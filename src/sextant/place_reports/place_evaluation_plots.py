@@ -35,7 +35,7 @@ def write_plots(
     """Writes the plots; see plot_names().
 
     :param evaluations: on exact positions, by the name of the method
-    :param compared: all evaluations; empty: no comparison
+    :param compared: also on clusters; empty: no comparison
     :param distances: unit: see plot_comparison()
     :returns: the files
     :raises OSError: a file cannot be written
@@ -44,8 +44,7 @@ def write_plots(
     plots: List[Callable[[Path], None]] = []
     if compared:
         plots.append(partial(plot_comparison, compared=compared, distances=distances, unit=unit))
-    curves = {each.name: each.new_photos.curve for each in compared}
-    curves = curves or {name: evaluation.curve for name, evaluation in evaluations.items()}
+    curves = {name: evaluation.curve for name, evaluation in evaluations.items()}
     plots.append(partial(plot_precision_recall, curves=curves))
     plots.append(partial(plot_predictors, predictors=of_methods))
     for name, evaluation in evaluations.items():

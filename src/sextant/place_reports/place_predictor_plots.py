@@ -33,9 +33,10 @@ def plot_predictors(path: Path, predictors: Mapping[str, Sequence[Predictor]]) -
     axes.axvline(0.5, color="#777777", linewidth=1)
     for number, (colour, (method, quantities)) in enumerate(zip(cycle(COLOURS), predictors.items())):
         rows = np.arange(len(names)) - SPREAD / 2 + (number + 0.5) * step
-        areas, chances = [each.area for each in quantities], [each.chance for each in quantities]
-        low, high = np.where(np.isfinite(areas), np.transpose(chances), np.nan)
-        axes.hlines(rows, low, high, color=colour, alpha=0.25, linewidth=5)
+        areas = np.array([each.area for each in quantities])
+        low, high = np.transpose([each.chance for each in quantities])
+        known = np.isfinite(areas)
+        axes.hlines(rows[known], low[known], high[known], color=colour, alpha=0.25, linewidth=5)
         axes.plot(areas, rows, "o", color=colour, markersize=5, label=_label(method, quantities))
     axes.set(xlim=(0, 1), ylim=(len(names) - 0.5, -0.5), yticks=range(len(names)))
     axes.set_yticklabels([name.replace("_", " ") for name in names])
@@ -77,6 +78,7 @@ def _draw_distribution(axes: Axes, predictor: Predictor) -> None:
             low, middle, high = np.quantile(values, (0.25, 0.5, 0.75))
             axes.barh(row, high - low, 0.7, low, color=colour, alpha=0.2)
             axes.vlines(middle, row - 0.35, row + 0.35, color=colour, linewidth=2)
+    axes.use_sticky_edges = False  # keeps a margin beside the bars
     axes.set(ylim=(1.6, -0.6), yticks=(0, 1))
     axes.set_yticklabels(("correct", "wrong"))
     verdict = {-1: ", low if correct", 0: "", 1: ", high if correct"}[predictor.direction]
