@@ -3,7 +3,7 @@
 """Bar chart that compares methods of place recognition."""
 
 from pathlib import Path
-from typing import Sequence
+from typing import Dict, List, Sequence, Tuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -31,31 +31,41 @@ def plot_comparison(
     figure = new_figure(path, 12, 3.4 + 0.62 * len(compared), constrained_layout=True)
     grid = figure.add_gridspec(2, 4)
     names = [each.name for each in compared]
+    map_photos, new_photos = figure.add_subplot(grid[0, :2]), figure.add_subplot(grid[0, 2:])
+    _draw_shares(map_photos, [each.map_photos for each in compared], distances, unit)
+    _finish(map_photos, names, "map photos localized within a distance, %")
+    _draw_shares(new_photos, [each.new_photos for each in compared], distances, unit)
+    _draw_clusters(new_photos, compared)
+    _finish(new_photos, [""] * len(names), "new photos localized within a distance, %")
+    handles, labels = new_photos.get_legend_handles_labels()
+    new_photos.legend(
+        handles[::-1], labels[::-1], loc="upper left", bbox_to_anchor=(1.02, 1.0), frameon=False
+    )  # fmt: skip
+    for column, (title, (values, highest)) in enumerate(_costs(compared).items()):
+        axes = figure.add_subplot(grid[1, column])
+        _draw_bars(axes, values, highest)
+        _finish(axes, [""] * len(names) if column else names, title)
+    save_figure(path, figure)
+
+
+def _costs(compared: Sequence[ComparedMethod]) -> Dict[str, Tuple[List[float], List[float]]]:
+    """Lengths of the bars and ends of their lines, by title."""
     costs = [each.new_photos.cost for each in compared]
-    for column, title in ((0, "map photos"), (2, "new photos")):
-        axes = figure.add_subplot(grid[0, column : column + 2])
-        _draw_shares(axes, [getattr(each, title.replace(" ", "_")) for each in compared], distances, unit)
-        _finish(axes, names if column == 0 else [""] * len(names), f"{title} localized within a distance, %")
-    if any(each.clusters for each in compared):
-        shares = [100 * each.right_cluster for each in compared]
-        style = {"color": ORANGE, "label": "in the right cluster", "clip_on": False}
-        axes.plot(shares, range(len(compared)), "D", **style)
-    handles, labels = axes.get_legend_handles_labels()
-    axes.legend(handles[::-1], labels[::-1], loc="upper left", bbox_to_anchor=(1.02, 1.0), frameon=False)
+    figures = [each.new_photos.figures() for each in compared]
+    times = [each["query_ms"] for each in figures], [each["query_ms_95"] for each in figures]
     bars = {
         "keypoints in the map": [each.keypoints for each in costs],
         "index, MB": [each.index_bytes / 1e6 for each in costs],
         "time to build, s": [each.seconds for each in costs],
     }
-    for column, (title, values) in enumerate(bars.items()):
-        axes = figure.add_subplot(grid[1, column])
-        _draw_bars(axes, values, values)
-        _finish(axes, names if column == 0 else [""] * len(names), title)
-    axes = figure.add_subplot(grid[1, 3])
-    figures = [each.new_photos.figures() for each in compared]
-    _draw_bars(axes, [each["query_ms"] for each in figures], [each["query_ms_95"] for each in figures])
-    _finish(axes, [""] * len(names), "query, ms; line: to 95 %")
-    save_figure(path, figure)
+    return {**{title: (bar, bar) for title, bar in bars.items()}, "query, ms; line: to 95 %": times}
+
+
+def _draw_clusters(axes: Axes, compared: Sequence[ComparedMethod]) -> None:
+    if any(each.clusters for each in compared):
+        shares = [100 * each.right_cluster for each in compared]
+        style = {"color": ORANGE, "label": "in the right cluster", "clip_on": False}
+        axes.plot(shares, range(len(compared)), "D", **style)
 
 
 def _draw_shares(
