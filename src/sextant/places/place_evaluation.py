@@ -35,7 +35,7 @@ ELLIPSE = 0.95  # probability of the confidence ellipse
 ROUNDING = 1e-9  # of distances
 INDEPENDENT_MODES = ("single", "votes")  # modes that localize each image independently
 
-_BLACK_IMAGE = np.zeros((240, 320), np.uint8)
+WARM_UP_IMAGE = np.random.default_rng(1).integers(0, 256, (240, 320), np.uint8)  # has many keypoints
 
 
 class QueryResult(NamedTuple):
@@ -266,7 +266,7 @@ def _quantile(values: np.ndarray, fraction: float) -> float:
 
 def _ready(localizer: PlaceLocalizer) -> PlaceLocalizer:
     """The localizer after a warm-up, so that the first query is not slower."""
-    localizer.localize(_BLACK_IMAGE)  # OpenCV's matchers are trained by the first search
+    localizer.localize(WARM_UP_IMAGE)  # OpenCV's matchers are trained by the first search
     localizer.reset()
     return localizer
 
