@@ -66,9 +66,7 @@ CONDITIONS = {
     "winter": StreetConditions("winter", 3, -0.6, 0.1, 1.05),
     "dusk": StreetConditions("winter", 4, 2.9, 0.6, 0.35, 6.0),
     "low_sun": at_hour(
-        StreetConditions(
-            "bare", 5, direct=0.9, noise=4.0, cast=True, parked=0.5, haze=2.0, people=1.0
-        ),
+        StreetConditions("bare", 5, direct=0.9, noise=4.0, cast=True, parked=0.5, haze=2.0, people=1.0),
         14.0,
     ),
     "wet": at_hour(
