@@ -69,11 +69,12 @@ def _build(name: str, map_path: Path) -> Built:
     params, place_map, before = METHODS[name], read_place_map(map_path), resident_bytes()
     begin = time.perf_counter()
     index = PlaceIndexer(map_path, place_map, params).index()
-    _recognize = (_by_score if params.matcher == "faiss" else _by_votes)(place_map, index)
+    _recognize = (_by_votes if params.matcher else _by_score)(place_map, index)
     _recognize(np.zeros((240, 320), np.uint8))
-    index.descriptors.search(np.zeros((1, 128), np.float32), 1)  # FLANN is trained by the first search
-    seconds = time.perf_counter() - begin
-    return Built(seconds, index.bytes, resident_bytes() - before, len(index.keypoints) / len(index.photos))
+    if params.matcher:
+        index.descriptors.search(np.zeros((1, 128), np.float32), 1)  # FLANN is trained by the first search
+    seconds, keypoints = time.perf_counter() - begin, sum(photo.count for photo in index.photos)
+    return Built(seconds, index.bytes, resident_bytes() - before, keypoints / len(index.photos))
 
 
 def _query(photo: Path) -> Tuple[float, float]:

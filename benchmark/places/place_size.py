@@ -19,10 +19,11 @@ from tqdm import tqdm
 import sextant
 from sextant.base.jobs import worker_environment
 from sextant.place_maps.place_map import Overview, Photo, PlaceMap
+from sextant.places.descriptor_codes import DescriptorCodes
 from sextant.places.index_params import IndexParams
-from sextant.places.photo_keypoints import UNIT
+from sextant.places.photo_keypoints import UNIT, Keypoints, PhotoKeypoints
 from sextant.places.place_evaluation import resident_bytes
-from sextant.places.place_index import SAMPLES, IndexedPhoto, PlaceIndex
+from sextant.places.place_index import SAMPLES, SEARCHED, WIDTHS, IndexedPhoto, PlaceIndex, is_large
 from sextant.places.place_recognition import PlaceRecognizer
 
 FEW, MANY = 1000, 100_000  # numbers of places
@@ -71,20 +72,12 @@ class Drawn:
         return np.random.default_rng([3, place]).integers(UNIT, size=(DESCRIPTORS, 2), dtype=np.uint16)
 
 
-class Features(NamedTuple):
-    """Replaces sextant.LocalFeatures."""
-
-    size: Tuple[int, int]
-    keypoints: np.ndarray
-    descriptors: np.ndarray
-
-
 class DrawnExtractor:
-    """Replaces sextant.FeatureExtractor: the images are features already."""
+    """Replaces sextant.places.photo_features.KeypointExtractor: the images are keypoints already."""
 
     @staticmethod
-    def extract(image: Features) -> Features:
-        """Returns the features, without cost."""
+    def extract(image: Tuple[Keypoints]) -> Tuple[Keypoints]:
+        """Returns the keypoints, without cost."""
         return image
 
 
@@ -135,15 +128,22 @@ def _index(drawn: Drawn, places: int) -> PlaceIndex:
     """Builds the index place by place, so that the descriptors are never all in memory."""
     learned = np.unique(np.linspace(0, places - 1, SAMPLES // DESCRIPTORS).astype(int))
     samples = np.concatenate([drawn.descriptors(int(place)) for place in learned])
-    descriptors = sextant.DescriptorIndex("faiss", samples, places * DESCRIPTORS)
-    keypoints = np.empty((places * DESCRIPTORS, 2), np.uint16)
+    coder = DescriptorCodes.learned(samples, WIDTHS[0])
+    count = places * DESCRIPTORS
+    positions, codes = np.empty((count, 2), np.uint16), np.empty((count, WIDTHS[0]), np.int8)
+    descriptors = None
+    if is_large(places):
+        values = coder.encode(samples).astype(np.float32)
+        descriptors = sextant.DescriptorIndex("faiss", values, places * SEARCHED)
     photos = []
     for place in tqdm(range(places), desc="places", disable=None):
-        first = place * DESCRIPTORS
-        keypoints[first : first + DESCRIPTORS] = drawn.keypoints(place)
-        photos.append(IndexedPhoto(f"{place}.jpg", "", (0, 0, 0), place, first, DESCRIPTORS))
-        descriptors.add(place, drawn.descriptors(place))
-    return PlaceIndex(IndexParams(), photos, keypoints, descriptors, places)
+        rows = slice(place * DESCRIPTORS, (place + 1) * DESCRIPTORS)
+        positions[rows], codes[rows] = drawn.keypoints(place), coder.encode(drawn.descriptors(place))
+        photos.append(IndexedPhoto(f"{place}.jpg", "", (0, 0, 0), place, DESCRIPTORS))
+        if descriptors is not None:
+            descriptors.add(place, codes[rows][:SEARCHED].astype(np.float32))
+    kind = PhotoKeypoints(coder, positions, codes, [DESCRIPTORS] * places)
+    return PlaceIndex(IndexParams(), photos, [kind], descriptors, places)
 
 
 def _map(places: int) -> PlaceMap:
@@ -151,8 +151,8 @@ def _map(places: int) -> PlaceMap:
     return PlaceMap(Path("."), Overview("none.png", places, 2), photos)
 
 
-def _seen_again(drawn: Drawn, place: int) -> Features:
+def _seen_again(drawn: Drawn, place: int) -> Tuple[Keypoints]:
     rng = np.random.default_rng([4, place])
-    seen = drawn.descriptors(place)
+    seen, positions = drawn.descriptors(place), drawn.keypoints(place) + UNIT * rng.normal(0, MOVED, 2)
     seen = np.clip(np.rint(seen + rng.normal(0, NOISE, seen.shape)), 0, 255).astype(np.float32)
-    return Features((1, 1), drawn.keypoints(place) / UNIT + rng.normal(0, MOVED, 2), seen)
+    return (Keypoints(np.clip(positions, 0, UNIT).astype(np.uint16), seen),)

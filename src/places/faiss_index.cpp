@@ -46,11 +46,12 @@ int probeCount(size_t lists) {
 }
 
 std::string description(int width, int samples, int64_t expected) {
-  const std::string lists = "IVF" + std::to_string(listCount(expected, samples));
-  if (width <= kReducedWidth || samples < kSamplesPerColumn * width) return lists + ",SQ8";
-  const std::string reduced = "PCA" + std::to_string(kReducedWidth) + "," + lists;
+  std::string lists = "IVF" + std::to_string(listCount(expected, samples));
+  if (samples < kSamplesPerColumn * width) return lists + ",SQ8";
+  if (width > kReducedWidth) lists = "PCA" + std::to_string(kReducedWidth) + "," + lists;
   // Without polysemous codes, whose training takes minutes and which no search here uses.
-  return reduced + (expected < kMany ? ",SQ8" : "_HNSW32,PQ32np");
+  const bool is_divisible = width >= kReducedWidth;
+  return lists + (expected < kMany || !is_divisible ? ",SQ8" : "_HNSW32,PQ32np");
 }
 
 /// The precomputed tables take more memory than the lists.

@@ -15,7 +15,7 @@ NO_MATCHES = 1e-3  # added to the scores before the logarithm
 
 
 class Keypoints(NamedTuple):
-    """Keypoints of one image or photo."""
+    """Keypoints of one image or photo, strongest first."""
 
     positions: np.ndarray  # uint16 (n, 2): x, y; UNIT is the longer side
     descriptors: np.ndarray  # float32 or uint8 (n, w)

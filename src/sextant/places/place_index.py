@@ -14,6 +14,7 @@ from sextant.places.photo_keypoints import CodedKeypoints, Keypoints, PhotoKeypo
 WIDTHS = (64, 32)  # of the codes of each kind of keypoints
 SAMPLES = 400_000  # maximum number of training descriptors
 SEED = 1  # of the choice of training descriptors
+SEARCHED = 128  # keypoints of a photo of a large map, the strongest ones, by which it becomes a candidate
 EXHAUSTIVE = 800  # maximum number of photos with each of which an image is compared
 
 
@@ -89,6 +90,7 @@ class PlaceIndex:
             descriptors = sextant.DescriptorIndex(params.matcher, samples[0], total)
         elif is_large(len(images)):
             values = _values(keypoints[0].coder.encode(samples[0]))
+            total = sum(min(len(each), SEARCHED) for each in kinds[0])
             descriptors = sextant.DescriptorIndex("faiss", values, total)
         vectors = np.zeros((0, len(features[0].vector)), np.float32)
         index = cls(params, [], keypoints, descriptors, len(features), vectors)
@@ -138,7 +140,7 @@ class PlaceIndex:
         """What the descriptor index contains of keypoints of the first kind."""
         if self.params.matcher:
             return keypoints.descriptors
-        return _values(self.keypoints[0].coder.encode(keypoints.descriptors))
+        return _values(self.keypoints[0].coder.encode(keypoints.descriptors[:SEARCHED]))
 
     def encode(self, kinds: Sequence[Keypoints]) -> List[CodedKeypoints]:
         """Codes of the keypoints of an image, for each kind that the index has."""
