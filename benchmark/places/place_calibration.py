@@ -14,14 +14,14 @@ from typing import Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
 import numpy as np
 from scipy.optimize import minimize
 from scipy.special import logsumexp
-from scipy.stats import mannwhitneyu
 from tables import Row, Table, Value
 
 from places import place_domains
-from places.place_domains import Asked, part_of, still_right
+from places.place_domains import QuerySet, part_of, still_right
 from places.place_recall import measured
 from places.place_seasons import FEW, MAP_STEP, QUERY_STEP, SIZE, SMALL, walk
 from sextant.place_maps.photo_file import find_photos
+from sextant.place_reports.place_predictors import roc_area
 from sextant.places.index_params import IndexParams
 from sextant.places.photo_features import decode_photo
 from sextant.places.place_evidence import EvidenceParams
@@ -36,10 +36,11 @@ SURE = 0.9  # probability of a sure answer
 RIGHT, ALL_RIGHT = 90.0, 95.0  # minimum % of the sure answers that are right: in each domain, in all
 AREA = 0.85  # minimum area under the ROC curve of "in the map"
 REGULAR = 1e-3  # factor of the L2 regularization of the weights
+BOUNDS = ((0.01, 10.0), (0.0, 10.0), (0.0, 10.0), (-20.0, 20.0))  # of the weights
 WEIGHTS = ("slope", "margin", "excess", "offset")
 
 
-class Seen(NamedTuple):
+class ImageEvidence(NamedTuple):
     """Evidence of an image, and the correct places."""
 
     scores: np.ndarray  # (photos,)
@@ -64,26 +65,26 @@ def calibration_tables(data: Path, quick: bool) -> List[Table]:
     return [_domains_table(seen, quick), _modes_table(rows), _weights_table(weights)]
 
 
-def _corridor(data: Path, quick: bool) -> List[Asked]:
+def _corridor(data: Path, quick: bool) -> List[QuerySet]:
     asked, lund = place_domains.corridor(data), find_photos(data / "lund")
     whole, queries = asked.place_map, asked.queries
     if quick:
         whole, queries, lund = part_of(whole, 0, 2 * FEW), queries[:FEW], lund[:FEW]
     half = len(whole.photos) // 2
-    asked = [Asked("corridor", "corridor", whole, queries)]
+    asked = [QuerySet("corridor", "corridor", whole, queries)]
     for name, part in (("first_out", part_of(whole, half, None)), ("second_out", part_of(whole, 0, half))):
-        asked.append(Asked("corridor", name, part, still_right(queries, part)))
-    return [*asked, Asked("corridor", "strangers", whole, [Query(path, frozenset()) for path in lund])]
+        asked.append(QuerySet("corridor", name, part, still_right(queries, part)))
+    return [*asked, QuerySet("corridor", "strangers", whole, [Query(path, frozenset()) for path in lund])]
 
 
-def _others(data: Path, quick: bool) -> List[Asked]:
+def _others(data: Path, quick: bool) -> List[QuerySet]:
     """Photos that are not of a walk."""
     if quick:
         return place_domains.campus(data)[:2]
     return [*place_domains.campus(data), *place_domains.lund(data), place_domains.tower(data)]
 
 
-def _streets(folder: Path, quick: bool) -> List[Asked]:
+def _streets(folder: Path, quick: bool) -> List[QuerySet]:
     size, count = (SMALL, FEW) if quick else (SIZE, None)
     asked, strangers = [], {}
     for seed in STREETS:
@@ -91,49 +92,57 @@ def _streets(folder: Path, quick: bool) -> List[Asked]:
         for season in SEASONS[: 1 if quick else None]:
             walked = walk(folder / f"walk{seed}", season, QUERY_STEP, size, count, seed)
             queries = queries_of_map(place_map, walked, default_tolerance(place_map))
-            asked.append(Asked(f"street{seed}", f"{season}{seed}", place_map, queries))
+            asked.append(QuerySet(f"street{seed}", f"{season}{seed}", place_map, queries))
             strangers[seed] = [query._replace(true_places=frozenset()) for query in queries]
     for seed, other in (STREETS, STREETS[::-1]):
         place_map = next(each.place_map for each in asked if each.domain == f"street{seed}")
-        asked.append(Asked(f"street{seed}", f"strangers{seed}", place_map, strangers[other]))
+        asked.append(QuerySet(f"street{seed}", f"strangers{seed}", place_map, strangers[other]))
     return asked
 
 
-def _by_domain(asked: Iterable[Asked]) -> Dict[str, List[Asked]]:
-    domains: Dict[str, List[Asked]] = {}
+def _by_domain(asked: Iterable[QuerySet]) -> Dict[str, List[QuerySet]]:
+    domains: Dict[str, List[QuerySet]] = {}
     for each in asked:
         domains.setdefault(each.domain, []).append(each)
     return domains
 
 
-def _seen(folder: Path, asked: Sequence[Asked]) -> List[Seen]:
+def _seen(folder: Path, asked: Sequence[QuerySet]) -> List[ImageEvidence]:
     """The evidence of one domain."""
     seen = [one for each in asked for one in _seen_once(folder, each)]
     return [one._replace(weight=1 / len(seen)) for one in seen]
 
 
-def _seen_once(folder: Path, asked: Asked) -> List[Seen]:
+def _seen_once(folder: Path, asked: QuerySet) -> List[ImageEvidence]:
     index = PlaceIndexer(folder / f"{asked.name}.txt", asked.place_map, IndexParams()).index()
     recognizer, seen = PlaceRecognizer(asked.place_map, index), []
     positions = [(photos[0].x, photos[0].y) for photos in asked.place_map.places() for _ in photos]
     for query in asked.queries:
-        scores = recognizer.scores(decode_photo(index.params, query.path.read_bytes(), query.path))
+        found = recognizer.scores(decode_photo(index.params, query.path.read_bytes(), query.path))
+        scores, kinds = found.total, len(found.logs)
         right = np.array([position in query.true_places for position in positions])
-        seen.append(_one(recognizer, scores, right, np.arange(len(scores))))
+        seen.append(_one(recognizer, scores, kinds, right))
         others = np.flatnonzero(~recognizer.near(right))
         if right.any() and len(others) > 1:
-            seen.append(_one(recognizer, scores, np.zeros_like(right), others))
+            seen.append(_one(recognizer, scores, kinds, np.zeros_like(right), others))
     return seen
 
 
-def _one(recognizer: PlaceRecognizer, scores: np.ndarray, right: np.ndarray, numbers: np.ndarray) -> Seen:
-    """Of the photos with these numbers, as if the map had no other."""
-    best = np.arange(len(scores)) == numbers[scores[numbers].argmax()]
-    around = recognizer.near(best)[numbers]
-    return Seen(scores[numbers], recognizer.features(scores, numbers), right[numbers], around, 1.0)
+def _one(
+    recognizer: PlaceRecognizer,
+    scores: np.ndarray,
+    kinds: int,
+    right: np.ndarray,
+    numbers: Optional[np.ndarray] = None,
+) -> ImageEvidence:
+    """:param numbers: of the photos, as if the map had no other; None: all of them"""
+    used = np.arange(len(scores)) if numbers is None else numbers
+    best = np.arange(len(scores)) == used[scores[used].argmax()]
+    features = recognizer.features(scores, kinds, numbers)
+    return ImageEvidence(scores[used], features, right[used], recognizer.near(best)[used], 1.0)
 
 
-def _log_probabilities(weights: np.ndarray, seen: Seen) -> np.ndarray:
+def _log_probabilities(weights: np.ndarray, seen: ImageEvidence) -> np.ndarray:
     """Log probabilities (photos + 1,) of the photos and of an unknown place; its prior is 0.5."""
     slope, margin, excess, offset = weights
     photos = slope * seen.scores
@@ -142,7 +151,7 @@ def _log_probabilities(weights: np.ndarray, seen: Seen) -> np.ndarray:
     return both - logsumexp(both)
 
 
-def _fitted(seen: Sequence[Seen]) -> np.ndarray:
+def _fitted(seen: Sequence[ImageEvidence]) -> np.ndarray:
     """Maximum likelihood estimate (4,) of the weights of EvidenceParams, with regularization."""
 
     def loss(weights: np.ndarray) -> float:
@@ -152,10 +161,10 @@ def _fitted(seen: Sequence[Seen]) -> np.ndarray:
             total -= each.weight * logsumexp(_log_probabilities(weights, each)[true])
         return total
 
-    return minimize(loss, astuple(EvidenceParams())[:4], method="L-BFGS-B").x
+    return minimize(loss, astuple(EvidenceParams())[:4], method="L-BFGS-B", bounds=BOUNDS).x
 
 
-class Tried(NamedTuple):
+class DomainAnswers(NamedTuple):
     """Answers to the images of one domain."""
 
     predicted: np.ndarray  # (n,) probabilities of the best answers
@@ -172,7 +181,7 @@ class Tried(NamedTuple):
         """
         sure = self.predicted > SURE
         known, unknown = self.known[self.is_known], self.known[~self.is_known]
-        found = mannwhitneyu(known, unknown).statistic / (len(known) * len(unknown))
+        found = roc_area(known, unknown)
         return name, [
             Value(len(known), 0),
             Value(100 * float(self.is_right[self.is_known].mean()), 1),
@@ -183,7 +192,7 @@ class Tried(NamedTuple):
         ]
 
 
-def _tried(weights: np.ndarray, seen: Sequence[Seen]) -> Tried:
+def _tried(weights: np.ndarray, seen: Sequence[ImageEvidence]) -> DomainAnswers:
     answers = []
     for each in seen:
         probabilities = np.exp(_log_probabilities(weights, each))
@@ -191,16 +200,16 @@ def _tried(weights: np.ndarray, seen: Sequence[Seen]) -> Tried:
         answers.append(
             (probabilities[:-1][each.around].sum(), each.right[best], 1 - probabilities[-1], each.right.any())
         )
-    return Tried(*(np.array(column) for column in zip(*answers)))
+    return DomainAnswers(*(np.array(column) for column in zip(*answers)))
 
 
-def _domains_table(seen: Dict[str, List[Seen]], quick: bool) -> Table:
+def _domains_table(seen: Dict[str, List[ImageEvidence]], quick: bool) -> Table:
     """Each domain with weights that are fitted to the others."""
     tried = {}
     for domain, images in seen.items():
         others = [each for name, all_of in seen.items() if name != domain for each in all_of]
         tried[domain] = _tried(_fitted(others), images)
-    every = Tried(*map(np.concatenate, zip(*tried.values())))
+    every = DomainAnswers(*map(np.concatenate, zip(*tried.values())))
     bars, bars_of_all = (RIGHT, None, AREA), (ALL_RIGHT, MAX_ERROR, None)
     if quick:
         bars = bars_of_all = (None, None, None)
@@ -214,7 +223,7 @@ def _domains_table(seen: Dict[str, List[Seen]], quick: bool) -> Table:
     return Table(title, columns, rows)
 
 
-def _shipped(folder: Path, asked: Sequence[Asked], mode: str) -> Row:
+def _shipped(folder: Path, asked: Sequence[QuerySet], mode: str) -> Row:
     predicted: List[Tuple[np.ndarray, np.ndarray]] = []
     for each in asked:
         predicted.append(measured(folder, each.name, each.place_map, each.queries, mode).predictions)

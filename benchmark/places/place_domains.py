@@ -16,7 +16,7 @@ APART = 1000.0  # pixels between the spots of the campus, and between the floors
 NEAR, MARGIN, SCALE = 15.0, 20.0, 10.0  # tolerance, m; margin around the photos, m; pixels per metre
 
 
-class Asked(NamedTuple):
+class QuerySet(NamedTuple):
     """Queries to a map, in the order of a walk."""
 
     domain: str  # campus, tower, ...
@@ -25,7 +25,7 @@ class Asked(NamedTuple):
     queries: Sequence[Query]
 
 
-def campus(data: Path) -> List[Asked]:
+def campus(data: Path) -> List[QuerySet]:
     """Five spots: for each month a map of its photos, and the photos of all other months as queries."""
     photos = find_photos(data / "campus_months")
     if not photos:
@@ -33,7 +33,7 @@ def campus(data: Path) -> List[Asked]:
     return [_month(photos, month) for month in sorted({photo.name[:2] for photo in photos})]
 
 
-def _month(photos: Sequence[Path], month: str) -> Asked:
+def _month(photos: Sequence[Path], month: str) -> QuerySet:
     spots: Dict[str, float] = {photo.name[2:4]: APART * int(photo.name[2:4]) for photo in photos}
     of_month = [photo for photo in photos if photo.name.startswith(month)]
     made = tuple(Photo(i, photo.name, spots[photo.name[2:4]], 0.0) for i, photo in enumerate(of_month))
@@ -44,10 +44,10 @@ def _month(photos: Sequence[Path], month: str) -> Asked:
         for photo in photos
         if photo not in of_month and spots[photo.name[2:4]] in there
     ]
-    return Asked("campus", f"campus{month}", place_map, queries)
+    return QuerySet("campus", f"campus{month}", place_map, queries)
 
 
-def tower(data: Path) -> Asked:
+def tower(data: Path) -> QuerySet:
     """Six nearly identical floors; each photo of the right floor is right."""
     folder, photos = data / "tower", []
     with open(folder / "truth.csv", encoding="utf-8") as file:
@@ -65,15 +65,15 @@ def tower(data: Path) -> Asked:
     }
     queries = [Query(folder / row["file"], of_floor[row["floor"]]) for row in rows if row["part"] == "query"]
     overview = Overview("none.png", int(max(steps.values())) + 1, int(APART * len(floors)))
-    return Asked("tower", "tower", PlaceMap(folder, overview, tuple(photos)), queries)
+    return QuerySet("tower", "tower", PlaceMap(folder, overview, tuple(photos)), queries)
 
 
-def corridor(data: Path) -> Asked:
+def corridor(data: Path) -> QuerySet:
     """A corridor walked twice."""
     folder = data / "corridor"
     place_map = corridor_map(folder)
     queries = queries_of_table(place_map, folder / "truth.csv", folder / "query")
-    return Asked("corridor", "corridor", place_map, queries)
+    return QuerySet("corridor", "corridor", place_map, queries)
 
 
 def corridor_map(corridor: Path) -> PlaceMap:
@@ -83,11 +83,11 @@ def corridor_map(corridor: Path) -> PlaceMap:
     return PlaceMap(corridor / "ref", Overview("none.png", int(STEP * len(names)), 1), photos)
 
 
-def lund(data: Path) -> List[Asked]:
+def lund(data: Path) -> List[QuerySet]:
     """A street whose photos have positions: each photo as the query to a map of the others."""
     place_map = lund_map(find_photos(data / "lund"))
     trials = leave_one_out_queries(place_map, NEAR)
-    return [Asked("lund", photo.image, others, [query]) for photo, others, query in trials]
+    return [QuerySet("lund", photo.image, others, [query]) for photo, others, query in trials]
 
 
 def lund_map(photos: Sequence[Path]) -> PlaceMap:

@@ -168,11 +168,11 @@ void makeUpright(KeyPoints& keypoints) {
   keypoints.swap(kept);
 }
 
-/// Strongest first. @param count 0: all
 void keepStrongest(KeyPoints& keypoints, size_t count) {
+  if (keypoints.size() <= count) return;
   std::stable_sort(keypoints.begin(), keypoints.end(),
                    [](const cv::KeyPoint& a, const cv::KeyPoint& b) { return a.response > b.response; });
-  if (count && keypoints.size() > count) keypoints.resize(count);
+  keypoints.resize(count);
 }
 
 void scaleSizes(KeyPoints& keypoints, double factor) {
@@ -195,7 +195,7 @@ KeyPoints detect(const FeatureParams& params, const cv::Mat& image) {
   keypoints.erase(std::remove_if(keypoints.begin(), keypoints.end(),
                                  [&](const cv::KeyPoint& point) { return point.size < params.min_size; }),
                   keypoints.end());
-  keepStrongest(keypoints, params.max_features);
+  if (params.max_features) keepStrongest(keypoints, params.max_features);
   return keypoints;
 }
 

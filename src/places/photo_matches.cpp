@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sextant/places/photo_matches.hpp"
 
+#include <cmath>
 #include <limits>
 #include <stdexcept>
 #include <string>
@@ -10,7 +11,8 @@ namespace sextant {
 namespace {
 
 // Compiled for both; the loader chooses (before a sanitizer is ready). NEON is part of every arm64.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
+    !defined(__SANITIZE_THREAD__)
 #define SEXTANT_VECTORIZED __attribute__((target_clones("avx2", "default")))
 #else
 #define SEXTANT_VECTORIZED
@@ -75,7 +77,9 @@ struct Unpacked {
   Sums squares;
 };
 
-void check(const CodedKeypoints& image, const CodedKeypoints& photo) {
+}  // namespace
+
+void requireComparable(const CodedKeypoints& image, const CodedKeypoints& photo) {
   for (const CodedKeypoints* each : {&image, &photo})
     if (each->positions.rows() != each->codes.rows())
       throw std::invalid_argument(std::to_string(each->positions.rows()) + " keypoints have " +
@@ -86,10 +90,8 @@ void check(const CodedKeypoints& image, const CodedKeypoints& photo) {
                                 std::to_string(photo.codes.cols()));
 }
 
-}  // namespace
-
 PhotoMatches matchPhoto(const CodedKeypoints& image, const CodedKeypoints& photo) {
-  check(image, photo);
+  requireComparable(image, photo);
   const Unpacked here(image), there(photo);
   const auto count = static_cast<int>(photo.codes.rows()), dimensions = static_cast<int>(photo.codes.cols());
   const Eigen::Index size = image.codes.rows();

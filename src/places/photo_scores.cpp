@@ -12,7 +12,7 @@ namespace {
 
 // Cells of the histograms, as fractions of the longer side: displacements depend on the depth of the scene.
 constexpr float kCells[] = {0.1F, 0.2F, 0.45F};
-constexpr float kReach = 1.6F;  // maximum displacement, as a fraction of the longer side
+constexpr float kReach = 1.6F;  // half the side of a histogram, likewise
 
 // Weights by displacement, each shared by the four nearest cells.
 class DisplacementHistogram {
@@ -91,6 +91,7 @@ Eigen::ArrayXf backgroundDistances(const std::vector<PhotoMatches>& matches, Eig
 PhotoScores scorePhotos(const CodedKeypoints& image, const std::vector<CodedKeypoints>& photos, int k) {
   const auto count = static_cast<Eigen::Index>(photos.size());
   const Eigen::Index size = image.codes.rows();
+  for (const CodedKeypoints& photo : photos) requireComparable(image, photo);
   std::vector<PhotoMatches> matches(photos.size());
   cv::parallel_for_({0, static_cast<int>(count)}, [&](const cv::Range& range) {
     for (int p = range.start; p < range.end; ++p) matches[p] = matchPhoto(image, photos[p]);

@@ -44,7 +44,7 @@ bool isBinaryExtractor(const std::string& extractor);
 /// Keypoints and descriptors of one image.
 struct LocalFeatures {
   cv::Size size;                        ///< of the image, pixels
-  std::vector<cv::KeyPoint> keypoints;  ///< in image pixels, strongest first
+  std::vector<cv::KeyPoint> keypoints;  ///< in image pixels
   cv::Mat descriptors;  ///< one row per keypoint; CV_32F, or CV_8U if binary; SIFT: integers in [0, 255]
 };
 

@@ -25,8 +25,11 @@ struct PhotoMatches {
   Eigen::Array<bool, Eigen::Dynamic, 1> mutual;  ///< (n) whether none of the image is more similar to it
 };
 
-/// Compares each keypoint of an image with each of a photo.
 /// @throws std::invalid_argument if positions and codes differ in number, or codes in width
+void requireComparable(const CodedKeypoints& image, const CodedKeypoints& photo);
+
+/// Compares each keypoint of an image with each of a photo.
+/// @throws std::invalid_argument see requireComparable()
 PhotoMatches matchPhoto(const CodedKeypoints& image, const CodedKeypoints& photo);
 
 }  // namespace sextant

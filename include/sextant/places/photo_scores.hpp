@@ -10,11 +10,10 @@
 namespace sextant {
 
 /// Scores of m photos for one image with n keypoints. They are sums of weights of matches over the geometric
-/// mean of the numbers of keypoints; larger is better, and 1 is that of equal codes. The weight of a match is
-/// 1 for equal codes, and 0 from the background distance on: local naive Bayes nearest neighbour (McCann and
-/// Lowe, CVPR 2012).
+/// mean of the numbers of keypoints; larger is better. The weight of a match is 1 for equal codes, and 0 from
+/// the background distance on: local naive Bayes nearest neighbour (McCann and Lowe, CVPR 2012).
 struct PhotoScores {
-  Eigen::ArrayXf distinctive;  ///< (m) of all matches
+  Eigen::ArrayXf distinctive;  ///< (m) of all matches; 1 if all codes are equal
   Eigen::ArrayXf consistent;   ///< (m) of mutual matches with about the same displacement: the sum of the
                                ///< highest cells of three histograms of displacements
   Eigen::ArrayXf background;   ///< (n) distance of a keypoint of the photos that does not match
@@ -22,11 +21,11 @@ struct PhotoScores {
 };
 
 /// Compares an image with each photo. For up to about a thousand photos this takes some ten milliseconds, and
-/// recognizes more than the nearest neighbours among the keypoints of all photos: there, photos with many
-/// keypoints take those of the right one.
+/// recognizes more than votes of nearest neighbours among the keypoints of all photos, most of which are
+/// those of photos with many keypoints.
 /// @param k at least 1: the background distance of a keypoint is the k-th smallest among the distances of
 /// the most similar and second most similar keypoints of all photos; with fewer of them, the largest
-/// @throws std::invalid_argument as matchPhoto()
+/// @throws std::invalid_argument see requireComparable()
 PhotoScores scorePhotos(const CodedKeypoints& image, const std::vector<CodedKeypoints>& photos, int k);
 
 }  // namespace sextant

@@ -24,12 +24,14 @@ class DescriptorCodes(NamedTuple):
         :param samples: (n, w) float32, or (n, w / 8) uint8 of binary descriptors
         :param width: d of the codes; at most w of them are used
         """
-        values = _values(samples)
+        values = _values(samples if width else samples[:0])
+        if not width:
+            return cls(np.zeros(values.shape[1], np.float32), np.zeros((values.shape[1], 0), np.float32))
         mean = values.mean(axis=0) if len(values) else np.zeros(values.shape[1], np.float32)
         centred = values - mean
         _, vectors = np.linalg.eigh(centred.T @ centred)  # in ascending order
         basis = vectors[:, ::-1][:, :width].astype(np.float32)
-        largest = np.quantile(np.abs(centred @ basis), CLIPPED) if len(values) and width else 1.0
+        largest = np.quantile(np.abs(centred @ basis), CLIPPED) if len(values) else 1.0
         return cls(mean, np.ascontiguousarray(basis * np.float32(LARGEST / max(largest, MIN_COMPONENT))))
 
     @property
@@ -39,6 +41,8 @@ class DescriptorCodes(NamedTuple):
 
     def encode(self, descriptors: np.ndarray) -> np.ndarray:
         """Codes int8 (n, d) of descriptors, of the samples' type and width."""
+        if not self.basis.shape[1]:
+            return np.zeros((len(descriptors), 0), np.int8)
         components = (_values(descriptors) - self.mean) @ self.basis
         return np.clip(np.rint(components), -LARGEST, LARGEST).astype(np.int8)
 

@@ -12,8 +12,9 @@ import sextant
 from sextant.base.strict_params import parse_struct
 from sextant.places.global_descriptor import GlobalDescriptorParams, cached_descriptor
 
+MAX_SIDE = 16384  # maximum of sextant.FeatureParams.max_side
 VOTE_MATCHER = "faiss"  # default of mode votes
-FINE = {"max_side": 640, "support_scale": 1.0, "min_size": 2.5}  # of the fine keypoints
+FINE = {"support_scale": 1.0, "min_size": 2.5}  # of the fine keypoints, in images of twice the size
 
 
 def default_features() -> Dict[str, Any]:
@@ -60,9 +61,10 @@ class IndexParams:
         """
         params = self.feature_params()
         is_measured = (params.detector, params.extractor) == ("SIFT", "SIFT")
-        if self.matcher or not is_measured or not 0 < params.max_side < FINE["max_side"]:
+        if self.matcher or not is_measured or not params.max_side:
             return None
-        return parse_struct(sextant.FeatureParams, {**self.features, **FINE}, "", "")
+        fine = {**self.features, **FINE, "max_side": min(2 * params.max_side, MAX_SIDE)}
+        return parse_struct(sextant.FeatureParams, fine, "", "")
 
     def validate(self) -> None:
         """Checks the parameters.

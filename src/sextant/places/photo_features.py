@@ -16,6 +16,7 @@ from sextant.places.index_params import IndexParams, content_digest
 from sextant.places.photo_keypoints import UNIT, Keypoints
 
 MAX_KEYPOINTS = 65536  # per photo, a limit of sextant.DescriptorIndex
+MAX_COMPARED = 500  # keypoints of an image that are compared with others, the strongest ones
 MAX_NAMES = 5  # maximum number of photos named in a message
 NO_VECTOR = np.zeros(0, np.float32)
 FileState = Tuple[int, int, int]  # size in bytes, mtime and ctime in nanoseconds
@@ -41,6 +42,7 @@ class KeypointExtractor:
     def __init__(self, params: IndexParams):
         """:raises ValueError: invalid parameters"""
         coarse, fine = params.feature_params(), params.fine_params()
+        self._most = None if params.matcher else MAX_COMPARED
         self._extractors = [sextant.FeatureExtractor(each) for each in (coarse, fine) if each]
         self._max_side = coarse.max_side
 
@@ -50,16 +52,17 @@ class KeypointExtractor:
         :param image: uint8, (height, width) grey or (height, width, 3) BGR
         """
         first, *others = self._extractors
-        coarse = _keypoints(first.extract(image))
+        coarse = self._strongest(first.extract(image))
         if max(image.shape[:2]) > self._max_side:
-            return (coarse, *(_keypoints(each.extract(image)) for each in others))
+            return (coarse, *(self._strongest(each.extract(image)) for each in others))
         none = Keypoints(coarse.positions[:0], coarse.descriptors[:0])
         return (coarse, *(none for _ in others))
 
-
-def _keypoints(found: "sextant.LocalFeatures") -> Keypoints:
-    scaled = found.keypoints[:, :2] * (UNIT / max(found.size))
-    return Keypoints(np.clip(np.rint(scaled), 0, UNIT).astype(np.uint16), found.descriptors)
+    def _strongest(self, found: "sextant.LocalFeatures") -> Keypoints:
+        order = np.argsort(-found.keypoints[:, 4], kind="stable")[: self._most]
+        scaled = found.keypoints[order, :2] * (UNIT / max(found.size))
+        positions = np.clip(np.rint(scaled), 0, UNIT).astype(np.uint16)
+        return Keypoints(positions, found.descriptors[order])
 
 
 def file_state(path: Path) -> FileState:

@@ -49,7 +49,7 @@ class PhotoKeypoints:
         :param counts: (photos,) number of keypoints of each photo; their sum is n
         """
         self.coder, self.positions, self.codes = coder, positions, codes
-        self.counts = np.asarray(counts, int)
+        self._count(counts)
 
     @classmethod
     def empty(cls, samples: np.ndarray, width: int) -> "PhotoKeypoints":
@@ -62,21 +62,20 @@ class PhotoKeypoints:
         return cls(coder, np.zeros((0, 2), np.uint16), np.zeros((0, coder.basis.shape[1]), np.int8), [])
 
     @property
-    def firsts(self) -> np.ndarray:
-        """First row (photos,) of each photo."""
-        return np.cumsum(self.counts) - self.counts
-
-    @property
     def bytes(self) -> int:
         """Memory of positions and codes."""
         return self.positions.nbytes + self.codes.nbytes
+
+    def _count(self, counts: Sequence[int]) -> None:
+        self.counts = np.asarray(counts, int)  # (photos,) number of keypoints of each photo
+        self.firsts = np.cumsum(self.counts) - self.counts  # (photos,) first row of each photo
 
     def add(self, photos: Sequence[Keypoints]) -> None:
         """Adds photos after the others."""
         codes = [self.coder.encode(each.descriptors) for each in photos]
         self.codes = np.concatenate([self.codes, *codes])
         self.positions = np.concatenate([self.positions, *(each.positions for each in photos)])
-        self.counts = np.append(self.counts, [len(each) for each in codes]).astype(int)
+        self._count([*self.counts, *(len(each) for each in codes)])
 
     def keep(self, kept: np.ndarray) -> None:
         """Removes photos.
@@ -84,7 +83,8 @@ class PhotoKeypoints:
         :param kept: bool (photos,) whether each remains
         """
         rows = np.repeat(kept, self.counts)
-        self.positions, self.codes, self.counts = self.positions[rows], self.codes[rows], self.counts[kept]
+        self.positions, self.codes = self.positions[rows], self.codes[rows]
+        self._count(self.counts[kept])
 
     def of(self, number: int) -> CodedKeypoints:
         """The keypoints of one photo."""

@@ -251,7 +251,8 @@ def _left_out(session: _Session, photo: Photo, others: PlaceMap, query: Query) -
     index, is_searched = session.index, session.index.params.matcher is not None
     if is_searched:  # else the photo's neighbours would take the votes of others
         index.remove([each for each in index.photos if each.image == photo.image])
-    result = _localized(index, _ready(PlaceLocalizer(others, index, session.params)), query)
+    localizer = PlaceLocalizer(others, index, session.params)
+    result = _localized(index, _ready(localizer) if is_searched else localizer, query)
     if is_searched:
         index.add([photo.image], [photo_features(index.params, query.path)])
     return result

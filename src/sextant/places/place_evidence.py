@@ -96,7 +96,7 @@ def deviations(scores: np.ndarray) -> np.ndarray:
     """Robust z-scores (n,): (score - median) / (1.4826 * median absolute deviation); 0 if all are equal.
 
     Median and deviation are those of the REFERENCE best photos. The deviation ignores scores that are equal
-    to the median: otherwise it would be 0 if most photos had no votes.
+    to the median: otherwise it would be 0 if most photos were equally similar.
     """
     reference = -np.sort(-scores)[:REFERENCE]
     centre = np.median(reference)

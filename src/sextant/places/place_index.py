@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Features of all photos of a map, in memory."""
+"""Features of all photos of a map."""
 
 from typing import Iterable, List, NamedTuple, Optional, Sequence
 
@@ -12,7 +12,7 @@ from sextant.places.photo_features import FileState, PhotoFeatures
 from sextant.places.photo_keypoints import CodedKeypoints, Keypoints, PhotoKeypoints
 
 WIDTHS = (64, 32)  # of the codes of each kind of keypoints
-SAMPLES = 400_000  # maximum number of training descriptors
+SAMPLES = 100_000  # maximum number of training descriptors
 SEED = 1  # of the choice of training descriptors
 SEARCHED = 128  # keypoints of a photo of a large map, the strongest ones, by which it becomes a candidate
 EXHAUSTIVE = 800  # maximum number of photos with each of which an image is compared
@@ -32,7 +32,7 @@ class ComparedPhotos(NamedTuple):
     """Some photos of an index compared with all others: what the scores of other places are in this map."""
 
     rows: np.ndarray  # int (m,) of the compared photos
-    scores: np.ndarray  # float32 (m, photos) see place_scores.PhotoScores.logs; nan: the photo itself
+    scores: np.ndarray  # float32 (kinds, m, photos) see place_scores.PhotoScores.logs; nan: the photo itself
 
 
 def is_large(photos: int) -> bool:
@@ -69,14 +69,21 @@ class PlaceIndex:
         self.descriptors = descriptors
         self.vectors = np.zeros((len(self.photos), 0), np.float32) if vectors is None else vectors
         self.compared = compared
+        self.is_incomplete = False  # whether photos were added with a kind of keypoints that it does not have
+        self._image_ids: Optional[np.ndarray] = None  # (photos,) made when it is needed
 
     @classmethod
     def built(
-        cls, params: IndexParams, images: Sequence[str], features: Sequence[PhotoFeatures]
+        cls,
+        params: IndexParams,
+        images: Sequence[str],
+        features: Sequence[PhotoFeatures],
+        expected: Optional[int] = None,
     ) -> "PlaceIndex":
         """A new index of photos.
 
         :param images: file names, as in the map
+        :param expected: number of photos when all have been added; None: no more are
         :raises ValueError: no photo has a keypoint
         """
         kinds = [[each.descriptors for each in kind] for kind in zip(*(each.kinds for each in features))]
@@ -85,15 +92,15 @@ class PlaceIndex:
         samples = [_samples(kind) for kind in kinds if any(map(len, kind))]
         widths = [0] if params.matcher else WIDTHS
         keypoints = [PhotoKeypoints.empty(each, width) for each, width in zip(samples, widths)]
-        total, descriptors = sum(map(len, kinds[0])), None
+        expected, descriptors = expected or len(images), None
+        total = sum(map(len, kinds[0])) * expected // len(images)
         if params.matcher:
             descriptors = sextant.DescriptorIndex(params.matcher, samples[0], total)
-        elif is_large(len(images)):
+        elif is_large(expected):
             values = _values(keypoints[0].coder.encode(samples[0]))
-            total = sum(min(len(each), SEARCHED) for each in kinds[0])
-            descriptors = sextant.DescriptorIndex("faiss", values, total)
+            descriptors = sextant.DescriptorIndex("faiss", values, min(total, SEARCHED * expected))
         vectors = np.zeros((0, len(features[0].vector)), np.float32)
-        index = cls(params, [], keypoints, descriptors, len(features), vectors)
+        index = cls(params, [], keypoints, descriptors, expected, vectors)
         index.add(images, features)
         return index
 
@@ -101,12 +108,14 @@ class PlaceIndex:
         """Adds photos that are not in the index."""
         if not images:  # keeps the arrays memory-mapped
             return
-        self.compared = None
+        self.compared = self._image_ids = None
         image_id = 1 + max((photo.image_id for photo in self.photos), default=-1)
         for number, (image, each) in enumerate(zip(images, features), image_id):
             self.photos.append(IndexedPhoto(image, each.digest, each.state, number, each.count))
             if self.descriptors is not None:
                 self.descriptors.add(number, self.searched(each.kinds[0]))
+        lacking = [each.kinds[len(self.keypoints) :] for each in features]
+        self.is_incomplete |= any(len(kind.positions) for kinds in lacking for kind in kinds)
         for number, kind in enumerate(self.keypoints):
             kind.add([each.kinds[number] for each in features])
         self.vectors = np.concatenate([self.vectors, *(each.vector[np.newaxis] for each in features)])
@@ -116,7 +125,7 @@ class PlaceIndex:
         removed = {photo.image_id for photo in photos}
         if not removed:  # keeps the arrays memory-mapped
             return
-        self.compared = None
+        self.compared = self._image_ids = None
         if self.descriptors is not None:
             for image_id in removed:
                 self.descriptors.remove(image_id)
@@ -131,9 +140,10 @@ class PlaceIndex:
 
         :param rows: int (m,) of photos
         """
-        image_ids = np.array([photo.image_id for photo in self.photos])
-        numbers = np.full(2 + image_ids.max(initial=0), -1)  # the last element is that of -1
-        numbers[image_ids[rows]] = np.arange(len(rows))
+        if self._image_ids is None:
+            self._image_ids = np.array([photo.image_id for photo in self.photos])
+        numbers = np.full(2 + self._image_ids.max(initial=0), -1)  # the last element is that of -1
+        numbers[self._image_ids[rows]] = np.arange(len(rows))
         return numbers
 
     def searched(self, keypoints: Keypoints) -> np.ndarray:

@@ -111,6 +111,8 @@ def _table(index: PlaceIndex, parts: Dict[str, Tuple[int, int, int]]) -> bytes:
     table = {
         "settings": index.params.as_json(),
         "photos": [photo._asdict() for photo in index.photos],
+        "widths": [kind.codes.shape[1] for kind in index.keypoints],
+        "vector": index.vectors.shape[1],
         "compared": index.compared.rows.tolist() if index.compared else None,
         "counts": [kind.counts.tolist() for kind in index.keypoints],
         "learned_from": index.learned_from,
@@ -154,28 +156,30 @@ def _checksum(path: str, begin: int, length: int) -> int:
 
 def _index(path: str, table: Dict[str, Any], params: IndexParams) -> PlaceIndex:
     photos = [IndexedPhoto(**{**photo, "state": tuple(photo["state"])}) for photo in table["photos"]]
-    keypoints = [_keypoints(path, table, *each) for each in enumerate(table["counts"])]
-    vectors = _mapped(path, table, "vectors", np.float32, len(photos))
-    index = table["parts"].get("index")
+    kinds = enumerate(zip(table["counts"], table["widths"]))
+    keypoints = [_keypoints(path, table, number, *kind) for number, kind in kinds]
+    vectors = _mapped(path, table, "vectors", np.float32, (len(photos), table["vector"]))
+    index, rows, compared = table["parts"].get("index"), table["compared"], None
     descriptors = sextant.DescriptorIndex.read(path, index[0]) if index else None
-    rows, compared = table["compared"], None
     if rows is not None:
-        scores = _mapped(path, table, "compared", np.float32, len(rows))
-        compared = ComparedPhotos(np.array(rows, int), scores)
+        shape = (len(keypoints), len(rows), len(photos))
+        compared = ComparedPhotos(np.array(rows, int), _mapped(path, table, "compared", np.float32, shape))
     return PlaceIndex(params, photos, keypoints, descriptors, table["learned_from"], vectors, compared)
 
 
-def _keypoints(path: str, table: Dict[str, Any], number: int, counts: List[int]) -> PhotoKeypoints:
-    mean = _mapped(path, table, f"mean{number}", np.float32, 1)[0]
-    basis = _mapped(path, table, f"basis{number}", np.float32, len(mean))
-    positions = _mapped(path, table, f"positions{number}", np.uint16, sum(counts))
-    codes = _mapped(path, table, f"codes{number}", np.int8, sum(counts))
+def _keypoints(
+    path: str, table: Dict[str, Any], number: int, counts: List[int], width: int
+) -> PhotoKeypoints:
+    mean = _mapped(path, table, f"mean{number}", np.float32, (-1,))
+    basis = _mapped(path, table, f"basis{number}", np.float32, (len(mean), width))
+    positions = _mapped(path, table, f"positions{number}", np.uint16, (sum(counts), 2))
+    codes = _mapped(path, table, f"codes{number}", np.int8, (sum(counts), width))
     return PhotoKeypoints(DescriptorCodes(mean, basis), positions, codes, counts)
 
 
-def _mapped(path: str, table: Dict[str, Any], name: str, kind: type, rows: int) -> np.ndarray:
-    """A part of the file as a memory-mapped array of this many rows."""
+def _mapped(path: str, table: Dict[str, Any], name: str, kind: type, shape: Tuple[int, ...]) -> np.ndarray:
+    """A part of the file as a memory-mapped array."""
     begin, length, _ = table["parts"][name]
     if not length:  # an empty part cannot be mapped
-        return np.zeros((rows, 0), kind)
-    return np.memmap(path, kind, "r", begin, length // np.dtype(kind).itemsize).reshape(rows, -1)
+        return np.zeros(shape, kind)
+    return np.memmap(path, kind, "r", begin, length // np.dtype(kind).itemsize).reshape(shape)

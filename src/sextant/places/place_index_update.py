@@ -15,6 +15,7 @@ from sextant.places.place_index_file import CacheError, cache_path, read_cache, 
 from sextant.places.place_scores import compared_photos
 
 MANY = 100_000  # descriptors; searching this number exactly takes about a second per image
+PART = 2000  # photos that are described at once
 GROWTH = 4  # the index is rebuilt if the map has more than this times the photos that trained it
 
 Report = Callable[[str], None]
@@ -63,13 +64,26 @@ class PlaceIndexer:
         """The cached index after an update, or a new one; stores it if it changed."""
         index = self._cached()
         if index is None or self._is_outgrown(index, len(images)):
-            self.report(f"{self.map_path}: describing {len(images)} photos")
-            index = PlaceIndex.built(self.params, images, self._describe(images))
+            index = self._built(images)
         elif not self._update(index, images):
             return index
-        if not self.params.matcher:
+        elif index.is_incomplete:
+            index = self._built(images)
+        if not self.params.matcher and index.compared is None:
             index.compared = compared_photos(index)
         self._store(index)
+        return index
+
+    def _built(self, images: List[str]) -> PlaceIndex:
+        """A new index; of many photos only a part has all its descriptors in memory at once."""
+        self.report(f"{self.map_path}: describing {len(images)} photos")
+        first = images[:: -(-len(images) // PART)]  # from all over the map: the codes are learned from them
+        index = PlaceIndex.built(self.params, first, self._describe(first), len(images))
+        known = set(first)
+        others = [image for image in images if image not in known]
+        for begin in range(0, len(others), PART):
+            part = others[begin : begin + PART]
+            index.add(part, self._describe(part, index.photos))
         return index
 
     def _is_outgrown(self, index: PlaceIndex, photos: int) -> bool:

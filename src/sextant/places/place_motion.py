@@ -4,7 +4,7 @@
 
 A robot often drives as the robot that took the photos, in the same direction or back, and its velocity
 changes rarely. Each velocity is a layer of the belief, and one more layer is free motion to neighbouring
-places. The product of evidence and motion then also shows which layer is right.
+places. Images that are predicted well by a layer raise its probability.
 """
 
 from typing import Dict, List, Optional
@@ -23,7 +23,7 @@ POSITION_SIGMA = 0.5  # spacings; with odometry: the robot may be anywhere aroun
 FARTHEST = 3.0  # standard deviations
 DISTANCE_STEP = 0.1  # spacings; distances are rounded to it, so that transition matrices can be cached
 MAX_CACHED = 64  # maximum number of distances with cached transition matrices
-MAX_ENTRIES = 16_000_000  # nonzero entries of one transition matrix, and of all cached ones: about 200 MB
+MAX_ENTRIES = 16_000_000  # nonzero entries of all cached transition matrices: about 200 MB
 LEAST = 1e-9  # added to each weight: no transition to a neighbour is impossible
 
 
@@ -65,19 +65,26 @@ class PlaceMotion:
         step = None if distance is None else round(distance / (DISTANCE_STEP * self.spacing))
         if step not in self._cached:
             rounded = None if step is None else step * DISTANCE_STEP * self.spacing
-            made = [*(self._step_along(velocity, rounded) for velocity in VELOCITIES), self._free(rounded)]
-            matrices = [*made, *(each for of_step in self._cached.values() for each in of_step)]
-            entries = sum(each.nnz for each in matrices if each is not None)
+            made = self._new_transitions(rounded)
+            entries = sum(map(_entries, [made, *self._cached.values()]))
             if len(self._cached) >= MAX_CACHED or entries > MAX_ENTRIES:
                 self._cached.clear()
-            self._cached[step] = made
+            self._cached[step] = made if _entries(made) <= MAX_ENTRIES else [None] * LAYERS
         return self._cached[step]
 
-    def _step_along(self, velocity: float, distance: Optional[float]) -> Optional[csr_matrix]:
+    def _new_transitions(self, distance: Optional[float]) -> List[Optional[csr_matrix]]:
+        if distance is None:
+            sigmas = [self.spacing * (STEP_SIGMA + SHARE_SIGMA * abs(velocity)) for velocity in VELOCITIES]
+            along = [self._step_along(v * self.spacing, sigma) for v, sigma in zip(VELOCITIES, sigmas)]
+        else:
+            ways = {sign: self._step_along(sign * distance, self._sigma(distance)) for sign in (-1.0, 1.0)}
+            is_known = all(each is not None for each in ways.values())
+            both = 0.5 * (ways[-1.0] + ways[1.0]) if is_known else None
+            along = [ways[np.sign(velocity)] if velocity else both for velocity in VELOCITIES]
+        return [*along, self._free(distance)]
+
+    def _step_along(self, step: float, sigma: float) -> Optional[csr_matrix]:
         """By the difference of two arc lengths."""
-        step, sigma = velocity * self.spacing, self.spacing * (STEP_SIGMA + SHARE_SIGMA * abs(velocity))
-        if distance is not None:
-            step, sigma = np.copysign(distance, velocity), self._sigma(distance)
         pairs = _pairs(self._along, abs(step) + FARTHEST * sigma)
         if pairs is None:
             return None
@@ -104,6 +111,11 @@ class PlaceMotion:
         beyond = np.maximum(least - self.spacing / 2, 0.0)  # no place is nearer than that
         sums = (np.exp(-0.5 * (beyond / sigma) ** 2) + LEAST) / np.asarray(matrix.sum(axis=1))[:, 0]
         return matrix.multiply(sums[:, np.newaxis]).tocsr()
+
+
+def _entries(matrices: List[Optional[csr_matrix]]) -> int:
+    """Nonzero entries of matrices, each counted once."""
+    return sum({id(each): each.nnz for each in matrices if each is not None}.values())
 
 
 def _pairs(tree: cKDTree, farthest: float) -> Optional[coo_matrix]:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Recognizes the place of an image: descriptor votes, geometric verification, and their evidence."""
+"""Recognizes the place of an image: comparison with the photos of a map, and its evidence."""
 
 from dataclasses import dataclass
 from typing import Any, List, NamedTuple, Optional
@@ -22,7 +22,7 @@ from sextant.places.place_evidence import (
 )
 from sextant.places.place_index import PlaceIndex
 from sextant.places.place_matches import MapPhotos, MatchedPhoto, matched_photo
-from sextant.places.place_scores import compared_photos, photo_scores
+from sextant.places.place_scores import ScoresByPhoto, compared_photos, photo_scores
 from sextant.places.place_votes import MatchStatistics, match_statistics
 
 CELLS = 8  # number of cells along each side of the image, see contrast()
@@ -49,11 +49,11 @@ class RecognitionParams(StrictParams):
 class Recognition(NamedTuple):
     """Evidence of one image for the places in the order of PlaceMap.places()."""
 
-    scores: np.ndarray  # (places,) score by votes of the most likely photo; at least 0, larger is better
+    scores: np.ndarray  # (places,) score of the most likely photo; at least 0, larger is better
     log_ratios: np.ndarray  # (places,) log likelihood ratio of each place against an unknown place
     best_photos: List[Photo]  # (places,) most likely photo of each place
     usable: bool  # whether there is any evidence
-    is_absolute: bool  # whether there are votes; otherwise log_ratios only compare places with each other
+    is_absolute: bool  # whether there are enough keypoints; otherwise log_ratios only compare places
     statistics: MatchStatistics  # of the image's keypoints
     match: MatchedPhoto  # of the most likely photo
 
@@ -88,7 +88,7 @@ class PlaceRecognizer:
             raise ValueError(f"matcher {index.params.matcher} is for mode votes only")
         self._params, self._index = params or RecognitionParams(), index
         self._photos = MapPhotos(place_map, index)
-        self._unknown = self._unknown_places()
+        self._unknown = self._unknown_places(np.arange(len(self._photos.rows)))
         self._extractor = extractor or KeypointExtractor(index.params)
         network = index.params.global_descriptor
         self._descriptor = GlobalDescriptor(network) if network and self._params.network_weight else None
@@ -100,40 +100,43 @@ class PlaceRecognizer:
         """
         kinds = self._index.encode(self._extractor.extract(image))
         scores = photo_scores(self._index, self._photos.rows, kinds)
-        is_absolute = len(kinds[0].positions) >= self._params.min_keypoints
-        ratios = np.zeros(len(scores.logs))
+        total, is_absolute = scores.total, len(kinds[0].positions) >= self._params.min_keypoints
+        ratios = np.zeros(len(total))
         if is_absolute:
-            features = self.features(scores.logs)
-            ratios = absolute_log_ratios(scores.logs, features, self._photos.shares, self._params.evidence)
+            features = self.features(total, len(scores.logs))
+            ratios = absolute_log_ratios(total, features, self._photos.shares, self._params.evidence)
         has_descriptor = self._descriptor is not None and contrast(image) >= self._params.min_contrast
         if has_descriptor:
             ratios = ratios + self._network_log_ratios(image)
-        order = np.lexsort((scores.logs, ratios))
+        order = np.lexsort((total, ratios))
         best = self._best(order)
         return Recognition(
-            scores.logs[best], self._of_places(ratios), [self._photos.photos[number] for number in best],
+            total[best], self._of_places(ratios), [self._photos.photos[number] for number in best],
             is_absolute or has_descriptor, is_absolute,
             match_statistics(scores.nearest, np.isfinite(scores.nearest)),
             self._match(int(order[-1]), kinds[0], scores.background),
         )  # fmt: skip
 
-    def scores(self, image: np.ndarray) -> np.ndarray:
-        """Scores (photos,) of an image, see PhotoScores.logs; the photos are in the order of the places."""
-        return photo_scores(
-            self._index, self._photos.rows, self._index.encode(self._extractor.extract(image))
-        ).logs
+    def scores(self, image: np.ndarray) -> ScoresByPhoto:
+        """Scores of the photos, in the order of the places, for an image."""
+        kinds = self._index.encode(self._extractor.extract(image))
+        return photo_scores(self._index, self._photos.rows, kinds)
 
-    def features(self, scores: np.ndarray, numbers: Optional[np.ndarray] = None) -> np.ndarray:
+    def features(self, scores: np.ndarray, kinds: int, numbers: Optional[np.ndarray] = None) -> np.ndarray:
         """Features (2,) of the evidence of an image, see image_features().
 
-        :param scores: (photos,) see scores()
+        :param scores: (photos,) of all kinds of keypoints that the image has
+        :param kinds: number of these kinds
         :param numbers: int (m,) of the photos that are in the map; None: all
         """
-        numbers = np.arange(len(scores)) if numbers is None else numbers
+        unknown = self._unknown[kinds - 1]
+        if numbers is None:
+            numbers = np.arange(len(scores))
+        else:
+            unknown = self._unknown_places(numbers)[kinds - 1]
         best = np.zeros(len(scores), bool)
         best[numbers[scores[numbers].argmax()]] = True
-        kinds = len(self._index.keypoints)
-        return image_features(scores[numbers], self.near(best)[numbers], self._unknown, kinds)
+        return image_features(scores[numbers], self.near(best)[numbers], unknown, kinds)
 
     def near(self, which: np.ndarray) -> np.ndarray:
         """Whether each photo is near one of these.
@@ -143,13 +146,18 @@ class PlaceRecognizer:
         """
         return self._photos.near(np.flatnonzero(which)).any(axis=0)
 
-    def _unknown_places(self) -> UnknownPlaces:
-        compared = self._index.compared or compared_photos(self._index)
-        number_of_row = np.full(len(self._index.photos), -1)
-        number_of_row[self._photos.rows] = np.arange(len(self._photos.rows))
+    def _unknown_places(self, numbers: np.ndarray) -> List[UnknownPlaces]:
+        """For images with one kind of keypoints, with two, ...
+
+        :param numbers: int (m,) of the photos that are in the map
+        """
+        index, rows = self._index, self._photos.rows[numbers]
+        number_of_row = np.full(len(index.photos), -1)
+        number_of_row[rows] = numbers
+        compared = index.compared or compared_photos(index)
         in_map = number_of_row[compared.rows] >= 0
-        near = self._photos.near(number_of_row[compared.rows[in_map]])
-        return UnknownPlaces.of_map(compared.scores[in_map][:, self._photos.rows], near)
+        near = self._photos.near(number_of_row[compared.rows[in_map]])[:, numbers]
+        return [UnknownPlaces.of_map(scores[in_map][:, rows], near) for scores in compared.scores]
 
     def _match(self, number: int, image: CodedKeypoints, background: np.ndarray) -> MatchedPhoto:
         photo, row = self._photos.photos[number], self._photos.rows[number]

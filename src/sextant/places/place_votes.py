@@ -3,7 +3,7 @@
 """Votes of an image's descriptors for the photos of a map.
 
 The k nearest neighbours of n descriptors are passed as distances and image_ids, each (n, k), nearest first.
-An image_id is the number of a photo as in place_matches.Neighbours, or -1 if there is none.
+An image_id is the number of a photo as in PlaceIndex.numbers(), or -1 if there is none.
 """
 
 from typing import NamedTuple, Tuple

@@ -26,9 +26,9 @@ def test_each_layer_moves_by_its_velocity():
 
 def test_odometry_replaces_the_velocities_and_keeps_their_directions():
     layers = moved(distance=5 * SPACING)
-    assert layers[:-1] @ np.arange(COUNT) == pytest.approx(
-        20 + 5 * np.where(np.array(VELOCITIES) < 0, -1, 1), abs=0.1
-    )
+    assert layers[:-1] @ np.arange(COUNT) == pytest.approx(20 + 5 * np.sign(VELOCITIES), abs=0.1)
+    standing, moving = layers[VELOCITIES.index(0.0)], layers[[0, -2]]
+    assert standing == pytest.approx(moving.mean(axis=0))
     assert layers[-1, [15, 25]].sum() > 0.5 and layers[-1, 20] < 1e-3
 
 
