@@ -139,7 +139,7 @@ def _one(
     used = np.arange(len(scores)) if numbers is None else numbers
     best = np.arange(len(scores)) == used[scores[used].argmax()]
     features = recognizer.features(scores, kinds, numbers)
-    return ImageEvidence(scores[used], features, right[used], recognizer.near(best)[used], 1.0)
+    return ImageEvidence(scores[used].astype(float), features, right[used], recognizer.near(best)[used], 1.0)
 
 
 def _log_probabilities(weights: np.ndarray, seen: ImageEvidence) -> np.ndarray:

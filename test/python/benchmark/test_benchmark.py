@@ -191,10 +191,11 @@ def test_quick_run_of_recall(tmp_path):
 @pytest.mark.slow
 @pytest.mark.skipif(not (EXTERNAL / "places").is_dir(), reason="external test data")
 def test_quick_run_of_the_calibration(tmp_path):
-    probabilities, weights = tables_of("places.py", "calibration", tmp_path)
-    assert {row["queries"]["value"] for row in probabilities["rows"]} == {96}
+    domains, modes, weights = tables_of("places.py", "calibration", tmp_path)
+    assert all(row["images of the map"]["value"] > 0 for row in domains["rows"])
+    assert {row["queries"]["value"] for row in modes["rows"]} == {96}
     fitted, shipped = weights["rows"]
-    assert fitted["score"]["value"] > 0 < shipped["score"]["value"]
+    assert fitted["slope"]["value"] > 0 < shipped["slope"]["value"]
 
 
 @pytest.mark.slow
