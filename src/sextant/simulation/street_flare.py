@@ -26,17 +26,17 @@ GHOSTS = (  # place on the line from the sun (0) through the centre (1), radius 
 
 
 def add_sun(sky: np.ndarray, sun: Tuple[float, float], f: float, direct: float) -> None:
-    """Adds glow and disc to the sky (rows, columns), in place.
+    """Adds glow and disc to the sky (rows, columns), float32, in place.
 
     :param sun: its pixel, which may be outside
     :param f: focal length, pixels
     :param direct: fraction of directional light
     """
     distance = _distance(sky.shape, sun) / f
-    glow = (GLOW * direct) * np.exp(-distance / GLOW_WIDTH)
+    glow = np.float32((GLOW * direct) * np.exp(-distance / GLOW_WIDTH))
+    sky += cv2.resize(glow, sky.shape[::-1], interpolation=cv2.INTER_LINEAR)
     if direct > HIDDEN:
-        glow += DISC * direct * (distance < RADIUS)
-    sky += cv2.resize(np.float32(glow), sky.shape[::-1], interpolation=cv2.INTER_LINEAR)
+        cv2.circle(sky, (round(sun[0]), round(sun[1])), max(1, round(RADIUS * f)), DISC * direct, -1)
 
 
 def visible_sun(light: np.ndarray, sun: Tuple[float, float], f: float) -> float:

@@ -17,7 +17,7 @@ def sky_with(sun, direct=0.8):
 
 
 def test_the_disc_is_where_the_sun_is_and_as_large_as_set():
-    rows, columns = np.nonzero(sky_with((200.0, 100.0)) > DISC * 0.8**2 / 2)
+    rows, columns = np.nonzero(sky_with((200.0, 100.0)) > DISC * 0.8 / 2)
     assert (columns.mean(), rows.mean()) == pytest.approx((200, 100), abs=1.5)
     assert len(rows) == pytest.approx(np.pi * (RADIUS * F) ** 2, rel=0.35)
 
