@@ -81,6 +81,7 @@ FIGURES = {
     "of a perfect one": ("perfect_calibration_error", ".3f"),
     "unknown, in the map": ("unknown_rate_in_map", ".1%"),
     "unknown, others": ("unknown_rate_off_map", ".1%"),
+    "estimates": ("estimates", ".0f"),
     "position error, median": ("position_error", ".2f"),
     "90 % below": ("position_error_90", ".2f"),
     "in the 95 % ellipse": ("ellipse_coverage", ".1%"),
