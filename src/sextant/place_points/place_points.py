@@ -5,7 +5,7 @@
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import List, NamedTuple, Optional, Sequence, Tuple
+from typing import List, Optional, Sequence, Tuple
 
 import numpy as np
 from scipy.stats import chi2
@@ -17,10 +17,14 @@ from sextant.place_maps.photo_poses import PosedPhoto
 from sextant.place_points.camera_pose_fit import PointMatches, fit_camera_pose
 from sextant.place_points.photo_keypoints import KeypointExtractor, PhotoKeypoints
 from sextant.place_points.point_tracks import point_tracks
-from sextant.place_points.point_triangulation import Observations, triangulated
+from sextant.place_points.point_triangulation import Observations, Points, triangulated
 
 MIN_MATCHES = 20  # of a photo that takes part in the calibration of the covariance
-MIN_POSES = 8  # photos in the calibration; with fewer its result is not used
+MIN_POSES, MAX_POSES = 8, 100  # photos in the calibration; with fewer its result is not used
+DEFAULT_FACTOR = 2.0  # of covariances in a map with fewer photos; typical of simulated streets
+FIRST_FACTOR = 2.0  # of the noise of keypoints, before it is known
+ROUNDS = 2  # of the estimation of the noise
+NORMAL = 1.4826  # standard deviation of a normal distribution by the median of its absolute values
 
 
 @dataclass(frozen=True)
@@ -63,7 +67,10 @@ def triangulated_points(
     """
     seen, rows = point_tracks(poses, keypoints)
     count = int(seen.point.max()) + 1 if len(rows) else 0
-    factor = _sigma_factor(triangulated(poses, count, seen).errors) if count else 1.0
+    factor = FIRST_FACTOR
+    for _ in range(ROUNDS):
+        assumed = seen._replace(sigma=factor * seen.sigma)
+        factor *= _noise(triangulated(poses, count, assumed), assumed)
     seen = seen._replace(sigma=factor * seen.sigma)
     points = triangulated(poses, count, seen)
     descriptors = np.concatenate([np.zeros((0, 128)), *(each.descriptors for each in keypoints)])[rows]
@@ -75,16 +82,18 @@ def triangulated_points(
     )  # fmt: skip
 
 
-def _sigma_factor(errors: np.ndarray) -> float:
-    """Ratio of the noise to its assumed standard deviation, from the median of the reprojection errors.
+def _noise(points: Points, seen: Observations) -> float:
+    """Ratio of the noise to its standard deviation that was assumed, from the median of the reprojection errors.
 
-    They are smaller than the noise, as the points are fitted to them: n views have 2 n - 3 degrees of freedom.
+    The errors are smaller than the noise, as the points are fitted to them: the 2 n coordinates of n photos have
+    2 n - 3 degrees of freedom.
     """
-    known = errors[np.isfinite(errors)]
-    return float(max(0.5, 1.4826 * np.median(np.abs(known)) * VIEWS_LOSS)) if len(known) else 1.0
-
-
-VIEWS_LOSS = np.sqrt(2 * 3 / (2 * 3 - 3))  # for points in three photos, the usual number
+    if not points.used.any():
+        return 1.0
+    point = seen.point[points.used]
+    coordinates = 2 * np.bincount(point)[point]
+    noise = np.abs(points.errors[points.used]) / np.sqrt(1 - 3 / coordinates)[:, None]
+    return NORMAL * float(np.median(noise))
 
 
 def _covariance_factor(poses: np.ndarray, count: int, seen: Observations) -> float:
@@ -93,14 +102,12 @@ def _covariance_factor(poses: np.ndarray, count: int, seen: Observations) -> flo
     A photo is localized by points that are triangulated without it. Errors that points have in common, such as
     those of the poses, of the lens and of keypoints on one surface, are in no sum over single points.
     """
-    values = [_nees_without(photo, poses, seen) for photo in range(len(poses))] if count else []
+    photos = range(0, len(poses), 1 + len(poses) // MAX_POSES) if count else ()
+    values = [_nees_without(photo, poses, seen) for photo in photos]
     known = [value for value in values if value is not None]
     if len(known) < MIN_POSES:
         return DEFAULT_FACTOR
     return max(1.0, float(np.median(known) / chi2.ppf(0.5, 6)))
-
-
-DEFAULT_FACTOR = 2.0  # of a map with few photos; typical of maps of simulated streets
 
 
 def _nees_without(photo: int, poses: np.ndarray, seen: Observations) -> Optional[float]:

@@ -74,7 +74,7 @@ def _matches(T_b_a: np.ndarray, a: PhotoKeypoints, b: PhotoKeypoints) -> Tuple[n
     best = distances[np.arange(len(a.xy)), of_a]
     second_of_a, second_of_b = np.partition(distances, 1, axis=1)[:, 1], np.partition(distances, 1, axis=0)[1]
     limit = MAX_RATIO**2 * np.minimum(second_of_a, second_of_b[of_a])
-    found = np.flatnonzero(np.isfinite(best) & (of_b[of_a] == np.arange(len(a.xy))) & ~(best > limit))
+    found = np.flatnonzero(np.isfinite(best) & (of_b[of_a] == np.arange(len(a.xy))) & (best < limit))
     return found, of_a[found]
 
 

@@ -5,7 +5,8 @@
 Observations are normalized image coordinates: (x / z, y / z) of the ray in the camera's optical frame.
 """
 
-from typing import NamedTuple
+import math
+from typing import NamedTuple, Tuple
 
 import numpy as np
 
@@ -78,12 +79,12 @@ def _rays(poses: np.ndarray, seen: Observations) -> np.ndarray:
 
 def _summed(group: np.ndarray, values: np.ndarray, count: int) -> np.ndarray:
     """Sums (count, ...) of the values (n, ...) of each group."""
-    flat = values.reshape(len(values), -1)
+    flat = values.reshape(len(values), math.prod(values.shape[1:]))
     sums = np.stack([np.bincount(group, column, count) for column in flat.T], axis=1)
     return sums.reshape(count, *values.shape[1:])
 
 
-def _errors(poses: np.ndarray, xyz: np.ndarray, seen: Observations):
+def _errors(poses: np.ndarray, xyz: np.ndarray, seen: Observations) -> Tuple[np.ndarray, np.ndarray]:
     """Errors (n, 2) of the observations, and their Jacobians (n, 2, 3) by the point."""
     R = poses[seen.photo, :3, :3]
     p = np.einsum("nji,nj->ni", R, xyz[seen.point] - poses[seen.photo, :3, 3])
