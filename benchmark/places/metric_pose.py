@@ -27,7 +27,7 @@ from sextant.simulation.street_view import EYE
 SEEDS = (11, 12, 13)  # of the streets; the constants of the method were chosen on 5, 6 and 7
 QUERY_STEP = 2.0  # distance between queries, metres
 PAIRS = (("summer", "summer"), ("autumn", "winter"))
-MEDIAN, MOST, HEADING = 0.15, 0.5, 1.0  # bars: median and 95 % of the position, metres; 95 % of the heading, degrees
+MEDIAN, MOST, HEADING = 0.15, 0.5, 1.0  # bars: median and 95 % of the position, m; 95 % of the heading, deg
 REGION, WITHIN = 0.95, (93.0, 97.0)  # region of the covariance; bars of the truths that are in it, %
 COLUMNS = [
     "queries", "localized, %", "metric, %", "median, m", "95 %, m", "largest, m", "heading 95 %, deg",
@@ -51,7 +51,7 @@ def metric_pose_tables(quick: bool) -> List[Table]:
         _row(pair, [each for seed in seeds for each in _answers(pair, seed, size, count)], quick)
         for pair in pairs
     ]
-    title = f"Metric poses on {len(seeds)} simulated streets, a map with a photo every {MAP_STEP:g} m, mode filter"
+    title = f"Metric poses on {len(seeds)} simulated streets, a map photo every {MAP_STEP:g} m"
     return [Table(title, COLUMNS, rows)]
 
 
@@ -85,34 +85,41 @@ def _answer(found, place_map: PlaceMap, truth: np.ndarray) -> Answer:
     near = np.linalg.norm(_pose(place_map, found.match.photo)[:2, 3] - truth[:2, 3])
     if found.pose is None:
         return Answer(is_localized, None, None, near)
-    return Answer(is_localized, sextant.pose_error(truth, found.pose.T_map_camera), found.pose.covariance, near)
+    error = sextant.pose_error(truth, found.pose.T_map_camera)
+    return Answer(is_localized, error, found.pose.covariance, near)
 
 
 def _row(pair: Tuple[str, str], answers: List[Answer], quick: bool) -> Row:
     metric = [each for each in answers if each.error is not None]
-    errors = np.array([each.error for each in metric]).reshape(-1, 6)
-    covariances = np.array([each.covariance for each in metric]).reshape(-1, 6, 6)
-    position, heading = np.linalg.norm(errors[:, :2], axis=1), np.degrees(np.abs(errors[:, 5]))
-    low, high = (None, None) if quick else WITHIN
-    bars = [None] * 3 if quick else [MEDIAN, MOST, HEADING]
-    some = len(metric) > 0
     return f"{pair[0]} -> {pair[1]}", [
         Value(len(answers), 0),
         Value(100 * np.mean([each.is_localized for each in answers]), 0),
         Value(100 * len(metric) / len(answers), 0),
-        Value(np.median(position) if some else np.nan, 3, at_most=bars[0]),
-        Value(np.percentile(position, 95) if some else np.nan, 3, at_most=bars[1]),
-        Value(position.max() if some else np.nan, 2),
-        Value(np.percentile(heading, 95) if some else np.nan, 2, at_most=bars[2]),
-        Value(_covered(errors[:, :2], covariances[:, :2, :2]), 1, at_least=low, at_most=high),
-        Value(_covered(errors, covariances), 1),
+        *_accuracy(metric, quick),
         Value(np.median([each.photo_error for each in answers]), 2),
     ]
 
 
+def _accuracy(metric: List[Answer], quick: bool) -> List[Value]:
+    """Figures of the metric poses."""
+    if not metric:
+        return [Value(np.nan, 3, at_most=0.0) for _ in COLUMNS[3:-1]]
+    errors = np.array([each.error for each in metric])
+    covariances = np.array([each.covariance for each in metric])
+    position, heading = np.linalg.norm(errors[:, :2], axis=1), np.degrees(np.abs(errors[:, 5]))
+    low, high = (None, None) if quick else WITHIN
+    median, most, turn = [None] * 3 if quick else [MEDIAN, MOST, HEADING]
+    return [
+        Value(np.median(position), 3, at_most=median),
+        Value(np.percentile(position, 95), 3, at_most=most),
+        Value(position.max(), 2),
+        Value(np.percentile(heading, 95), 2, at_most=turn),
+        Value(_covered(errors[:, :2], covariances[:, :2, :2]), 1, at_least=low, at_most=high),
+        Value(_covered(errors, covariances), 1),
+    ]
+
+
 def _covered(errors: np.ndarray, covariances: np.ndarray) -> float:
-    """Percentage of errors in the REGION of their covariances; nan without errors."""
-    if not len(errors):
-        return np.nan
+    """Percentage of errors in the REGION of their covariances."""
     squared = np.einsum("ni,ni->n", errors, np.linalg.solve(covariances, errors[..., None])[..., 0])
     return float(100 * np.mean(squared <= chi2.ppf(REGION, errors.shape[1])))

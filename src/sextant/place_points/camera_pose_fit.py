@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Pose of a camera with covariance from observed points that have covariances (perspective-n-point problem)."""
+"""Pose of a camera with covariance from points with covariances (perspective-n-point problem)."""
 
-from typing import NamedTuple, Optional
+from typing import NamedTuple, Optional, Tuple
 
 import cv2
 import numpy as np
@@ -16,7 +16,6 @@ EFFICIENCY = 1.08
 MAX_ERROR = 3.0  # standard deviations, above which a match is an outlier
 MIN_POINTS = 6  # for a pose with a covariance
 GATE = 8.0  # standard deviations of a keypoint in the search for inliers; those of the points are not in it
-FALSE_INLIERS = 2  # matches of a fit that are wrong, on average; fitted on simulated streets in other seasons
 RANSAC_ROUNDS, CONFIDENCE = 500, 0.9999
 
 
@@ -33,7 +32,7 @@ class CameraPoseFit(NamedTuple):
     """Pose of the optical frame."""
 
     T_map_camera: np.ndarray  # (4, 4) metres
-    covariance: np.ndarray  # (6, 6) of sextant.pose_error(): position and rotation about the map's axes; m, rad
+    covariance: np.ndarray  # (6, 6) of sextant.pose_error(): position, rotation about the map's axes; m, rad
     inliers: np.ndarray  # bool (n,) matches that fit
 
 
@@ -58,14 +57,9 @@ def fit_camera_pose(matches: PointMatches) -> Optional[CameraPoseFit]:
 
 
 def _covariance(A: np.ndarray, squared: np.ndarray, weight: np.ndarray) -> np.ndarray:
-    """Asymptotic covariance of the M-estimator, scaled by the errors that are left (Huber 1981, ch. 7).
-
-    A false match that looks like an inlier, with an error of up to MAX_ERROR, adds up to MAX_ERROR^2 / n of the
-    variance of n inliers.
-    """
-    n = (weight > 0).sum()
-    left = (weight * squared).sum() / (2 * n - 6)
-    return EFFICIENCY * left * (1 + FALSE_INLIERS * MAX_ERROR**2 / n) * np.linalg.inv(A)
+    """Asymptotic covariance of the M-estimator, scaled by the errors that are left (Huber 1981, ch. 7)."""
+    left = (weight * squared).sum() / (2 * (weight > 0).sum() - 6)
+    return EFFICIENCY * left * np.linalg.inv(A)
 
 
 def _by_ransac(matches: PointMatches) -> Optional[np.ndarray]:
@@ -87,8 +81,8 @@ def _by_ransac(matches: PointMatches) -> Optional[np.ndarray]:
     return T
 
 
-def _linearized(matches: PointMatches, T: np.ndarray):
-    """Reprojection errors (n, 2), Jacobians (n, 2, 6) by a perturbation of T, inverse covariances (n, 2, 2)."""
+def _linearized(matches: PointMatches, T: np.ndarray) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Errors (n, 2), their Jacobians (n, 2, 6) by a perturbation of T, inverse covariances (n, 2, 2)."""
     R = T[:3, :3]
     offset = matches.xyz - T[:3, 3]
     p = offset @ R

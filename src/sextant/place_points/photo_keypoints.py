@@ -13,12 +13,12 @@ MAX_KEYPOINTS = 800  # per image, the strongest ones
 SUPPORT = 2.0  # described region relative to SIFT's
 # Standard deviation of a coordinate before its calibration: constant, and by the keypoint's diameter; pixels
 SIGMA, SIGMA_BY_SIZE = 0.2, 0.1
-# OpenCV's SIFT enlarges the image by two without regard to pixel centres, which shifts all keypoints; pixels
+# Shift of all keypoints: OpenCV's SIFT doubles the image without regard to the centres of pixels; pixels
 SIFT_SHIFT = 0.25
 
 
 class PhotoKeypoints(NamedTuple):
-    """Keypoints of one image in normalized coordinates: x / z and y / z of their rays in the optical frame."""
+    """Keypoints of one image in normalized coordinates: x / z and y / z of rays in the optical frame."""
 
     xy: np.ndarray  # (n, 2)
     sigma: np.ndarray  # (n,) standard deviation of each coordinate
@@ -41,8 +41,8 @@ class KeypointExtractor:
         :raises ValueError: the image does not have the camera's size
         """
         if image.shape[1::-1] != camera.size:
-            wide, high = image.shape[1::-1]
-            raise ValueError(f"the image has {wide} x {high} pixels, its camera {camera.width} x {camera.height}")
+            image_size, size = (f"{wide} x {high}" for wide, high in (image.shape[1::-1], camera.size))
+            raise ValueError(f"the image has {image_size} pixels, its camera {size}")
         found = self._extractor.extract(image)
         scale = max(1.0, max(camera.size) / MAX_SIDE)  # pixels per pixel of the reduced image
         keypoints = found.keypoints.astype(float)

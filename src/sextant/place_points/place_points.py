@@ -20,7 +20,7 @@ from sextant.place_points.point_tracks import point_tracks
 from sextant.place_points.point_triangulation import Observations, Points, triangulated
 
 MIN_MATCHES = 20  # of a photo that takes part in the calibration of the covariance
-MIN_POSES, MAX_POSES = 8, 100  # photos in the calibration; with fewer its result is not used
+MIN_POSES, MAX_POSES = 8, 200  # photos in the calibration; with fewer its result is not used
 DEFAULT_FACTOR = 2.0  # of covariances in a map with fewer photos; typical of simulated streets
 FIRST_FACTOR = 2.0  # of the noise of keypoints, before it is known
 ROUNDS = 2  # of the estimation of the noise
@@ -42,7 +42,9 @@ class PlacePoints:
     covariance_factor: float  # by which covariances of fitted poses are too small
 
 
-def posed_keypoints(folder: Path, photos: Sequence[Tuple[str, PosedPhoto]], jobs: int = 1) -> List[PhotoKeypoints]:
+def posed_keypoints(
+    folder: Path, photos: Sequence[Tuple[str, PosedPhoto]], jobs: int = 1
+) -> List[PhotoKeypoints]:
     """Reads photos and extracts their keypoints, with a progress bar.
 
     :param photos: with their names in the folder
@@ -83,10 +85,10 @@ def triangulated_points(
 
 
 def _noise(points: Points, seen: Observations) -> float:
-    """Ratio of the noise to its standard deviation that was assumed, from the median of the reprojection errors.
+    """Ratio of the noise to its assumed standard deviation, from the median of the reprojection errors.
 
-    The errors are smaller than the noise, as the points are fitted to them: the 2 n coordinates of n photos have
-    2 n - 3 degrees of freedom.
+    The errors are smaller than the noise, as the points are fitted to them: the 2 n coordinates of n photos
+    have 2 n - 3 degrees of freedom.
     """
     if not points.used.any():
         return 1.0
@@ -99,8 +101,8 @@ def _noise(points: Points, seen: Observations) -> float:
 def _covariance_factor(poses: np.ndarray, count: int, seen: Observations) -> float:
     """Ratio of the squared errors of fitted poses to their covariances (NEES), by leaving out each photo.
 
-    A photo is localized by points that are triangulated without it. Errors that points have in common, such as
-    those of the poses, of the lens and of keypoints on one surface, are in no sum over single points.
+    A photo is localized by points that are triangulated without it. Errors that points have in common, those
+    of the poses, of the lens and of keypoints on one surface, are in no sum over single points.
     """
     photos = range(0, len(poses), 1 + len(poses) // MAX_POSES) if count else ()
     values = [_nees_without(photo, poses, seen) for photo in photos]
@@ -122,8 +124,8 @@ def _nees_without(photo: int, poses: np.ndarray, seen: Observations) -> Optional
     at = np.searchsorted(index, seen.point[mine])
     good = points.valid[at]
     at = at[good]
-    matches = PointMatches(points.xyz[at], points.covariances[at], seen.xy[mine][good], seen.sigma[mine][good])
-    fit = fit_camera_pose(matches)
+    xy, sigma = seen.xy[mine][good], seen.sigma[mine][good]
+    fit = fit_camera_pose(PointMatches(points.xyz[at], points.covariances[at], xy, sigma))
     if fit is None or fit.inliers.sum() < MIN_MATCHES:
         return None
     error = sextant.pose_error(poses[photo], fit.T_map_camera)

@@ -2,15 +2,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Points of a place map, cached beside the map.
 
-The cache is an npz file without pickled objects, with a checksum of each array. Its key is a digest of the poses,
-of the photos and of the version; with another one the points are triangulated again.
+The cache is an npz file without pickled objects, with a checksum of each array. Its key is a digest of the
+poses, of the photos and of the version; with another one the points are triangulated again.
 """
 
 import hashlib
 import json
 import zipfile
 from pathlib import Path
-from typing import Callable, Dict, Optional
+from typing import Callable, Dict, Optional, Tuple
 
 import numpy as np
 
@@ -63,7 +63,8 @@ def _posed_photos(map_path: Path, place_map: PlaceMap) -> Dict[str, PosedPhoto]:
     """The photos of the map that have poses, in its order."""
     poses, place = read_photo_poses(poses_path(map_path)), place_map.georeference
     if not isinstance(place, MetricFrame) or place.frame != poses.frame:
-        raise ValueError(f"{poses_path(map_path)}: its poses are in '{poses.frame}', which is not the map's frame")
+        what = f"its poses are in '{poses.frame}', which is not the map's frame"
+        raise ValueError(f"{poses_path(map_path)}: {what}")
     images = [photo.image for photo in place_map.photos]
     return {image: poses.photos[image] for image in images if image in poses.photos}
 
@@ -87,18 +88,20 @@ def _store(path: Path, key: str, points: PlacePoints, report: Callable[[str], No
         report(f"the points cannot be cached, every start has to triangulate them: {error}")
 
 
-def _cached(path: Path, key: str, images, report: Callable[[str], None]) -> Optional[PlacePoints]:
+def _cached(
+    path: Path, key: str, images: Tuple[str, ...], report: Callable[[str], None]
+) -> Optional[PlacePoints]:
     """The cached points; None if there are none, or those of other photos."""
     try:
         return _read(path, key, images)
     except FileNotFoundError:
         return None
-    except (OSError, ValueError, KeyError, TypeError, zipfile.BadZipFile) as error:
+    except (OSError, EOFError, ValueError, KeyError, TypeError, zipfile.BadZipFile) as error:
         report(f"{path}: {error}; the points are triangulated again")
         return None
 
 
-def _read(path: Path, key: str, images) -> PlacePoints:
+def _read(path: Path, key: str, images: Tuple[str, ...]) -> PlacePoints:
     with np.load(path, allow_pickle=False) as file:
         if json.loads(str(file["key"])) != key:
             raise ValueError("is of other photos or poses")
@@ -112,11 +115,10 @@ def _read(path: Path, key: str, images) -> PlacePoints:
 
 
 def _check(points: PlacePoints) -> None:
-    count = len(points.point)
-    same = len(points.photo) == len(points.descriptors) == count and len(points.covariances) == len(points.xyz)
-    inside = not count or (
-        0 <= points.point.min() and points.point.max() < len(points.xyz)
-        and 0 <= points.photo.min() and points.photo.max() < len(points.images)
-    )  # fmt: skip
-    if not same or not inside or len(points.poses) != len(points.images):
+    lengths = [(len(points.photo), len(points.point)), (len(points.descriptors), len(points.point))]
+    lengths += [(len(points.covariances), len(points.xyz)), (len(points.poses), len(points.images))]
+    fits = all(length == expected for length, expected in lengths)
+    for index, size in ((points.point, len(points.xyz)), (points.photo, len(points.images))):
+        fits = fits and bool(np.all((index >= 0) & (index < size)))
+    if not fits:
         raise ValueError("its arrays do not fit together")

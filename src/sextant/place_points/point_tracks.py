@@ -12,7 +12,7 @@ from sextant.place_points.photo_keypoints import PhotoKeypoints
 from sextant.place_points.point_triangulation import Observations
 
 NEIGHBOURS = 6  # photos that each photo is matched with
-MIN_COMMON_VIEW = np.cos(np.pi / 4)  # cosine of the largest angle between the viewing directions of neighbours
+MIN_COMMON_VIEW = np.cos(np.pi / 4)  # cosine of the largest angle between the directions of neighbours
 BAND = 4.0  # standard deviations of a keypoint from the epipolar line of its match
 MAX_SIZE_RATIO = 3.0  # of two matching keypoints
 MAX_RATIO = 0.85  # of the distances of the best and the second descriptor (Lowe 2004)
@@ -53,7 +53,7 @@ def point_tracks(poses: np.ndarray, keypoints: Sequence[PhotoKeypoints]) -> Tupl
 
 
 def _components(links: np.ndarray, photo: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
-    """Keypoints of the connected components without two keypoints of one photo, and their components from 0."""
+    """Keypoints of connected components without two keypoints of one photo, and their components from 0."""
     size = len(photo)
     graph = coo_matrix((np.ones(len(links)), links.T), (size, size))
     _, component = connected_components(graph, directed=False)
@@ -72,7 +72,8 @@ def _matches(T_b_a: np.ndarray, a: PhotoKeypoints, b: PhotoKeypoints) -> Tuple[n
     distances[~_is_possible(T_b_a, a, b)] = np.inf
     of_a, of_b = distances.argmin(axis=1), distances.argmin(axis=0)
     best = distances[np.arange(len(a.xy)), of_a]
-    second_of_a, second_of_b = np.partition(distances, 1, axis=1)[:, 1], np.partition(distances, 1, axis=0)[1]
+    second_of_a = np.partition(distances, 1, axis=1)[:, 1]
+    second_of_b = np.partition(distances, 1, axis=0)[1]
     limit = MAX_RATIO**2 * np.minimum(second_of_a, second_of_b[of_a])
     found = np.flatnonzero(np.isfinite(best) & (of_b[of_a] == np.arange(len(a.xy))) & (best < limit))
     return found, of_a[found]

@@ -36,27 +36,24 @@ class Points(NamedTuple):
 
 
 def triangulated(poses: np.ndarray, count: int, seen: Observations) -> Points:
-    """Least-squares points with covariances; observations that do not fit are left out one per point and round.
+    """Least-squares points with covariances; observations that do not fit are left out, the worst first.
 
     :param poses: T_map_camera (photos, 4, 4)
     :param count: number of points
     """
-    used = np.ones(len(seen.point), bool)
-    xyz = _midpoints(poses, count, seen)
-    while True:
-        xyz, information = _refined(poses, xyz, seen, used)
-        errors = _errors(poses, xyz, seen)[0] / seen.sigma[:, None]
-        distance = np.where(used, np.linalg.norm(errors, axis=1), 0.0)
-        distance[~np.isfinite(distance)] = np.inf
-        worst = np.zeros(count)
-        np.maximum.at(worst, seen.point, distance)
-        out = used & (distance > MAX_ERROR) & (distance >= worst[seen.point])
-        if not out.any():
-            break
-        used &= ~out
+    used, todo = np.ones(len(seen.point), bool), np.arange(count)
+    xyz, information = _midpoints(poses, count, seen), np.zeros((count, 3, 3))
+    while len(todo):
+        rows = np.flatnonzero(np.isin(seen.point, todo))
+        part = Observations(np.searchsorted(todo, seen.point[rows]), *(each[rows] for each in seen[1:]))
+        xyz[todo], information[todo] = _refined(poses, xyz[todo], part, used[rows])
+        out = rows[_worst(poses, xyz[todo], part, used[rows])]
+        used[out] = False
+        todo = np.unique(seen.point[out])
     covariances = np.linalg.inv(information)
     valid = _valid(poses, xyz, covariances, seen, used)
     used &= valid[seen.point]
+    errors = _errors(poses, xyz, seen)[0] / seen.sigma[:, None]
     errors[~used] = np.nan
     return Points(xyz, covariances, valid, used, errors)
 
@@ -109,10 +106,19 @@ def _refined(poses: np.ndarray, xyz: np.ndarray, seen: Observations, used: np.nd
     return xyz, information
 
 
+def _worst(poses: np.ndarray, xyz: np.ndarray, seen: Observations, used: np.ndarray) -> np.ndarray:
+    """Of the used observations (n,) of each point the one with the largest error, if that exceeds MAX_ERROR."""
+    distance = np.linalg.norm(_errors(poses, xyz, seen)[0], axis=1) / seen.sigma
+    distance = np.where(used, np.nan_to_num(distance, nan=np.inf), 0.0)
+    worst = np.zeros(len(xyz))
+    np.maximum.at(worst, seen.point, distance)
+    return (distance > MAX_ERROR) & (distance >= worst[seen.point])
+
+
 def _valid(
     poses: np.ndarray, xyz: np.ndarray, covariances: np.ndarray, seen: Observations, used: np.ndarray
 ) -> np.ndarray:
-    """Points (m,) seen from two sides, in front of all their cameras, with a covariance that is small enough."""
+    """Points (m,) with parallax, in front of all their cameras, with a covariance that is small enough."""
     count = len(xyz)
     views = np.bincount(seen.point[used], minlength=count)
     offset = xyz[seen.point] - poses[seen.photo, :3, 3]

@@ -31,9 +31,8 @@ class PlaceLocalizerPoseTest(unittest.TestCase):
         self.infos = rospy.Publisher("/camera/camera_info", CameraInfo, queue_size=10)
         self.poses, self.stamps = Recorder("/pose", PoseWithCovarianceStamped), stamps()
         self.addCleanup(self.poses.close)
-        node = subprocess.Popen(
-            ["rosrun", "sextant", "place_localizer", "image:=/camera/image_raw", f"_map_file:={path}", "_mode:=single"]
-        )
+        given = ["image:=/camera/image_raw", f"_map_file:={path}", "_mode:=single"]
+        node = subprocess.Popen(["rosrun", "sextant", "place_localizer", *given])
         self.addCleanup(node.wait, WAIT)
         self.addCleanup(node.terminate)
         connected = lambda: self.images.get_num_connections() and self.infos.get_num_connections()  # noqa: E731

@@ -24,7 +24,7 @@ class QueryCamera:
         own, remapped = f"{rospy.get_namespace()}camera_info", rospy.resolve_name("camera_info")
         self._rectified = name.startswith("image_rect")
         self._info: Optional[CameraInfo] = None
-        self._model: Optional["sextant.CameraModel"] = None
+        self._model: Optional[sextant.CameraModel] = None
         self.topic = remapped if remapped != own else f"{folder}/camera_info"
         rospy.Subscriber(self.topic, CameraInfo, self._on_info, queue_size=1)
 
@@ -34,9 +34,8 @@ class QueryCamera:
         if model is None or model.size == image.shape[1::-1]:
             return model
         size = f"{image.shape[1]} x {image.shape[0]}"
-        rospy.logwarn_throttle(
-            WARN_EVERY, "no metric pose: the image has %s pixels, %s is for %d x %d", size, self.topic, *model.size
-        )
+        text = "no metric pose: the image has %s pixels, %s is for %d x %d"
+        rospy.logwarn_throttle(WARN_EVERY, text, size, self.topic, *model.size)
         return None
 
     def _on_info(self, info: CameraInfo) -> None:
