@@ -16,8 +16,8 @@ CANDIDATES = 5  # photos whose points are matched: the recognized one and its ne
 MIN_INLIERS = 15  # points that must fit the pose
 MIN_SHARE = 0.2  # of the matches that must fit the pose
 MIN_PHOTO_INLIERS = 3  # of them in each of at least two photos
-# Inliers that are false matches; fitted on simulated streets in another season. One of n inliers with an error
-# of up to MAX_ERROR standard deviations adds up to MAX_ERROR^2 / n of the variance.
+# Inliers that are false matches; fitted on simulated streets in another season. One of n inliers, with an
+# error of up to MAX_ERROR standard deviations, adds up to MAX_ERROR^2 / n of the variance.
 FALSE_INLIERS = 2
 
 

@@ -107,7 +107,7 @@ def _refined(poses: np.ndarray, xyz: np.ndarray, seen: Observations, used: np.nd
 
 
 def _worst(poses: np.ndarray, xyz: np.ndarray, seen: Observations, used: np.ndarray) -> np.ndarray:
-    """Of the used observations (n,) of each point the one with the largest error, if that exceeds MAX_ERROR."""
+    """Which of the observations (n,) has the largest error of its point, if that exceeds MAX_ERROR."""
     distance = np.linalg.norm(_errors(poses, xyz, seen)[0], axis=1) / seen.sigma
     distance = np.where(used, np.nan_to_num(distance, nan=np.inf), 0.0)
     worst = np.zeros(len(xyz))

@@ -38,7 +38,7 @@ def test_the_covariance_is_that_of_the_errors(wrong):
     errors = [sextant.pose_error(T_MAP_CAMERA, fit.T_map_camera) for fit in fits]
     values = [error @ np.linalg.solve(fit.covariance, error) for error, fit in zip(errors, fits)]
     low, high = nees_band(len(fits))
-    false = 1 + MAX_ERROR**2 / 80 if wrong else 1.0  # one of 80 inliers with the largest error that one can have
+    false = 1 + MAX_ERROR**2 / 80 if wrong else 1.0  # one of 80 inliers with the largest possible error
     assert low < np.mean(values) < false * high
 
 
