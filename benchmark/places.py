@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Measures place recognition: recall, calibration, time and memory.
+"""Measures place recognition: recall, calibration, metric poses, time and memory.
 
 Exit status: 0 when every bar holds, 1 when one fails, 2 when something could not be measured.
 """
@@ -10,6 +10,7 @@ import sys
 
 from command import run
 
+from places.metric_pose import metric_pose_tables
 from places.place_calibration import calibration_tables
 from places.place_recall import recall_tables
 from places.place_seasons import season_tables
@@ -20,6 +21,7 @@ TOPICS = {
     "recall": lambda options: recall_tables(options.data / "places", options.quick),
     "calibration": lambda options: calibration_tables(options.data / "places", options.quick),
     "seasons": lambda options: season_tables(options.quick),
+    "metric_pose": lambda options: metric_pose_tables(options.quick),
     "speed": lambda options: speed_tables(options.quick),
     "size": lambda options: size_tables(options.quick),
 }

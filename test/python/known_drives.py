@@ -22,10 +22,13 @@ def pose(seconds):
 
 
 def write_drive(
-    path, seconds=4.0, mount=MOUNT, poses=True, image=lambda i: picture(i, SIZE), topic="/front/image_raw"
-):
+    path, seconds=4.0, mount=MOUNT, poses=True, image=lambda i: picture(i, SIZE), topic="/front/image_raw",
+    calibration=None,
+):  # fmt: skip
     """Images of seeds 0, 1, ..., with tf of the robot's pose ten times a second."""
     with WrittenBag(path) as bag:
+        if calibration:
+            bag.info("/front/camera_info", calibration)
         bag.transforms([("base_link", "camera", mount)])
         for i in range(int(seconds * RATE) + 1):
             bag.image(topic, image(i), i / RATE)

@@ -9,7 +9,8 @@ from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tu
 import cv2
 import numpy as np
 
-from sextant.bags.bag_file import BagFile
+from sextant.bags.bag_cameras import one_info
+from sextant.bags.bag_file import BagError, BagFile
 from sextant.bags.bag_params import BagParams
 from sextant.bags.camera_topics import COMPRESSED, IMAGE, CameraTopic, choose_image_topic
 from sextant.bags.mounts import Mount, find_mounts
@@ -19,10 +20,12 @@ from sextant.bags.stamps import Losses
 from sextant.bags.transforms import read_transforms
 from sextant.base.strict_params import StrictParams, above_zero, param
 from sextant.geometry.poses import MAX_GAP, interpolated_poses
+from sextant.messages.camera_messages import camera_from_info
 from sextant.messages.damaged_message import DamagedMessage
 from sextant.messages.frame_name import frame_name
 from sextant.messages.image_messages import colour_compressed, colour_image
 from sextant.place_maps.keyframe_selection import keyframe_candidates, sharpness, view_yaw
+from sextant.place_maps.photo_poses import PhotoCamera
 
 JPEG_QUALITY = 95
 
@@ -52,12 +55,21 @@ class PhotoParams(StrictParams):
 
 
 class DrivePhoto(NamedTuple):
-    """A photo with the position of its camera."""
+    """A photo with the pose of its camera."""
 
     name: str  # file name, unique among drives
-    position: Tuple[float, float]  # metres, of the camera
-    yaw: Optional[float]  # radians; None: the camera points up or down
+    T_map_camera: np.ndarray  # (4, 4) of the optical frame, metres
     jpeg: bytes  # encoded image
+
+    @property
+    def position(self) -> Tuple[float, float]:
+        """Position of the camera, metres."""
+        return tuple(self.T_map_camera[:2, 3].tolist())
+
+    @property
+    def yaw(self) -> Optional[float]:
+        """Direction of the camera, radians; None: it points up or down."""
+        return view_yaw(self.T_map_camera)
 
 
 @dataclass(frozen=True)
@@ -66,7 +78,8 @@ class DrivePhotos:
 
     frame: str  # frame_id of the positions
     paths: List[np.ndarray]  # each (n, 2): positions of the camera without gaps, metres
-    photos: List[DrivePhoto]  # with positions, in order of time
+    photos: List[DrivePhoto]  # with poses, in order of time
+    camera: Optional[PhotoCamera] = None  # that took them; None: the bag has no calibration
     warnings: Tuple[str, ...] = ()  # notes on the reading
 
 
@@ -87,10 +100,11 @@ def read_drive_photos(path: str, params: PhotoParams) -> DrivePhotos:
         if not poses:
             raise bag.error(f"no image of {topic.topic} has a pose", "were both recorded at the same time?")
         photos, losses = _photos(bag, topic, poses, params)
+        camera, unknown = _camera(bag, topic)
     if len(poses) < len(stamps):
         more = [*more, f"{len(stamps) - len(poses)} of {len(stamps)} images have no pose"]
-    warnings = [*notes, *read.notes, *mounts.notes, *more, *losses]
-    return DrivePhotos(frame, _paths(stamps, poses), photos, tuple(dict.fromkeys(warnings)))
+    warnings = [*notes, *read.notes, *mounts.notes, *more, *losses, *unknown]
+    return DrivePhotos(frame, _paths(stamps, poses), photos, camera, tuple(dict.fromkeys(warnings)))
 
 
 def _camera_frame(message: Any, first: Any) -> str:
@@ -152,6 +166,19 @@ def _photos(
     return [best[pick][1] for pick in sorted(best)], losses.notes()
 
 
+def _camera(bag: BagFile, topic: CameraTopic) -> Tuple[Optional[PhotoCamera], List[str]]:
+    """The camera by its camera_info, and a note if that cannot be used; None without a usable one."""
+    if not bag.find(topic.info_topic):
+        return None, []
+    try:
+        camera = camera_from_info(one_info(bag, topic.info_topic), topic.rectified)
+    except ValueError as error:
+        return None, [f"{topic.info_topic} is not used, so there are no metric poses: {error}"]
+    except BagError as error:
+        return None, [f"there are no metric poses: {error}"]
+    return PhotoCamera(camera.calibration, camera.rectified), []
+
+
 def _name(bag: BagFile, topic: CameraTopic) -> str:
     """Prefix of the file names of this bag and camera."""
     camera = topic.info_topic.split("/")[:-1]
@@ -160,8 +187,7 @@ def _name(bag: BagFile, topic: CameraTopic) -> str:
 
 def _photo(name: str, image: np.ndarray, T_map_camera: np.ndarray) -> DrivePhoto:
     _, jpeg = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])
-    x, y = T_map_camera[:2, 3].tolist()
-    return DrivePhoto(name, (x, y), view_yaw(T_map_camera), jpeg.tobytes())
+    return DrivePhoto(name, T_map_camera, jpeg.tobytes())
 
 
 def _paths(stamps: Sequence[int], poses: Dict[int, np.ndarray]) -> List[np.ndarray]:

@@ -7,7 +7,8 @@
     make_place_map drive *.bag -o hall/map.txt --map-yaml floor.yaml       on the map of map_server
     make_place_map drive evening.bag -o hall/map.txt --add                 more photos of the same places
 
-Photos are written to the map's folder. Without --map-yaml an overview with the paths is drawn.
+Photos are written to the map's folder, and their poses beside the map if the bags have camera_info.
+Without --map-yaml an overview with the paths is drawn.
 """
 
 import argparse
@@ -26,6 +27,7 @@ from sextant.commands.command_line import Answer, CommandParser
 from sextant.commands.place_map_output import add_output_options, existing_map, write_map
 from sextant.place_maps.overview import draw_paths
 from sextant.place_maps.overview_image import OverviewImage, drawn_overview, overview_from_map_server
+from sextant.place_maps.photo_poses import PhotoPoses, PosedPhoto, poses_path, read_photo_poses
 from sextant.place_maps.place_map import MetricFrame, PlaceMap
 from sextant.place_maps.place_map_addition import NewPhoto, add_photos
 
@@ -94,7 +96,8 @@ def make(options: argparse.Namespace) -> Answer:
     if not made.photos:
         raise ValueError(f"no photo can be placed: {reasons[0]} (the first of {len(reasons)} reasons)")
     files.update({name: photo.jpeg for name, photo in photos.items() if name not in left_out})
-    return write_map(options, made, files, reasons, notes)
+    poses = _poses(options, made, drives)
+    return write_map(options, made, files, reasons, notes, poses)
 
 
 def _check(options: argparse.Namespace) -> None:
@@ -155,6 +158,22 @@ def _by_name(drives: Sequence[DrivePhotos]) -> Dict[str, DrivePhoto]:
             raise ValueError(f"two bags would write {photo.name}; rename one of them")
         photos[photo.name] = photo
     return photos
+
+
+def _poses(options: argparse.Namespace, place_map: PlaceMap, drives: Sequence[DrivePhotos]) -> PhotoPoses:
+    """Poses of the photos in the map: those of the drives with a calibrated camera, and the earlier ones."""
+    path = poses_path(options.output)
+    photos = {
+        photo.name: PosedPhoto(drive.camera, photo.T_map_camera)
+        for drive in drives
+        if drive.camera
+        for photo in drive.photos
+    }
+    if options.add and path.exists():
+        photos.update(read_photo_poses(path).photos)
+    images = {photo.image for photo in place_map.photos}
+    known = {image: photo for image, photo in photos.items() if image in images}
+    return PhotoPoses(place_map.georeference.frame, known)
 
 
 def _new_photo(place_map: PlaceMap, place: MetricFrame, photo: DrivePhoto) -> NewPhoto:

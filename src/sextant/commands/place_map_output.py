@@ -8,6 +8,7 @@ from typing import Dict, Optional, Sequence
 
 from sextant.base.atomic_file import atomic_files
 from sextant.commands.command_line import Answer, check_output
+from sextant.place_maps.photo_poses import PhotoPoses, poses_path, write_photo_poses
 from sextant.place_maps.place_map import PlaceMap
 from sextant.place_maps.place_map_file import read_place_map, write_place_map
 
@@ -41,12 +42,14 @@ def write_map(
     files: Dict[str, bytes],
     left_out: Sequence[str] = (),
     notes: Sequence[str] = (),
+    poses: Optional[PhotoPoses] = None,
 ) -> Answer:
-    """Writes the images, then the map, so that a map never refers to missing files.
+    """Writes the images and poses, then the map, so that a map never refers to missing files.
 
     :param files: content by name in the map's folder; identical existing files are not written
     :param left_out: reasons for photos that are not in the map
     :param notes: other messages
+    :param poses: of the photos, for metric poses; None: unchanged with --add, otherwise none
     :raises OSError, ValueError: the map was not written; images may have been
     """
     place_map.check()
@@ -54,11 +57,25 @@ def write_map(
     new = {name: content for name, content in files.items() if not _has_content(folder / name, content)}
     for name in new:
         check_output(folder / name, options.force)
+    is_new = not getattr(options, "add", False)
+    if is_new:
+        check_output(poses_path(options.output), options.force)
     with atomic_files(folder) as temporary:
         for name, content in new.items():
             (temporary / name).write_bytes(content)
+    if poses or is_new:
+        _write_poses(poses_path(options.output), poses)
     write_place_map(options.output, place_map)
-    return Answer([*notes, *left_out, f"{options.output}: {_summary(place_map, len(left_out))}"])
+    summary = _summary(place_map, len(left_out))
+    summary += f"; {len(poses.photos)} with poses" if poses and poses.photos else ""
+    return Answer([*notes, *left_out, f"{options.output}: {summary}"])
+
+
+def _write_poses(path: Path, poses: Optional[PhotoPoses]) -> None:
+    if poses and poses.photos:
+        write_photo_poses(path, poses)
+    elif path.exists():
+        path.unlink()
 
 
 def _has_content(path: Path, content: bytes) -> bool:

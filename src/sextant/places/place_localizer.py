@@ -8,8 +8,11 @@ from typing import List, NamedTuple, Optional, Tuple
 
 import numpy as np
 
+import sextant
 from sextant.base.strict_params import StrictParams, nested, one_of, param, within
 from sextant.place_maps.place_map import Photo, PlaceMap
+from sextant.place_points.place_points import PlacePoints
+from sextant.place_points.point_localizer import MetricPose, PointLocalizer
 from sextant.places.place_belief import BeliefParams, BeliefPeak
 from sextant.places.place_estimate import PlaceEstimate, estimate, scale_of
 from sextant.places.place_index import PlaceIndex
@@ -63,6 +66,7 @@ class Localization(NamedTuple):
     relocalized: bool  # localized for the first time, or again
     statistics: MatchStatistics  # of the image's keypoints
     match: MatchedPhoto  # the photo that matches this image best
+    pose: Optional[MetricPose] = None  # by the points of the map; None: the estimate is all that is known
 
 
 class _RelocalizationDetector:
@@ -90,10 +94,17 @@ class PlaceLocalizer:
     scale: Optional[Tuple[float, float]]  # metres per pixel of the overview, see scale_of()
 
     def __init__(
-        self, place_map: PlaceMap, index: PlaceIndex, params: Optional[PlaceLocalizationParams] = None
+        self,
+        place_map: PlaceMap,
+        index: PlaceIndex,
+        params: Optional[PlaceLocalizationParams] = None,
+        points: Optional[PlacePoints] = None,
     ):
-        """:raises ValueError: a parameter out of range, or a photo that is not in the index"""
+        """:param points: of the map, for metric poses
+        :raises ValueError: a parameter out of range, or a photo that is not in the index
+        """
         self._params = params or PlaceLocalizationParams()
+        self._points = PointLocalizer(points) if points else None
         self.scale = scale_of(place_map)
         self._positions = place_map.positions()
         self._metres_per_pixel = np.array(self.scale or (1.0, 1.0))  # (2,)
@@ -113,12 +124,26 @@ class PlaceLocalizer:
         self._spacing = self._mode.belief.spacing / self._metres_per_pixel  # (2,) pixels
         self._relocalization = _RelocalizationDetector(self._mode.belief.spacing, belief)
 
-    def localize(self, image: np.ndarray, distance: Optional[float] = None) -> Localization:
+    def localize(
+        self,
+        image: np.ndarray,
+        distance: Optional[float] = None,
+        camera: Optional["sextant.CameraModel"] = None,
+    ) -> Localization:
         """Localizes the robot with one more image.
 
         :param image: uint8, (height, width) grey or (height, width, 3) BGR
         :param distance: metres since the last image, by odometry; ignored if the map has no scale
+        :param camera: that took the image; without it there is no metric pose
+        :raises ValueError: the image does not have the camera's size
         """
+        found = self._localize(image, distance)
+        if self._points is None or camera is None or found.status != Status.LOCALIZED:
+            return found
+        near = found.hypotheses[0].photo.image
+        return found._replace(pose=self._points.localize(image, camera, near))
+
+    def _localize(self, image: np.ndarray, distance: Optional[float]) -> Localization:
         if self._params.mode == VOTES:
             return self._localize_by_votes(image)
         recognition = self._recognizer.recognize(image)

@@ -178,6 +178,14 @@ def test_quick_run_of_the_seasons(tmp_path):
 
 
 @pytest.mark.slow
+def test_quick_run_of_metric_poses(tmp_path):
+    (table,) = tables_of("places.py", "metric_pose", tmp_path)
+    (row,) = table["rows"]
+    assert row["metric, %"]["value"] > 80 and row["largest, m"]["value"] < 0.3
+    assert row["position in 95 % region, %"]["value"] > 70  # of 12
+
+
+@pytest.mark.slow
 @pytest.mark.skipif(not (EXTERNAL / "places").is_dir(), reason="external test data")
 def test_quick_run_of_recall(tmp_path):
     corridor, unknown, lund = tables_of("places.py", "recall", tmp_path)

@@ -4,14 +4,16 @@
 
 import numpy as np
 import pytest
-from known_drives import SIZE, write_drive
+from known_drives import MOUNT, SIZE, pose, write_drive
 from made_photos import picture
 from PIL import Image
 from place_map_command import floor_yaml, printed, refused
 
 from sextant.place_maps.photo_file import read_grey
+from sextant.place_maps.photo_poses import read_photo_poses
 from sextant.place_maps.place_map import MetricFrame, Overview
 from sextant.place_maps.place_map_file import read_place_map
+from sextant.simulation.camera import camera_calibration
 
 PICK = ["--distance", "0.999"]  # so that rounding does not decide
 
@@ -31,6 +33,26 @@ def test_a_drive_is_a_map_of_its_photos(tmp_path, capsys):
     for number, each in enumerate(made.photos):
         assert np.abs(read_grey(made.path(each)).astype(int) - picture(4 * number, SIZE)).mean() < 2
     assert Image.open(tmp_path / "map.png").size == (made.overview.width, made.overview.height)
+
+
+def test_photos_of_a_calibrated_camera_have_poses(tmp_path, capsys):
+    path, poses = tmp_path / "map.txt", tmp_path / "map.txt.poses"
+    day = write_drive(tmp_path / "day.bag", calibration=camera_calibration(*SIZE))
+    (summary,) = printed(capsys, "drive", day, "-o", path, *PICK)
+    assert summary.endswith("5 photos of 5 places; 5 with poses")
+    read = read_photo_poses(poses)
+    assert read.frame == "map" and list(read.photos) == [photo.image for photo in read_place_map(path).photos]
+    for number, photo in enumerate(read.photos.values()):
+        np.testing.assert_allclose(photo.T_map_camera, pose(number) @ MOUNT, atol=1e-6)
+        assert (photo.camera.calibration.width, photo.camera.rectified) == (SIZE[0], False)
+    night = write_drive(tmp_path / "night.bag", 2.0)  # of another, uncalibrated camera
+    summary = printed(capsys, "drive", night, "-o", path, "--add", *PICK)[-1]
+    assert summary.endswith("8 photos of 5 places; 5 with poses")
+    for each in (path, tmp_path / "map.png"):
+        each.unlink()
+    assert "map.txt.poses" in refused(capsys, tmp_path, "drive", night, "-o", path, *PICK)
+    printed(capsys, "drive", night, "-o", path, "--force", *PICK)
+    assert not poses.exists()
 
 
 @pytest.mark.slow

@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 import yaml
 from made_photos import index_of, picture, shifted, written_photos
+from posed_street import CAMERA, errors, view, write_street
 
 from sextant.place_maps.place_map import MetricFrame
+from sextant.place_points.place_points_file import points_of_map
 from sextant.places.index_params import IndexParams, plain_features
 from sextant.places.place_localizer import PlaceLocalizationParams, PlaceLocalizer, Status
 
@@ -198,3 +200,18 @@ def test_the_numbers_of_a_status_are_those_of_the_message():
 def test_parameters_out_of_range_are_refused(changed, reason):
     with pytest.raises(ValueError, match=reason):
         PlaceLocalizationParams(**changed)
+
+
+def test_a_metric_pose_needs_points_and_a_camera(tmp_path):
+    path, street = write_street(tmp_path)
+    points, index = points_of_map(path, street), index_of(street, IndexParams())
+    image, T = view(7.4, 0.4, 0.05, seed=99)
+    with_points, without = (
+        PlaceLocalizer(street, index, PlaceLocalizationParams(mode="single"), each) for each in (points, None)
+    )
+    found = with_points.localize(image, camera=CAMERA.model())
+    assert found.status == Status.LOCALIZED and found.estimate and found.pose
+    assert max(errors(T, found.pose)) < 0.05
+    assert with_points.localize(image).pose is None
+    assert without.localize(image, camera=CAMERA.model()).pose is None
+    assert with_points.localize(np.full_like(image, 90), camera=CAMERA.model()).pose is None

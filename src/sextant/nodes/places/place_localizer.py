@@ -28,8 +28,10 @@ from sextant.nodes.images.latest_image import LatestImage
 from sextant.nodes.places.place_localizer_node_params import PlaceLocalizerNodeParams
 from sextant.nodes.places.place_messages import fix_message, hypotheses_message, places_message, pose_message
 from sextant.nodes.places.place_report import PlaceReport
+from sextant.nodes.places.query_camera import QueryCamera
 from sextant.place_maps.photo_file import read_rgb
 from sextant.place_maps.place_map import GeoCorners, MetricFrame
+from sextant.place_points.place_points_file import points_of_map
 from sextant.places.match_image import match_image
 from sextant.places.odometry_track import OdometryTrack
 from sextant.places.place_localizer import Localization, PlaceLocalizer, Status
@@ -50,9 +52,11 @@ class LoadedMap:
         begin = time.monotonic()
         indexer = params.place_indexer(rospy.loginfo)
         self.place_map, index = indexer.place_map, indexer.index()
-        self.localizer = PlaceLocalizer(self.place_map, index, params.method.localization)
+        points = points_of_map(indexer.map_path, self.place_map, params.jobs, rospy.loginfo)
+        self.localizer = PlaceLocalizer(self.place_map, index, params.method.localization, points)
+        known = f"{len(points.xyz)} points for metric poses, " if points else ""
         self.text = (
-            f"{len(self.place_map.photos)} photos of {len(self.place_map.places())} places, "
+            f"{len(self.place_map.photos)} photos of {len(self.place_map.places())} places, {known}"
             f"{index.bytes / 1e6:.1f} MB, ready after {time.monotonic() - begin:.1f} s"
         )
 
@@ -71,6 +75,7 @@ class PlaceLocalizerNode:
         self._updater.setHardwareID("none")
         self._updater.add("places", self.report.fill_diagnostics)
         self._advertise()
+        self._camera = QueryCamera(self._input[0])
         if params.use_odometry:
             rospy.Subscriber("odom", Odometry, self._on_odometry, queue_size=100)
         rospy.Service("~reload", Trigger, self._reload)
@@ -131,7 +136,7 @@ class PlaceLocalizerNode:
         begin, stamp, distance = time.perf_counter(), header.stamp, None
         if self._last is not None:
             distance = self._track.distance(self._last.to_nsec(), stamp.to_nsec())
-        found = self._loaded.localizer.localize(image, distance)
+        found = self._loaded.localizer.localize(image, distance, self._camera.of(image))
         self._last = stamp
         self.report.add(found, distance, time.perf_counter() - begin)
         self._publish(image, found, header)
@@ -141,7 +146,7 @@ class PlaceLocalizerNode:
         self._places.publish(places_message(found, header))
         self._hypotheses.publish(hypotheses_message(place_map, found, header))
         if found.estimate and isinstance(place_map.georeference, MetricFrame):
-            self._publish_pose(pose_message(place_map, found.estimate, header.stamp), found.relocalized)
+            self._publish_pose(pose_message(place_map, found, header.stamp), found.relocalized)
         if found.estimate and isinstance(place_map.georeference, GeoCorners):
             self._fixes.publish(fix_message(place_map, found.estimate, header))
         if self._matches.get_num_connections():

@@ -59,9 +59,12 @@ def hypotheses_from_message(message: msg.Places) -> List[Hypothesis]:
     return [Hypothesis(*each) for each in zip(message.poses, message.probabilities)]
 
 
-def pose_message(place_map: PlaceMap, place: PlaceEstimate, stamp) -> PoseWithCovarianceStamped:
-    """Pose in the frame of a metric map."""
-    T, covariance = metric_pose(place_map.georeference, place_map.overview, place)
+def pose_message(place_map: PlaceMap, found: Localization, stamp) -> PoseWithCovarianceStamped:
+    """Pose in the frame of a metric map: the metric pose, or the position of the recognized places."""
+    if found.pose:
+        T, covariance = found.pose.T_map_body(), found.pose.covariance
+    else:
+        T, covariance = metric_pose(place_map.georeference, place_map.overview, found.estimate)
     message = PoseWithCovarianceStamped(header=Header(stamp=stamp, frame_id=place_map.georeference.frame))
     message.pose.pose, message.pose.covariance = pose_to_message(T), covariance.ravel().tolist()
     return message

@@ -56,6 +56,7 @@ class PlaceReport:
         row.add("place", str(best.photo.id) if best else "none")
         row.add("probability", f"{best.probability:.3f}" if best else "0")
         row.add("unknown probability", f"{last.unknown_probability:.3f}")
+        row.add("points of the metric pose", str(last.pose.inliers) if last.pose else "none")
         row.add("odometry distance", "unknown" if self._distance is None else f"{self._distance:.2f} m")
         statistics = last.statistics
         row.add("keypoints", str(statistics.keypoints))
