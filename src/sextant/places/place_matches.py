@@ -43,7 +43,7 @@ class MapPhotos:
         self._radius = neighbour_radius(self._positions)
 
     def near(self, numbers: np.ndarray) -> np.ndarray:
-        """Whether each photo shows about the same place as others, which are given: bool (m, photos).
+        """Whether each photo shows about the same place as some photos: bool (m, photos).
 
         :param numbers: int (m,)
         """
