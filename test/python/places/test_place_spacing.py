@@ -20,10 +20,10 @@ def test_the_spacing_is_that_of_neighbours():
 @pytest.mark.parametrize(
     "positions, expected",
     [
-        (line(100), 6.0),  # three spacings
-        (line(11), 2.0),  # a tenth of the extent
-        (line(5), 0.8),  # each of a few spots is another place
-        (np.repeat(line(100), 2, axis=0), 6.0),  # two photos at each place
+        (line(100), 20.0),  # ten spacings
+        (line(11), 4.0),  # a fifth of the extent
+        (line(5), 1.6),  # each of a few spots is another place
+        (np.repeat(line(100), 2, axis=0), 20.0),  # two photos at each place
         (np.zeros((3, 2)), 0.0),
         (line(1), 0.0),
     ],
