@@ -23,7 +23,7 @@ class PhotoKeypoints(NamedTuple):
     xy: np.ndarray  # (n, 2)
     sigma: np.ndarray  # (n,) standard deviation of each coordinate
     size: np.ndarray  # (n,) diameter, pixels of the reduced image
-    descriptors: np.ndarray  # float32 (n, 128) with integers in [0, 255]
+    descriptors: np.ndarray  # uint8 (n, 128)
 
 
 class KeypointExtractor:
@@ -50,4 +50,5 @@ class KeypointExtractor:
         seen = np.isfinite(rays).all(axis=1)
         size = keypoints[seen, 2] / (SUPPORT * scale)
         sigma = (SIGMA + SIGMA_BY_SIZE * size) * scale / camera.focal_length
-        return PhotoKeypoints(rays[seen, :2], sigma, size, found.descriptors[seen])
+        descriptors = found.descriptors[seen].astype(np.uint8).reshape(-1, 128)  # RootSIFT has integers
+        return PhotoKeypoints(rays[seen, :2], sigma, size, descriptors)

@@ -75,11 +75,12 @@ def triangulated_points(
         factor *= _noise(triangulated(poses, count, assumed), assumed)
     seen = seen._replace(sigma=factor * seen.sigma)
     points = triangulated(poses, count, seen)
-    descriptors = np.concatenate([np.zeros((0, 128)), *(each.descriptors for each in keypoints)])[rows]
+    none = np.zeros((0, 128), np.uint8)
+    descriptors = np.concatenate([none, *(each.descriptors for each in keypoints)])[rows]
     kept = np.cumsum(points.valid) - 1
     return PlacePoints(
         tuple(images), poses, points.xyz[points.valid], points.covariances[points.valid],
-        kept[seen.point[points.used]], seen.photo[points.used], descriptors[points.used].astype(np.uint8),
+        kept[seen.point[points.used]], seen.photo[points.used], descriptors[points.used],
         factor, _covariance_factor(poses, count, seen),
     )  # fmt: skip
 

@@ -83,7 +83,7 @@ def _matches(keypoints: PhotoKeypoints, points: PlacePoints, rows: np.ndarray):
     none = np.zeros(0, int)
     if not len(rows) or not len(keypoints.xy):
         return none, none
-    distances = squared_distances(keypoints.descriptors, points.descriptors[rows].astype(np.float32))
+    distances = squared_distances(keypoints.descriptors, points.descriptors[rows])
     nearest, point = distances.argmin(axis=1), points.point[rows]
     best = distances[np.arange(len(distances)), nearest]
     distances[point[nearest][:, None] == point] = np.inf

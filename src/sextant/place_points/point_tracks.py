@@ -30,7 +30,8 @@ def neighbours(poses: np.ndarray, photo: int, count: int) -> np.ndarray:
 
 
 def squared_distances(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Squared distances (n, m) of descriptors (n, d) and (m, d), float32."""
+    """Squared distances (n, m), float32, of descriptors (n, d) and (m, d), uint8."""
+    a, b = a.astype(np.float32), b.astype(np.float32)
     return np.maximum((a * a).sum(axis=1)[:, None] + (b * b).sum(axis=1) - 2 * a @ b.T, 0)
 
 

@@ -16,7 +16,7 @@ COUNT = 80
 def photos(noise):
     rng = np.random.default_rng(5)
     observations = seen(scene(COUNT), poses=POSES, noise=noise)
-    known, ones = np.rint(rng.uniform(0, 255, (COUNT, 128))).astype(np.float32), np.ones(COUNT)
+    known, ones = np.rint(rng.uniform(0, 255, (COUNT, 128))).astype(np.uint8), np.ones(COUNT)
     return [
         PhotoKeypoints(observations.xy[observations.photo == i], SIGMA * ones, 4 * ones, known)
         for i in range(len(POSES))

@@ -22,7 +22,7 @@ def photos(noise=5.0, poses=POSES):
         descriptors = np.rint(np.clip(known[order] + rng.normal(0, noise, (COUNT, 128)), 0, 255))
         xy = observations.xy[observations.photo == photo][order]
         ones = np.ones(COUNT)
-        keypoints.append(PhotoKeypoints(xy, SIGMA * ones, 4 * ones, descriptors.astype(np.float32)))
+        keypoints.append(PhotoKeypoints(xy, SIGMA * ones, 4 * ones, descriptors.astype(np.uint8)))
         points.append(order)
     return keypoints, np.concatenate(points)
 
