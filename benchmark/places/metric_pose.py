@@ -22,7 +22,7 @@ from sextant.places.index_params import IndexParams
 from sextant.places.place_index_update import PlaceIndexer
 from sextant.places.place_localizer import PlaceLocalizer, Status
 from sextant.simulation.camera import camera_calibration
-from sextant.simulation.street_view import EYE
+from sextant.simulation.street_camera import CAMERAS
 
 SEEDS = (11, 12, 13)  # of the streets; the constants of the method were chosen on 5, 6 and 7
 QUERY_STEP = 2.0  # distance between queries, metres
@@ -74,7 +74,8 @@ def _pose(place_map: PlaceMap, photo: Photo) -> np.ndarray:
     """True T_map_camera of a photo."""
     frame = place_map.georeference
     T = sextant.pose_from_xyz_rpy(
-        [*frame.position(place_map.overview, photo.x, photo.y), EYE], [0, 0, frame.yaw(photo.yaw)]
+        [*frame.position(place_map.overview, photo.x, photo.y), CAMERAS["ideal"].height],
+        [0, 0, frame.yaw(photo.yaw)],
     )
     T[:3, :3] = T[:3, :3] @ R_BODY_OPTICAL
     return T

@@ -44,7 +44,7 @@ class ImageEvidence(NamedTuple):
     """Evidence of an image, and the correct places."""
 
     scores: np.ndarray  # (photos,)
-    features: np.ndarray  # (2,) see image_features()
+    features: np.ndarray  # (2,) see UnknownPlaces.features()
     right: np.ndarray  # bool (photos,) correct ones; none: the image is not of the map
     around: np.ndarray  # bool (photos,) near the best one: merged into one hypothesis
     weight: float  # of the image in the fit: all domains have the same total weight

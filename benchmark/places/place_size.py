@@ -97,7 +97,7 @@ def size_tables(quick: bool) -> List[Table]:
             Value(100 * size.right, 0),
         ]
         rows.append((f"{places} places", figures))
-    return [Table(f"Drawn places of {DESCRIPTORS} descriptors; search and comparison with candidates", COLUMNS, rows)]
+    return [Table(f"Drawn places of {DESCRIPTORS} descriptors; search and comparison", COLUMNS, rows)]
 
 
 def _in_own_process(places: int) -> Size:

@@ -14,7 +14,8 @@ from sextant.place_maps.place_map_file import write_place_map
 from sextant.place_points.point_localizer import R_BODY_OPTICAL
 from sextant.simulation.camera import camera_calibration
 from sextant.simulation.street import Street
-from sextant.simulation.street_view import EYE, street_view
+from sextant.simulation.street_camera import CAMERAS
+from sextant.simulation.street_view import street_view
 
 SIZE, STEP, COUNT = (480, 360), 3.0, 6
 CAMERA = PhotoCamera(camera_calibration(*SIZE))
@@ -28,7 +29,7 @@ def street():
 def view(arc, aside=0.0, turn=0.0, seed=0):
     """Image and T_map_camera at an arc length, with an offset to the left and a rotation."""
     x, y, yaw = street().pose(arc, aside, turn)
-    T = sextant.pose_from_xyz_rpy([x, y, EYE], [0.0, 0.0, yaw])
+    T = sextant.pose_from_xyz_rpy([x, y, CAMERAS["ideal"].height], [0.0, 0.0, yaw])
     T[:3, :3] = T[:3, :3] @ R_BODY_OPTICAL
     return street_view(street(), (x, y, yaw), SIZE, seed), T
 

@@ -6,7 +6,7 @@ The ratio compares the hypotheses that an image was taken at the photo's place a
 """
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Callable, NamedTuple, Tuple
 
 import numpy as np
 from scipy.special import logsumexp
@@ -16,65 +16,79 @@ from sextant.base.strict_params import StrictParams, param, within
 MAD_TO_DEVIATION = 1.4826  # standard deviation over median absolute deviation (MAD), normal distribution
 REFERENCE = 100  # number of best photos; their scores represent those of wrong photos
 ROUNDING = 1e-6  # of the largest score; smaller differences are rounding in single precision
-MIN_DEVIATION = 0.3  # minimum deviation of UnknownPlaces: that of few photos is not reliable
-FEW_PLACES = (1.0, 0.5)  # UnknownPlaces of a map without photos to compare; those of a few spots of a campus
+MIN_DEVIATIONS = (0.15, 0.3)  # of UnknownPlaces: those of few photos are not reliable
+MIN_COMPARED = 2  # photos from which UnknownPlaces is estimated
 UNRELATED = 8.0  # score of unrelated photos in a map of one place, for each kind of keypoints
 MAX_Z = 6.0  # maximum z-score in relative evidence, for robustness against one wrong image
+
+Near = Callable[[np.ndarray], np.ndarray]  # see UnknownPlaces.of_map()
 
 
 @dataclass(frozen=True)
 class EvidenceParams(StrictParams):
     """Weights of the evidence; `benchmark/places.py --only calibration` fits them.
 
-    The log odds that an image was taken at a place of the map are margin * m + excess * z - offset: m is the
-    highest score minus that of the best photo elsewhere, z is the excess over the scores of unknown places,
-    see image_features(). Among the photos, the likelihood is exp(slope * score).
+    The log odds that an image was taken at a place of the map are margin * m + excess * e - offset, see
+    UnknownPlaces.features(). Among the photos, the likelihood is exp(slope * score).
     """
 
-    slope: float = param(1.2, "logarithm of the likelihood ratio of two photos per score", within(0, 100))
-    margin: float = param(0.5, "weight of m", within(0, 100))
-    excess: float = param(0.5, "weight of z", within(0, 100))
-    offset: float = param(1.5, "subtracted from the sum", within(-100, 100))
+    slope: float = param(1.83, "logarithm of the likelihood ratio of two photos per score", within(0, 100))
+    margin: float = param(1.40, "weight of m", within(0, 100))
+    excess: float = param(0.11, "weight of e", within(0, 100))
+    offset: float = param(0.46, "subtracted from the sum", within(-100, 100))
     limit: float = param(12.0, "maximum absolute log odds of one image, not fitted", within(1e-6, 100))
 
 
-class UnknownPlaces(NamedTuple):
-    """Distribution of the highest score minus the median of all, for images of unknown places."""
-
-    mean: float  # over images
-    deviation: float  # standard deviation over images
-
-    @classmethod
-    def of_map(cls, scores: np.ndarray, is_near: np.ndarray) -> "UnknownPlaces":
-        """Estimates it from photos of the map, each compared with those that are not near it.
-
-        In a map of look-alike places these scores are high.
-
-        :param scores: (m, n) of n photos for m of them; nan: the photo itself
-        :param is_near: bool (m, n) whether each photo is near the other, or is the same
-        """
-        highest = np.max(scores, axis=1, where=~(is_near | np.isnan(scores)), initial=-np.inf)
-        compared = np.isfinite(highest)
-        if not compared.any():
-            return cls(*FEW_PLACES)
-        excess = highest[compared] - np.nanmedian(scores[compared], axis=1)
-        return cls(float(excess.mean()), max(float(excess.std()), MIN_DEVIATION))
-
-
-def image_features(
-    scores: np.ndarray, is_near: np.ndarray, unknown: UnknownPlaces, kinds: int = 1
-) -> np.ndarray:
-    """Features (2,) of EvidenceParams, m and z, of an image.
+def score_differences(scores: np.ndarray, is_near: np.ndarray) -> np.ndarray:
+    """Margin and excess (2,) of the highest score: over the best photo elsewhere, and over the median.
 
     :param scores: (n,) of the photos
-    :param is_near: bool (n,) whether each photo is near the best one, or is the same
-    :param kinds: number of kinds of keypoints in the scores
+    :param is_near: bool (n,) whether each photo is near the best one, or is the same; not all of them
     """
-    elsewhere = middle = UNRELATED * kinds
-    if not is_near.all():
-        elsewhere, middle = scores[~is_near].max(), np.median(scores)
     highest = scores.max()
-    return np.array([highest - elsewhere, (highest - middle - unknown.mean) / unknown.deviation])
+    return np.array([highest - scores[~is_near].max(), highest - np.median(scores)])
+
+
+class UnknownPlaces(NamedTuple):
+    """Distribution of score_differences() for images of unknown places.
+
+    In a map of places that look alike they are large, on a campus they are small.
+    """
+
+    mean: Tuple[float, float] = (0.4, 1.0)  # over images; defaults: of a few spots of a campus
+    deviation: Tuple[float, float] = (0.3, 0.5)  # standard deviation over images
+
+    @classmethod
+    def of_map(cls, scores: np.ndarray, numbers: np.ndarray, near: Near) -> "UnknownPlaces":
+        """Estimates it from photos of the map, each compared with those that are not near it.
+
+        :param scores: (m, n) of n photos for m of them; nan: the photo itself
+        :param numbers: int (m,) of these m photos
+        :param near: whether photos (n,) are near each of some numbers (k,): bool (k, n)
+        """
+        differences = []
+        for row, is_near in zip(scores, near(numbers)):
+            others = np.flatnonzero(~(is_near | np.isnan(row)))
+            if len(others):
+                beside = near(others[row[others].argmax(keepdims=True)])[0, others]
+                if not beside.all():
+                    differences.append(score_differences(row[others], beside))
+        if len(differences) < MIN_COMPARED:
+            return cls()
+        deviation = np.maximum(np.std(differences, axis=0), MIN_DEVIATIONS)
+        return cls(tuple(np.mean(differences, axis=0)), tuple(deviation))
+
+    def features(self, scores: np.ndarray, is_near: np.ndarray, kinds: int = 1) -> np.ndarray:
+        """Features (2,) of EvidenceParams of an image, m and e: sign(z) ln(1 + |z|) of standard scores z.
+
+        :param scores: (n,) of the photos
+        :param is_near: bool (n,) whether each photo is near the best one, or is the same
+        :param kinds: number of kinds of keypoints in the scores
+        """
+        if is_near.all():
+            scores, is_near = np.append(scores, UNRELATED * kinds), np.append(is_near, False)
+        z = (score_differences(scores, is_near) - self.mean) / np.array(self.deviation)
+        return np.sign(z) * np.log1p(np.abs(z))
 
 
 def absolute_log_ratios(
@@ -85,7 +99,7 @@ def absolute_log_ratios(
     Their weighted mean is the odds that the image was taken at a place of the map.
 
     :param scores: (n,) of the photos
-    :param features: (2,) see image_features()
+    :param features: (2,) see UnknownPlaces.features()
     :param shares: (n,) weights of the photos; they sum to 1
     """
     odds = features @ (params.margin, params.excess) - params.offset

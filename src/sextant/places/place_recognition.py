@@ -17,7 +17,6 @@ from sextant.places.place_evidence import (
     EvidenceParams,
     UnknownPlaces,
     absolute_log_ratios,
-    image_features,
     relative_log_ratios,
 )
 from sextant.places.place_index import PlaceIndex
@@ -123,7 +122,7 @@ class PlaceRecognizer:
         return photo_scores(self._index, self._photos.rows, kinds)
 
     def features(self, scores: np.ndarray, kinds: int, numbers: Optional[np.ndarray] = None) -> np.ndarray:
-        """Features (2,) of the evidence of an image, see image_features().
+        """Features (2,) of the evidence of an image, see UnknownPlaces.features().
 
         :param scores: (photos,) of all kinds of keypoints that the image has
         :param kinds: number of these kinds
@@ -136,7 +135,7 @@ class PlaceRecognizer:
             unknown = self._unknown_places(numbers)[kinds - 1]
         best = np.zeros(len(scores), bool)
         best[numbers[scores[numbers].argmax()]] = True
-        return image_features(scores[numbers], self.near(best)[numbers], unknown, kinds)
+        return unknown.features(scores[numbers], self.near(best)[numbers], kinds)
 
     def near(self, which: np.ndarray) -> np.ndarray:
         """Whether each photo is near one of these.
@@ -153,11 +152,15 @@ class PlaceRecognizer:
         """
         index, rows = self._index, self._photos.rows[numbers]
         number_of_row = np.full(len(index.photos), -1)
-        number_of_row[rows] = numbers
+        number_of_row[rows] = np.arange(len(numbers))
         compared = index.compared or compared_photos(index)
         in_map = number_of_row[compared.rows] >= 0
-        near = self._photos.near(number_of_row[compared.rows[in_map]])[:, numbers]
-        return [UnknownPlaces.of_map(scores[in_map][:, rows], near) for scores in compared.scores]
+        given = number_of_row[compared.rows[in_map]]
+
+        def near(which: np.ndarray) -> np.ndarray:
+            return self._photos.near(numbers[which])[:, numbers]
+
+        return [UnknownPlaces.of_map(scores[in_map][:, rows], given, near) for scores in compared.scores]
 
     def _match(self, number: int, image: CodedKeypoints, background: np.ndarray) -> MatchedPhoto:
         photo, row = self._photos.photos[number], self._photos.rows[number]

@@ -7,14 +7,13 @@ import pytest
 from scipy.stats import norm
 
 from sextant.places.place_evidence import (
-    FEW_PLACES,
     UNRELATED,
     EvidenceParams,
     UnknownPlaces,
     absolute_log_ratios,
     deviations,
-    image_features,
     relative_log_ratios,
+    score_differences,
 )
 
 
@@ -54,30 +53,41 @@ def test_votes_for_few_of_many_photos_are_compared_with_one_another():
     assert np.delete(found, 7).max() < 3
 
 
-# three photos, each compared with the others; the last two are near each other
-SCORES = np.array([[np.nan, 2.0, 4.0], [1.0, np.nan, 9.0], [5.0, 9.0, np.nan]])
-NEAR = np.array([[1, 0, 0], [0, 1, 1], [0, 1, 1]], bool)
+# five photos, of which the first and the last are compared; photos 1 and 2 are near each other
+SCORES = np.array([[np.nan, 2.0, 4.0, 3.0, 1.0], [1.0, 9.0, 8.0, 3.0, np.nan]])
+NEAR = np.array([[1, 0, 0, 0, 0], [0, 1, 1, 0, 0], [0, 1, 1, 0, 0], [0, 0, 0, 1, 0], [0, 0, 0, 0, 1]], bool)
+
+
+def test_differences_are_to_the_best_elsewhere_and_to_the_median():
+    scores, near = np.array([3.0, 9.0, 8.0, 4.0, 1.0]), np.array([0, 1, 1, 0, 0], bool)
+    assert score_differences(scores, near).tolist() == [9 - 4, 9 - 4]
 
 
 def test_unknown_places_are_photos_without_their_neighbours():
-    excess = [4 - 3, 1 - 5, 5 - 7]  # the highest of those elsewhere minus the median of all
-    found = UnknownPlaces.of_map(SCORES, NEAR)
-    assert found == pytest.approx((np.mean(excess), np.std(excess)))
+    found = UnknownPlaces.of_map(SCORES, np.array([0, 4]), lambda numbers: NEAR[numbers])
+    differences = [[4 - 3, 4 - 2.5], [9 - 3, 9 - 5.5]]
+    assert found.mean == pytest.approx(np.mean(differences, axis=0))
+    assert found.deviation == pytest.approx(np.std(differences, axis=0))
 
 
-@pytest.mark.parametrize("near", [np.ones((3, 3), bool), np.zeros((0, 3), bool)])
-def test_without_photos_elsewhere_the_distribution_is_that_of_few_places(near):
-    assert UnknownPlaces.of_map(SCORES[: len(near)], near) == FEW_PLACES
+@pytest.mark.parametrize(
+    "numbers, near", [([0, 4], np.ones((5, 5), bool)), ([], NEAR), ([0], NEAR)], ids=["near", "none", "one"]
+)
+def test_without_photos_elsewhere_the_distribution_is_that_of_few_spots(numbers, near):
+    numbers = np.array(numbers, int)
+    assert UnknownPlaces.of_map(SCORES[: len(numbers)], numbers, lambda which: near[which]) == UnknownPlaces()
 
 
-def test_features_are_the_margin_and_the_excess():
-    scores, near = np.array([3.0, 9.0, 8.0, 4.0, 1.0]), np.array([0, 1, 1, 0, 0], bool)
-    assert image_features(scores, near, UnknownPlaces(2.0, 0.5)).tolist() == [9 - 4, (9 - 4 - 2) / 0.5]
+def test_features_grow_with_the_logarithm_of_standard_scores():
+    unknown, near = UnknownPlaces((2.0, 7.0), (0.5, 1.0)), np.array([0, 1, 1, 0, 0], bool)
+    found = unknown.features(np.array([3.0, 9.0, 8.0, 4.0, 1.0]), near)
+    assert found == pytest.approx([np.log(1 + (5 - 2) / 0.5), -np.log(1 + (7 - 5) / 1.0)])
 
 
 def test_a_map_of_one_place_is_compared_with_unrelated_photos():
-    found = image_features(np.array([19.0, 21.0]), np.ones(2, bool), UnknownPlaces(2.0, 0.5), 2)
-    assert found.tolist() == [21 - 2 * UNRELATED, (21 - 2 * UNRELATED - 2) / 0.5]
+    unknown = UnknownPlaces((0.0, 0.0), (1.0, 1.0))
+    found = unknown.features(np.array([21.0]), np.ones(1, bool), 2)
+    assert found == pytest.approx(np.log1p([21 - 2 * UNRELATED, (21 - 2 * UNRELATED) / 2]))
 
 
 def test_absolute_evidence_is_the_odds_times_the_relative_likelihood():
