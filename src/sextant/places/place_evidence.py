@@ -17,7 +17,7 @@ MAD_TO_DEVIATION = 1.4826  # standard deviation over median absolute deviation (
 REFERENCE = 100  # number of best photos; their scores represent those of wrong photos
 ROUNDING = 1e-6  # of the largest score; smaller differences are rounding in single precision
 MIN_DEVIATIONS = (0.15, 0.3)  # of UnknownPlaces: those of few photos are not reliable
-MIN_COMPARED = 2  # photos from which UnknownPlaces is estimated
+MIN_COMPARED = 10  # photos from which UnknownPlaces is estimated
 UNRELATED = 8.0  # score of unrelated photos in a map of one place, for each kind of keypoints
 MAX_Z = 6.0  # maximum z-score in relative evidence, for robustness against one wrong image
 
@@ -55,8 +55,8 @@ class UnknownPlaces(NamedTuple):
     In a map of places that look alike they are large, on a campus they are small.
     """
 
-    mean: Tuple[float, float] = (0.4, 1.0)  # over images; defaults: of a few spots of a campus
-    deviation: Tuple[float, float] = (0.3, 0.5)  # standard deviation over images
+    mean: Tuple[float, float] = (1.0, 1.0)  # over images; defaults: of maps of a few places
+    deviation: Tuple[float, float] = (0.5, 0.5)  # standard deviation over images
 
     @classmethod
     def of_map(cls, scores: np.ndarray, numbers: np.ndarray, near: Near) -> "UnknownPlaces":

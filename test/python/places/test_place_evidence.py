@@ -64,14 +64,17 @@ def test_differences_are_to_the_best_elsewhere_and_to_the_median():
 
 
 def test_unknown_places_are_photos_without_their_neighbours():
-    found = UnknownPlaces.of_map(SCORES, np.array([0, 4]), lambda numbers: NEAR[numbers])
+    scores, numbers = np.repeat(SCORES, 5, axis=0), np.repeat([0, 4], 5)
+    found = UnknownPlaces.of_map(scores, numbers, lambda which: NEAR[which])
     differences = [[4 - 3, 4 - 2.5], [9 - 3, 9 - 5.5]]
     assert found.mean == pytest.approx(np.mean(differences, axis=0))
     assert found.deviation == pytest.approx(np.std(differences, axis=0))
 
 
 @pytest.mark.parametrize(
-    "numbers, near", [([0, 4], np.ones((5, 5), bool)), ([], NEAR), ([0], NEAR)], ids=["near", "none", "one"]
+    "numbers, near",
+    [([0, 4], np.ones((5, 5), bool)), ([], NEAR), ([0, 4], NEAR)],
+    ids=["near", "none", "few"],
 )
 def test_without_photos_elsewhere_the_distribution_is_that_of_few_spots(numbers, near):
     numbers = np.array(numbers, int)

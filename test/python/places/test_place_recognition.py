@@ -45,11 +45,13 @@ def test_keypoints_of_a_match_lie_where_the_image_was_moved_to(recognizer):
     assert moved * 320 == pytest.approx([16, 8], abs=0.5)
 
 
-def test_an_image_of_elsewhere_is_an_unknown_place(place_map, recognizer):
-    for i in range(5):
+def test_images_of_elsewhere_are_probably_of_an_unknown_place(place_map, recognizer):
+    unknown = []
+    for i in range(8):
         belief = PlaceBelief(np.array([place[0][2:4] for place in place_map.places()]))
         belief.update(recognizer.recognize(picture(100 + i)).log_ratios)
-        assert belief.unknown > 0.5
+        unknown.append(belief.unknown)
+    assert np.mean(unknown) > 0.5 and max(unknown) < 0.9  # one image is not enough to be certain
 
 
 @pytest.mark.parametrize("image", [np.full((240, 320), 90, np.uint8), np.zeros((1, 1), np.uint8)])

@@ -47,8 +47,9 @@ def test_compared_photos_do_not_know_themselves(place_map, monkeypatch):
     monkeypatch.setattr(place_scores, "COMPARED", 5)
     index = index_of(place_map)
     found = compared_photos(index)
-    assert found.scores.shape == (5, COUNT) and len(set(found.rows)) == 5
-    assert [np.flatnonzero(np.isnan(row)).tolist() for row in found.scores] == [[row] for row in found.rows]
+    assert found.scores.shape == (1, 5, COUNT) and len(set(found.rows)) == 5
+    (scores,) = found.scores
+    assert [np.flatnonzero(np.isnan(row)).tolist() for row in scores] == [[row] for row in found.rows]
     row, others = found.rows[2], np.delete(np.arange(COUNT), found.rows[2])
     expected = photo_scores(index, others, [kind.of(row) for kind in index.keypoints]).logs
-    assert found.scores[2, others] == pytest.approx(expected, rel=1e-6)
+    assert scores[2, others] == pytest.approx(expected, rel=1e-6)
