@@ -70,7 +70,7 @@ class BeliefParams(StrictParams):
     )
     radius: float = param(
         2.2,
-        "distance within which places are merged into one hypothesis, spacings; at most a fifth of the map's "
+        "distance within which places are merged into one hypothesis, spacings; at most a quarter of the map's "
         "extent",
         within(0, 20),
     )

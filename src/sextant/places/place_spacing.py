@@ -6,7 +6,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 NEIGHBOURS = 10.0  # spacings within which photos may show the same place
-MAX_SHARE = 0.2  # of the map's extent within which they may: in a map of a few spots each is another place
+MAX_SHARE = 0.24  # of the map's extent within which they may: in a map of a few spots each is another place
 
 
 def spacing_of(positions: np.ndarray) -> float:

@@ -139,7 +139,7 @@ def test_a_leap_that_no_memory_holds_leads_anywhere(monkeypatch):
         ),
     )
     belief.update(evidence_for(10, 30.0))
-    monkeypatch.setattr(place_motion, "MAX_ENTRIES", 150)  # of 400
+    monkeypatch.setattr(place_motion, "MAX_ENTRIES", 700)  # of 3200 in all layers
     belief.predict(1.0)
     assert belief.places[8:13].sum() > 0.9
     belief.predict(8.0)

@@ -49,9 +49,9 @@ def path_of(place_map):
     return place_map.folder / "park.txt"
 
 
-def index_of(place_map):
+def index_of(place_map, settings=SETTINGS):
     lines = []
-    return PlaceIndexer(path_of(place_map), place_map, SETTINGS, report=lines.append).index(), lines
+    return PlaceIndexer(path_of(place_map), place_map, settings, report=lines.append).index(), lines
 
 
 def building(place_map, killed_at=""):
@@ -186,11 +186,12 @@ def test_photos_of_very_different_sizes_are_found(place_map):
 @pytest.mark.parametrize("mode", ["filter", "sequence", "single", "votes"])
 def test_small_maps_work(tmp_path, mode):
     one = written_photos(tmp_path, 1)
-    index, _ = index_of(one)
+    params = IndexParams(matcher="BruteForce" if mode == "votes" else None)
+    index, _ = index_of(one, params)
     assert [answer.photo.id for answer in found(one, index, 0, mode).hypotheses] == [0]
     two = written_photos(tmp_path, 2)
     two = two._replace(photos=tuple(photo._replace(x=5.0) for photo in two.photos))
-    index, _ = index_of(two)
+    index, _ = index_of(two, params)
     answer = found(two, index, 1, mode)
     assert answer.hypotheses[0].photo.id == 1
     empty = PlaceLocalizer(two, index, PlaceLocalizationParams(mode=mode)).localize(

@@ -33,7 +33,7 @@ def test_photos_are_numbered_place_by_place(place_map, index):
     assert photos.shares == pytest.approx([0.1, 0.1, 0.2, 0.2, 0.2, 0.2])
 
 
-def test_photos_are_near_within_some_spacings_and_a_fifth_of_the_map(place_map, index):
+def test_photos_are_near_within_some_spacings_and_a_share_of_the_map(place_map, index):
     assert MapPhotos(place_map, index).near(np.array([2]))[0].tolist() == [0, 1, 1, 1, 0, 0]
     far = place_map.photos[5]._replace(x=1e4)
     photos = MapPhotos(place_map._replace(photos=(*place_map.photos[:5], far)), index)

@@ -51,5 +51,5 @@ def test_compared_photos_do_not_know_themselves(place_map, monkeypatch):
     (scores,) = found.scores
     assert [np.flatnonzero(np.isnan(row)).tolist() for row in scores] == [[row] for row in found.rows]
     row, others = found.rows[2], np.delete(np.arange(COUNT), found.rows[2])
-    expected = photo_scores(index, others, [kind.of(row) for kind in index.keypoints]).logs
+    expected = photo_scores(index, others, [kind.of(row) for kind in index.keypoints]).total
     assert scores[2, others] == pytest.approx(expected, rel=1e-6)

@@ -21,8 +21,8 @@ def test_the_spacing_is_that_of_neighbours():
     "positions, expected",
     [
         (line(100), 20.0),  # ten spacings
-        (line(11), 4.0),  # a fifth of the extent
-        (line(5), 1.6),  # each of a few spots is another place
+        (line(11), 4.8),  # a share of the extent
+        (line(5), 1.92),  # each of a few spots is another place
         (np.repeat(line(100), 2, axis=0), 20.0),  # two photos at each place
         (np.zeros((3, 2)), 0.0),
         (line(1), 0.0),
