@@ -54,7 +54,7 @@ class BeliefParams(StrictParams):
         within(0, 1),
     )
     evidence_exponent: float = param(
-        0.6,
+        0.8,
         "exponent of the likelihood ratios; below 1, because errors of successive images are " "correlated",
         within(1e-6, 1),
     )
@@ -63,6 +63,12 @@ class BeliefParams(StrictParams):
         "subtracted from the log likelihood ratios, because a wrong place may match over many images",
         within(0, 20),
     )
+    confidence: float = param(
+        0.3,
+        "exponent of the odds of the best hypothesis when it is published; below 1, because errors of "
+        "successive images are correlated",
+        within(1e-6, 1),
+    )
     distance_noise: float = param(
         0.1,
         "standard deviation of the distance that odometry measured, as a fraction of that distance",
@@ -70,8 +76,8 @@ class BeliefParams(StrictParams):
     )
     radius: float = param(
         2.2,
-        "distance within which places are merged into one hypothesis, spacings; at most a quarter of the map's "
-        "extent",
+        "distance within which places are merged into one hypothesis, spacings; at most a quarter of the "
+        "map's extent",
         within(0, 20),
     )
 
@@ -90,6 +96,13 @@ class BeliefPeak(NamedTuple):
     place: int  # index
     probability: float  # of the place and those merged with it
     around: np.ndarray  # int (m,) indices of the merged places, including the place itself
+
+
+class Hypotheses(NamedTuple):
+    """Places and their probabilities, as published."""
+
+    peaks: List[BeliefPeak]  # most probable first
+    unknown: float  # probability of a place that is not in the map
 
 
 class PlaceBelief:
@@ -147,7 +160,25 @@ class PlaceBelief:
         """Probabilities (n,) of the places."""
         return self._layers.sum(axis=0)
 
-    def peaks(self, count: int) -> List[BeliefPeak]:
+    def hypotheses(self, count: int) -> Hypotheses:
+        """Up to count places, most probable first, with probabilities to be published.
+
+        The odds of the most probable one, which may be the unknown place, are raised to `confidence` if they
+        are above 1. The others share the rest.
+        """
+        peaks = self._peaks(count)
+        probabilities = np.array([*(peak.probability for peak in peaks), self.unknown])
+        best = int(probabilities.argmax())
+        highest = probabilities[best]
+        lower = _tempered(highest, self._params.confidence)
+        if highest < 1:
+            probabilities *= (1 - lower) / (1 - highest)
+        probabilities[best] = lower
+        published = [peak._replace(probability=float(p)) for peak, p in zip(peaks, probabilities)]
+        published.sort(key=lambda peak: -peak.probability)
+        return Hypotheses(published, float(probabilities[-1]))
+
+    def _peaks(self, count: int) -> List[BeliefPeak]:
         """Returns up to count maxima, most probable first, each merged with the places within `radius` of it.
 
         A place belongs to one peak only: the most probable remaining place takes all remaining places within
@@ -164,3 +195,11 @@ class PlaceBelief:
             peaks.append(BeliefPeak(place, float(remaining[around].sum()), around))
             remaining[around] = 0
         return sorted(peaks, key=lambda peak: -peak.probability)
+
+
+def _tempered(probability: float, exponent: float) -> float:
+    """The probability whose odds are raised to the exponent; not for one below 0.5."""
+    if not 0.5 < probability < 1:
+        return probability
+    odds = (probability / (1 - probability)) ** exponent
+    return odds / (1 + odds)

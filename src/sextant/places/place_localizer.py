@@ -154,15 +154,15 @@ class PlaceLocalizer:
 
     def _localize_by_belief(self, recognition: Recognition, driven: Optional[float]) -> Localization:
         belief = self._mode.belief
-        peaks = belief.peaks(self._params.max_places)
+        peaks, unknown = belief.hypotheses(self._params.max_places)
         photos = recognition.best_photos
         hypotheses = [PlaceHypothesis(photos[peak.place], peak.probability) for peak in peaks]
-        status = _status(hypotheses, belief.unknown) if recognition.usable else Status.UNUSABLE
+        status = _status(hypotheses, unknown) if recognition.usable else Status.UNUSABLE
         estimated = self._estimate(peaks[0], recognition) if status == Status.LOCALIZED else None
         position = self._positions[peaks[0].place] * self._metres_per_pixel if estimated else None
         relocalized = self._relocalization.update(status, position, driven)
         statistics, match = recognition.statistics, recognition.match
-        return Localization(status, hypotheses, belief.unknown, estimated, relocalized, statistics, match)
+        return Localization(status, hypotheses, unknown, estimated, relocalized, statistics, match)
 
     def _estimate(self, peak: BeliefPeak, recognition: Recognition) -> PlaceEstimate:
         yaws = [recognition.best_photos[place].yaw for place in peak.around]

@@ -20,7 +20,8 @@ from sextant.places.place_localizer import VOTES, PlaceLocalizationParams
 
 _LOCALIZATION = (
     *("mode", "max_places", "min_keypoints", "min_matches", "window"),
-    *("reach", "persistence", "kidnap_probability", "exit_probability", "unknown_prior", "evidence_exponent"),
+    *("reach", "persistence", "kidnap_probability", "exit_probability", "unknown_prior"),
+    *("evidence_exponent", "confidence"),
     *("evidence_penalty", "distance_noise", "radius", "network_weight"),
 )
 _NETWORK = ("backend", "width", "height", "channels", "mean", "std")

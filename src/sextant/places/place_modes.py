@@ -23,7 +23,8 @@ class Single:
     """Localizes from the last image only, with its full evidence."""
 
     def __init__(self, positions: np.ndarray, params: BeliefParams, window: int):
-        self.belief = PlaceBelief(positions, replace(params, evidence_exponent=1.0, evidence_penalty=0.0))
+        independent = {"evidence_exponent": 1.0, "evidence_penalty": 0.0, "confidence": 1.0}
+        self.belief = PlaceBelief(positions, replace(params, **independent))
 
     def update(self, evidence: ImageEvidence) -> None:
         """Replaces the belief."""

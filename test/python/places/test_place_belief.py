@@ -66,7 +66,7 @@ def test_the_penalty_makes_every_place_less_likely():
 
 
 def test_relative_evidence_has_no_penalty():
-    belief = PlaceBelief(LINE, BeliefParams(evidence_penalty=2.0))
+    belief = PlaceBelief(LINE, BeliefParams(evidence_exponent=0.6, evidence_penalty=2.0))
     belief.update(np.zeros(20), is_absolute=False)
     assert belief.unknown == pytest.approx(0.5) and belief.places == pytest.approx(np.full(20, 0.025))
     belief.update(evidence_for(7, np.log(5.0) / 0.6), is_absolute=False)  # of which 0.6 are trusted
@@ -74,11 +74,11 @@ def test_relative_evidence_has_no_penalty():
 
 
 def test_places_around_the_likeliest_are_one_answer():
-    belief = PlaceBelief(LINE, BeliefParams(evidence_exponent=1.0, evidence_penalty=0.0, radius=1.0))
+    belief = PlaceBelief(LINE, BeliefParams(evidence_exponent=1.0, confidence=1.0, radius=1.0))
     ratios = np.full(20, -50.0)
     ratios[[5, 6, 7, 12]] = np.log([40.0, 80.0, 40.0, 20.0])
     belief.update(ratios)  # each place was at 0.025, nowhere at 0.5
-    best, second = belief.peaks(2)
+    best, second = belief.hypotheses(2).peaks
     assert (best.place, best.around.tolist()) == (6, [5, 6, 7])
     assert best.probability == pytest.approx(4.0 / 5.0) and second.probability == pytest.approx(0.5 / 5.0)
     assert second.place == 12 and belief.unknown == pytest.approx(0.5 / 5.0)
@@ -90,7 +90,7 @@ def test_without_an_unknown_prior_a_place_is_always_found():
         belief.predict()
         belief.update(np.full(20, -9.0) + evidence_for(3, 1.0))
     assert belief.unknown == 0 and belief.places.sum() == pytest.approx(1)
-    assert belief.peaks(1)[0].place == 3
+    assert belief.hypotheses(1).peaks[0].place == 3
 
 
 @pytest.mark.parametrize("distance", [None, 0.0, 1.0, 30.0])
@@ -102,6 +102,29 @@ def test_probabilities_sum_to_one(distance):
         belief.update(rng.normal(0, 5, 20))
         assert belief.places.sum() + belief.unknown == pytest.approx(1)
         assert np.all(belief.places >= 0) and belief.unknown >= 0
+
+
+@pytest.mark.parametrize("evidence, unknown", [(6.0, False), (-9.0, True)])
+def test_published_odds_are_flattened(evidence, unknown):
+    belief = PlaceBelief(LINE, BeliefParams(evidence_exponent=1.0, confidence=0.25))
+    ratios = np.full(20, min(evidence, 0.0))
+    ratios[12] = evidence
+    belief.update(ratios)
+    raw = belief.unknown if unknown else belief.places[11:15].sum()
+    peaks, published_unknown = belief.hypotheses(3)
+    published = published_unknown if unknown else peaks[0].probability
+    assert 0.5 < published < raw and unknown == (published_unknown > 0.5)
+    if unknown:
+        assert published / (1 - published) == pytest.approx((raw / (1 - raw)) ** 0.25)
+    ratio = peaks[1].probability / peaks[2].probability
+    assert ratio == pytest.approx(1, abs=0.5)  # the others share the rest as before
+    assert sum(peak.probability for peak in peaks) + published_unknown <= 1 + 1e-9
+
+
+def test_improbable_hypotheses_are_not_raised():
+    belief = PlaceBelief(LINE, BeliefParams(unknown_prior=0.0, exit_probability=0.0, confidence=0.1))
+    belief.update(evidence_for(7, 1.0))
+    assert belief.hypotheses(1).peaks[0].probability < 0.5
 
 
 def test_a_sequence_decides_what_an_image_cannot():

@@ -43,7 +43,7 @@ def test_a_filter_begins_without_moving():
 
 
 def test_a_filter_doubts_only_what_has_votes():
-    apart = made("filter", BeliefParams())
+    apart = made("filter", BeliefParams(evidence_penalty=2.0))
     apart.update(ImageEvidence(np.zeros(len(LINE)), None, is_absolute=False))
     assert apart.belief.unknown == pytest.approx(0.5)
     apart.update(ImageEvidence(np.zeros(len(LINE)), None))
