@@ -15,7 +15,7 @@ from sextant.base.jobs import run_jobs
 from sextant.place_maps.photo_file import decode_grey
 from sextant.place_maps.photo_poses import PosedPhoto
 from sextant.place_points.camera_pose_fit import PointMatches, fit_camera_pose
-from sextant.place_points.photo_keypoints import KeypointExtractor, PhotoKeypoints
+from sextant.place_points.point_keypoints import PointKeypointExtractor, PointKeypoints
 from sextant.place_points.point_tracks import point_tracks
 from sextant.place_points.point_triangulation import Observations, Points, triangulated
 
@@ -38,13 +38,13 @@ class PlacePoints:
     point: np.ndarray  # int (n,) point of each observation
     photo: np.ndarray  # int (n,) photo of each observation
     descriptors: np.ndarray  # uint8 (n, 128) of each observation
-    sigma_factor: float  # by which the noise of keypoints exceeds that of PhotoKeypoints
+    sigma_factor: float  # by which the noise of keypoints exceeds that of PointKeypoints
     covariance_factor: float  # by which covariances of fitted poses are too small
 
 
 def posed_keypoints(
     folder: Path, photos: Sequence[Tuple[str, PosedPhoto]], jobs: int = 1
-) -> List[PhotoKeypoints]:
+) -> List[PointKeypoints]:
     """Reads photos and extracts their keypoints, with a progress bar.
 
     :param photos: with their names in the folder
@@ -54,13 +54,13 @@ def posed_keypoints(
     return list(run_jobs(partial(_keypoints, folder), photos, jobs, names=names, progress="keypoints"))
 
 
-def _keypoints(folder: Path, photo: Tuple[str, PosedPhoto]) -> PhotoKeypoints:
+def _keypoints(folder: Path, photo: Tuple[str, PosedPhoto]) -> PointKeypoints:
     path = folder / photo[0]
-    return KeypointExtractor().extract(decode_grey(path.read_bytes(), path), photo[1].camera.model())
+    return PointKeypointExtractor().extract(decode_grey(path.read_bytes(), path), photo[1].camera.model())
 
 
 def triangulated_points(
-    images: Sequence[str], poses: np.ndarray, keypoints: Sequence[PhotoKeypoints]
+    images: Sequence[str], poses: np.ndarray, keypoints: Sequence[PointKeypoints]
 ) -> PlacePoints:
     """Triangulates the points of a map.
 

@@ -8,8 +8,8 @@ import numpy as np
 
 import sextant
 from sextant.place_points.camera_pose_fit import MAX_ERROR, PointMatches, fit_camera_pose
-from sextant.place_points.photo_keypoints import KeypointExtractor, PhotoKeypoints
 from sextant.place_points.place_points import PlacePoints
+from sextant.place_points.point_keypoints import PointKeypointExtractor, PointKeypoints
 from sextant.place_points.point_tracks import MAX_RATIO, neighbours, squared_distances
 
 CANDIDATES = 5  # photos whose points are matched: the recognized one and its neighbours
@@ -47,7 +47,7 @@ class PointLocalizer:
         self._number = {image: number for number, image in enumerate(points.images)}
         self._order = np.argsort(points.photo, kind="stable")  # observations by photo
         self._first = np.searchsorted(points.photo[self._order], np.arange(len(points.images) + 1))
-        self._extractor = KeypointExtractor()
+        self._extractor = PointKeypointExtractor()
 
     def localize(self, image: np.ndarray, camera: "sextant.CameraModel", near: str) -> Optional[MetricPose]:
         """Metric pose; None if too few points, or only those of one photo, agree on it.
@@ -78,7 +78,7 @@ class PointLocalizer:
         return np.concatenate([self._order[self._first[each] : self._first[each + 1]] for each in photos])
 
 
-def _matches(keypoints: PhotoKeypoints, points: PlacePoints, rows: np.ndarray):
+def _matches(keypoints: PointKeypoints, points: PlacePoints, rows: np.ndarray):
     """Keypoints and the observations of the points that they match, at most one keypoint per point."""
     none = np.zeros(0, int)
     if not len(rows) or not len(keypoints.xy):

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
-from sextant.place_points.photo_keypoints import PhotoKeypoints
+from sextant.place_points.point_keypoints import PointKeypoints
 from sextant.place_points.point_triangulation import Observations
 
 NEIGHBOURS = 6  # photos that each photo is matched with
@@ -35,7 +35,7 @@ def squared_distances(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return np.maximum((a * a).sum(axis=1)[:, None] + (b * b).sum(axis=1) - 2 * a @ b.T, 0)
 
 
-def point_tracks(poses: np.ndarray, keypoints: Sequence[PhotoKeypoints]) -> Tuple[Observations, np.ndarray]:
+def point_tracks(poses: np.ndarray, keypoints: Sequence[PointKeypoints]) -> Tuple[Observations, np.ndarray]:
     """Observations of points that at least two photos show, at most one per photo and point.
 
     :returns: the observations, and the index of each among the keypoints of all photos
@@ -65,7 +65,7 @@ def _components(links: np.ndarray, photo: np.ndarray) -> Tuple[np.ndarray, np.nd
     return rows, np.unique(component[rows], return_inverse=True)[1]
 
 
-def _matches(T_b_a: np.ndarray, a: PhotoKeypoints, b: PhotoKeypoints) -> Tuple[np.ndarray, np.ndarray]:
+def _matches(T_b_a: np.ndarray, a: PointKeypoints, b: PointKeypoints) -> Tuple[np.ndarray, np.ndarray]:
     """Mutual nearest neighbours near each other's epipolar line, clearly better than the second candidate."""
     if min(len(a.xy), len(b.xy)) < 2:
         return np.zeros(0, int), np.zeros(0, int)
@@ -80,7 +80,7 @@ def _matches(T_b_a: np.ndarray, a: PhotoKeypoints, b: PhotoKeypoints) -> Tuple[n
     return found, of_a[found]
 
 
-def _is_possible(T_b_a: np.ndarray, a: PhotoKeypoints, b: PhotoKeypoints) -> np.ndarray:
+def _is_possible(T_b_a: np.ndarray, a: PointKeypoints, b: PointKeypoints) -> np.ndarray:
     """Pairs (n, m) of similar size near each other's epipolar line (Sampson distance)."""
     x, y, z = T_b_a[:3, 3]
     E = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]]) @ T_b_a[:3, :3]

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from test_point_triangulation import SIGMA, pose, scene, seen
 
-from sextant.place_points.photo_keypoints import PhotoKeypoints
 from sextant.place_points.place_points import MIN_POSES, triangulated_points
+from sextant.place_points.point_keypoints import PointKeypoints
 
 POSES = np.array([pose(1.0 * i) for i in range(MIN_POSES + 2)])
 COUNT = 80
@@ -18,7 +18,7 @@ def photos(noise):
     observations = seen(scene(COUNT), poses=POSES, noise=noise)
     known, ones = np.rint(rng.uniform(0, 255, (COUNT, 128))).astype(np.uint8), np.ones(COUNT)
     return [
-        PhotoKeypoints(observations.xy[observations.photo == i], SIGMA * ones, 4 * ones, known)
+        PointKeypoints(observations.xy[observations.photo == i], SIGMA * ones, 4 * ones, known)
         for i in range(len(POSES))
     ]
 
@@ -34,6 +34,6 @@ def test_noise_is_calibrated(noise):
 
 
 def test_photos_without_keypoints_have_no_points():
-    none = [PhotoKeypoints(*(each[:0] for each in photo)) for photo in photos(1.0)]
+    none = [PointKeypoints(*(each[:0] for each in photo)) for photo in photos(1.0)]
     points = triangulated_points([str(i) for i in range(len(POSES))], POSES, none)
     assert not len(points.xyz) and not len(points.point)

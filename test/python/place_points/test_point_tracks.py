@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from test_point_triangulation import POSES, SIGMA, pose, scene, seen
 
-from sextant.place_points.photo_keypoints import PhotoKeypoints
+from sextant.place_points.point_keypoints import PointKeypoints
 from sextant.place_points.point_tracks import neighbours, point_tracks
 
 COUNT = 60
@@ -22,7 +22,7 @@ def photos(noise=5.0, poses=POSES):
         descriptors = np.rint(np.clip(known[order] + rng.normal(0, noise, (COUNT, 128)), 0, 255))
         xy = observations.xy[observations.photo == photo][order]
         ones = np.ones(COUNT)
-        keypoints.append(PhotoKeypoints(xy, SIGMA * ones, 4 * ones, descriptors.astype(np.uint8)))
+        keypoints.append(PointKeypoints(xy, SIGMA * ones, 4 * ones, descriptors.astype(np.uint8)))
         points.append(order)
     return keypoints, np.concatenate(points)
 
@@ -45,14 +45,14 @@ def test_a_match_far_from_the_epipolar_line_is_none():
 
 def test_two_keypoints_of_one_photo_are_no_point():
     keypoints, _ = photos()
-    twice = PhotoKeypoints(*(np.concatenate([each, each]) for each in keypoints[0]))
+    twice = PointKeypoints(*(np.concatenate([each, each]) for each in keypoints[0]))
     observations, _ = point_tracks(POSES[:2], [twice, keypoints[1]])
     assert not len(observations.point)
 
 
 @pytest.mark.parametrize("count", [0, 1])
 def test_photos_without_keypoints_have_no_tracks(count):
-    none = PhotoKeypoints(*(each[:count] for each in photos()[0][0]))
+    none = PointKeypoints(*(each[:count] for each in photos()[0][0]))
     observations, rows = point_tracks(POSES, [none] * 4)
     assert not len(rows) and not len(observations.point)
 

@@ -17,7 +17,7 @@ SIGMA, SIGMA_BY_SIZE = 0.2, 0.1
 SIFT_SHIFT = 0.25
 
 
-class PhotoKeypoints(NamedTuple):
+class PointKeypoints(NamedTuple):
     """Keypoints of one image in normalized coordinates: x / z and y / z of rays in the optical frame."""
 
     xy: np.ndarray  # (n, 2)
@@ -26,7 +26,7 @@ class PhotoKeypoints(NamedTuple):
     descriptors: np.ndarray  # uint8 (n, 128)
 
 
-class KeypointExtractor:
+class PointKeypointExtractor:
     """Extracts keypoints; thread-safe."""
 
     def __init__(self) -> None:
@@ -34,7 +34,7 @@ class KeypointExtractor:
         params.max_side, params.max_features, params.support_scale = MAX_SIDE, MAX_KEYPOINTS, SUPPORT
         self._extractor = sextant.FeatureExtractor(params)
 
-    def extract(self, image: np.ndarray, camera: "sextant.CameraModel") -> PhotoKeypoints:
+    def extract(self, image: np.ndarray, camera: "sextant.CameraModel") -> PointKeypoints:
         """Keypoints of an image, without those for which the lens model has no ray.
 
         :param image: uint8, (height, width) grey or (height, width, 3) BGR
@@ -51,4 +51,4 @@ class KeypointExtractor:
         size = keypoints[seen, 2] / (SUPPORT * scale)
         sigma = (SIGMA + SIGMA_BY_SIZE * size) * scale / camera.focal_length
         descriptors = found.descriptors[seen].astype(np.uint8).reshape(-1, 128)  # RootSIFT has integers
-        return PhotoKeypoints(rays[seen, :2], sigma, size, descriptors)
+        return PointKeypoints(rays[seen, :2], sigma, size, descriptors)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import sextant
-from sextant.place_points.photo_keypoints import KeypointExtractor
+from sextant.place_points.point_keypoints import PointKeypointExtractor
 from sextant.simulation.camera import camera_calibration
 
 CENTRES = np.array([(60.3, 50.7), (150.5, 121.25), (230.0, 180.0), (100.8, 190.4), (250.9, 60.1)])
@@ -26,7 +26,7 @@ def blobs(size=SIZE, scale=1, sigma=5.0):
 def test_keypoints_are_at_the_centres_of_blobs(scale, sigma):
     size = (scale * SIZE[0], scale * SIZE[1])
     camera = sextant.CameraModel(camera_calibration(*size))
-    found = KeypointExtractor().extract(blobs(size, scale, sigma), camera)
+    found = PointKeypointExtractor().extract(blobs(size, scale, sigma), camera)
     pixels = camera.project_points(np.c_[found.xy, np.ones(len(found.xy))])
     errors = [pixels[np.linalg.norm(pixels - c, axis=1).argmin()] - c for c in (CENTRES + 0.5) * scale - 0.5]
     assert np.abs(errors).max() < 0.15 * scale
@@ -36,10 +36,10 @@ def test_keypoints_are_at_the_centres_of_blobs(scale, sigma):
 def test_an_image_of_another_size_is_refused():
     camera = sextant.CameraModel(camera_calibration(640, 480))
     with pytest.raises(ValueError, match="320 x 240 pixels, its camera 640 x 480"):
-        KeypointExtractor().extract(blobs(), camera)
+        PointKeypointExtractor().extract(blobs(), camera)
 
 
 def test_a_blank_image_has_no_keypoints():
     camera = sextant.CameraModel(camera_calibration(*SIZE))
-    found = KeypointExtractor().extract(np.full(SIZE[::-1], 90, np.uint8), camera)
+    found = PointKeypointExtractor().extract(np.full(SIZE[::-1], 90, np.uint8), camera)
     assert found.xy.shape == (0, 2) and found.descriptors.shape == (0, 128) and not len(found.sigma)
