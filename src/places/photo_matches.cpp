@@ -23,16 +23,33 @@ using Sums = Eigen::ArrayXi;
 
 constexpr int32_t kNone = std::numeric_limits<int32_t>::max();
 
-// Squared distances of a code from all codes of a photo: |a|^2 - 2 a b + |b|^2. A loop of this kind becomes
-// multiplications of eight or sixteen words at a time.
+// Product of two codes: multiplications of eight or sixteen words at a time, without a loop if Width is
+// known.
+template <int Width>
+inline __attribute__((always_inline)) int32_t product(const int16_t* a, const int16_t* b, int width) {
+  const int count = Width ? Width : width;
+  int32_t sum = 0;
+  for (int k = 0; k < count; ++k) sum += a[k] * b[k];
+  return sum;
+}
+
+template <int Width>
+inline __attribute__((always_inline)) void distancesOf(const int16_t* code, int32_t square,
+                                                       const int16_t* codes, const int32_t* squares,
+                                                       int count, int width, int32_t* found) {
+  for (int j = 0; j < count; ++j)
+    found[j] = square - 2 * product<Width>(code, codes + static_cast<int64_t>(j) * width, width) + squares[j];
+}
+
+// Squared distances of a code from all codes of a photo: |a|^2 - 2 a b + |b|^2.
 SEXTANT_VECTORIZED void squaredDistances(const int16_t* code, int32_t square, const int16_t* codes,
-                                         const int32_t* squares, int count, int dimensions, int32_t* found) {
-  for (int j = 0; j < count; ++j) {
-    const int16_t* other = codes + static_cast<int64_t>(j) * dimensions;
-    int32_t product = 0;
-    for (int k = 0; k < dimensions; ++k) product += code[k] * other[k];
-    found[j] = square - 2 * product + squares[j];
-  }
+                                         const int32_t* squares, int count, int width, int32_t* found) {
+  if (width == 32)
+    distancesOf<32>(code, square, codes, squares, count, width, found);
+  else if (width == 64)
+    distancesOf<64>(code, square, codes, squares, count, width, found);
+  else
+    distancesOf<0>(code, square, codes, squares, count, width, found);
 }
 
 // Where it is less than the least so far, it becomes the least of image keypoint i.
