@@ -9,7 +9,9 @@ namespace sextant {
 
 /// Views of the keypoints of one image and of short codes of their descriptors.
 struct CodedKeypoints {
+  /// Two columns.
   using Positions = Eigen::Matrix<uint16_t, Eigen::Dynamic, 2, Eigen::RowMajor>;
+  /// One column for each component.
   using Codes = Eigen::Matrix<int8_t, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   static constexpr int kUnit = 65535;  ///< position that corresponds to the image's longer side
 

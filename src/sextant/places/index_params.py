@@ -43,8 +43,7 @@ class IndexParams:
     """How photos are described and matched. An index is valid for one set of parameters."""
 
     features: Dict[str, Any] = field(default_factory=default_features)  # fields of sextant.FeatureParams
-    # one of sextant.matcher_names() that fits the extractor; None: an image is compared with each photo
-    matcher: Optional[str] = None
+    matcher: Optional[str] = None  # one of sextant.matcher_names(), for votes; None: to compare photos
     global_descriptor: Optional[GlobalDescriptorParams] = None  # None: keypoints only
 
     def feature_params(self) -> "sextant.FeatureParams":

@@ -26,7 +26,7 @@ CORE = {
     "mapping": ("base geometry markers localization", "Eigen ceres"),
     "landmarks": ("base geometry", "Eigen boost/math"),
     "fusion": ("base geometry markers landmarks", "Eigen"),
-    "places": ("base", "dlib faiss opencv2"),
+    "places": ("base", "dlib Eigen faiss opencv2"),
     "simulation": ("base geometry markers", "Eigen opencv2"),
 }
 
