@@ -87,8 +87,7 @@ def plain(row: Described, node: str) -> str:
 
     :param node: name of the node, in place of ~
     """
-    text = re.sub(r"\[([^]]*)\]\([^)]*\)", r"\1", row.what)
-    text = re.sub(r"`~(\w+)`", rf"{node}/\1", text).replace("`", "")
+    text = row._replace(what=re.sub(r"`~(\w+)`", rf"{node}/\1", row.what)).plain()
     text = "".join(ASCII.get(letter, letter) for letter in text)
     first, semicolon, others = text.partition("; ")
     if row.unit and not re.search(rf"[a-z] {re.escape(row.unit)}$", first):  # "number of bits"

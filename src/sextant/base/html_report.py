@@ -12,7 +12,7 @@ A template extends REPORT, and may import its macros:
 import base64
 from dataclasses import dataclass
 from pathlib import Path
-from typing import List, Mapping, Tuple, Union
+from typing import List, Mapping, NamedTuple, Tuple, Union
 
 from jinja2 import DictLoader, Environment, StrictUndefined
 
@@ -82,6 +82,13 @@ class Table:
     heads: Tuple[str, ...]  # texts of the columns
     rows: List[Row]  # with as many cells
     text_columns: Tuple[int, ...] = (0,)  # indices, aligned to the left
+
+
+class PagePlot(NamedTuple):
+    """A plot of a report."""
+
+    name: str  # for readers without images
+    source: str  # src of an img element, see embedded()
 
 
 def write_report(path: Union[str, Path], template: str, content: Mapping[str, object]) -> None:

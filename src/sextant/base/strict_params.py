@@ -202,6 +202,10 @@ class Described(NamedTuple):
         name, allowed, what = names[self.name], with_names(self.allowed), with_names(self.what)
         return self._replace(name=name, allowed=allowed, what=what)
 
+    def plain(self) -> str:
+        """Returns the description without Markdown."""
+        return re.sub(r"\[([^]]*)\]\([^)]*\)", r"\1", self.what).replace("`", "")
+
 
 def described(cls: type) -> List[Described]:
     """Returns all parameters of a dataclass by flat name, as flat_fields() does."""

@@ -3,6 +3,7 @@
 """Argument parsing, output and errors of all commands."""
 
 import argparse
+import os
 import sys
 from pathlib import Path
 from typing import Callable, List, NamedTuple, Optional, Sequence, Tuple
@@ -72,11 +73,14 @@ def check_output(path: Path, force: bool) -> None:
     """Checks a path of an output file before anything is computed.
 
     :param force: overwrite an existing file
-    :raises ValueError: the file exists and force is False, it is a folder, or its folder does not exist
+    :raises ValueError: the file exists and force is False, it is a folder, or its folder does not exist or is
+        write-protected
     """
     if not path.parent.is_dir():
         raise ValueError(f"{path}: there is no folder {path.parent}")
     if path.is_dir():
         raise ValueError(f"{path}: is a folder")
+    if not os.access(path.parent, os.W_OK):
+        raise ValueError(f"{path}: the folder {path.parent} is write-protected")
     if (path.exists() or path.is_symlink()) and not force:
         raise ValueError(f"{path}: already exists; --force overwrites it")

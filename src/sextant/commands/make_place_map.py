@@ -5,6 +5,7 @@
     make_place_map exif      from photos with GPS positions in their EXIF data
     make_place_map drive     from bags of drives with known poses
     make_place_map image     an overview without photos, to be placed by clicks with place_map_maker
+    make_place_map clusters  from another map: neighbouring places become one
 
 Options: make_place_map COMMAND --help. place_map_maker edits a map by clicks on a web page.
 """
@@ -13,10 +14,20 @@ import argparse
 import sys
 from typing import Optional, Sequence
 
-from sextant.commands import place_map_of_drives, place_map_of_image, place_map_of_photos
+from sextant.commands import (
+    place_map_of_clusters,
+    place_map_of_drives,
+    place_map_of_image,
+    place_map_of_photos,
+)
 from sextant.commands.command_line import Answer, CommandParser, run
 
-COMMANDS = {"exif": place_map_of_photos, "drive": place_map_of_drives, "image": place_map_of_image}
+COMMANDS = {
+    "exif": place_map_of_photos,
+    "drive": place_map_of_drives,
+    "image": place_map_of_image,
+    "clusters": place_map_of_clusters,
+}
 
 
 def main(arguments: Optional[Sequence[str]] = None) -> int:

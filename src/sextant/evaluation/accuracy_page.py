@@ -3,11 +3,11 @@
 """Accuracy report of pose series as one self-contained HTML page; errors in centimetres and degrees."""
 
 from pathlib import Path
-from typing import Dict, List, NamedTuple, Sequence, Union
+from typing import Dict, List, Sequence, Union
 
 import numpy as np
 
-from sextant.base.html_report import Row, Table, embedded, write_report
+from sextant.base.html_report import PagePlot, Row, Table, embedded, write_report
 from sextant.evaluation.error_statistics import (
     ALL,
     QUANTITIES,
@@ -59,13 +59,6 @@ Images without a pose have no error: read both columns.</p>
 {%- endfor %}
 {% endblock %}
 """
-
-
-class PagePlot(NamedTuple):
-    """A plot of the page."""
-
-    name: str  # for readers without images
-    source: str  # src of an img element
 
 
 def write_page(

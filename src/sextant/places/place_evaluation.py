@@ -7,7 +7,7 @@ import os
 import time
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Dict, List, NamedTuple, Sequence, Tuple
+from typing import Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 from scipy.stats import chi2
@@ -23,13 +23,19 @@ from sextant.places.place_metrics import (
     perfect_calibration_error,
     precision_recall,
 )
-from sextant.places.place_queries import Query, leave_one_out_queries, metres_per_pixel
+from sextant.places.place_queries import (
+    Query,
+    leave_one_out_queries,
+    metres_per_pixel,
+    queries_in_clusters,
+)
 
 RANKS = (1, 5, 10)  # of recall
 ELLIPSE = 0.95  # probability of the confidence ellipse
+ROUNDING = 1e-9  # of distances
 INDEPENDENT_MODES = ("single", "votes")  # modes that localize each image independently
 
-_BLACK_IMAGE = np.zeros((240, 320), np.uint8)
+WARM_UP_IMAGE = np.random.default_rng(1).integers(0, 256, (240, 320), np.uint8)  # has many keypoints
 
 
 class QueryResult(NamedTuple):
@@ -46,6 +52,11 @@ class QueryResult(NamedTuple):
         correct = [n for n, photo in enumerate(photos, 1) if (photo.x, photo.y) in self.query.true_places]
         return correct[0] if correct else np.inf
 
+    def errors(self, pixels: np.ndarray) -> np.ndarray:
+        """Distances (hypotheses,) of the hypotheses from the truth, see Query.distance()."""
+        photos = [hypothesis.photo for hypothesis in self.found.hypotheses]
+        return np.array([self.query.distance((photo.x, photo.y), pixels) for photo in photos])
+
 
 class Cost(NamedTuple):
     """Time and memory of a map's index."""
@@ -54,6 +65,7 @@ class Cost(NamedTuple):
     is_loaded: bool  # whether the index was loaded from the cache and is unchanged
     index_bytes: int  # size of the index
     resident_bytes: int  # growth of the process's resident memory until the end of the queries
+    keypoints: int = 0  # of all photos in the index
 
 
 @dataclass(frozen=True)
@@ -72,6 +84,16 @@ class PlaceEvaluation:
     def recall(self, n: int) -> float:
         """Recall@n: fraction of the queries in the map with a correct place among the n best hypotheses."""
         return float(np.mean(self.ranks <= n)) if len(self.ranks) else np.nan
+
+    def within(self, distance: float) -> float:
+        """Fraction of the queries in the map whose best hypothesis is within a distance of the truth.
+
+        :param distance: metres, or pixels if the map has no scale; see Query.distance()
+        """
+        in_map = [each for each in self.results if each.query.true_places]
+        errors = [each.errors(self.pixels) for each in in_map]
+        right = [len(each) > 0 and each[0] <= distance + ROUNDING for each in errors]
+        return float(np.mean(right)) if right else np.nan
 
     @property
     def predictions(self) -> Tuple[np.ndarray, np.ndarray]:
@@ -149,31 +171,43 @@ class PlaceEvaluation:
 
 
 def evaluate(
-    indexer: PlaceIndexer, params: PlaceLocalizationParams, queries: Sequence[Query]
+    indexer: PlaceIndexer,
+    params: PlaceLocalizationParams,
+    queries: Sequence[Query],
+    clusters: Optional[PlaceMap] = None,
 ) -> PlaceEvaluation:
     """Localizes the queries in their order.
 
+    :param clusters: the map with merged places; if set, the queries are localized in it, see
+        queries_in_clusters()
     :raises OSError: an image cannot be read
     :raises ValueError: names the parameter, photos or queries that cannot be used
     """
     _check(queries)
+    if clusters:
+        queries = queries_in_clusters(queries, indexer.place_map, clusters)
+        indexer = replace(indexer, place_map=clusters)
     session = _start(indexer, params)
     results = [_localized(session.index, session.localizer, query) for query in _progress(queries)]
     return session.evaluation(indexer.place_map, results)
 
 
 def evaluate_leave_one_out(
-    indexer: PlaceIndexer, params: PlaceLocalizationParams, tolerance: float
+    indexer: PlaceIndexer,
+    params: PlaceLocalizationParams,
+    tolerance: float,
+    clusters: Optional[PlaceMap] = None,
 ) -> PlaceEvaluation:
     """Localizes every photo of the map with the other photos.
 
     :param tolerance: see places_near()
+    :param clusters: see evaluate()
     :raises: as evaluate()
     """
     if params.mode not in INDEPENDENT_MODES:
         modes = " or ".join(INDEPENDENT_MODES)
         raise ValueError(f"mode is '{params.mode}', leave-one-out needs {modes}")
-    trials = list(leave_one_out_queries(indexer.place_map, tolerance))
+    trials = list(leave_one_out_queries(indexer.place_map, tolerance, clusters))
     if len(trials) < 2:
         raise ValueError(f"{indexer.map_path}: leave-one-out needs at least two photos")
     session = _start(indexer, params)
@@ -206,7 +240,8 @@ def _start(indexer: PlaceIndexer, params: PlaceLocalizationParams) -> _Session:
     params = replace(params, max_places=max(RANKS))
     index = replace(indexer, report=report).index()
     localizer = _ready(PlaceLocalizer(indexer.place_map, index, params))
-    cost = Cost(time.perf_counter() - begin, not reported, index.bytes, before)
+    seconds, keypoints = time.perf_counter() - begin, sum(photo.count for photo in index.photos)
+    cost = Cost(seconds, not reported, index.bytes, before, keypoints)
     return _Session(index, params, localizer, cost)
 
 
@@ -231,7 +266,7 @@ def _quantile(values: np.ndarray, fraction: float) -> float:
 
 def _ready(localizer: PlaceLocalizer) -> PlaceLocalizer:
     """The localizer after a warm-up, so that the first query is not slower."""
-    localizer.localize(_BLACK_IMAGE)  # OpenCV's matchers are trained by the first search
+    localizer.localize(WARM_UP_IMAGE)  # OpenCV's matchers are trained by the first search
     localizer.reset()
     return localizer
 

@@ -57,21 +57,6 @@ class IndexParams:
     matcher: str = "faiss"  # one of sextant.matcher_names() that fits the extractor
     global_descriptor: Optional[GlobalDescriptorParams] = None  # None: keypoints only
 
-    @classmethod
-    def of_profile(
-        cls, profile: str, detector: str, extractor: str, matcher: str, network: GlobalDescriptorParams,
-        orb_wta_k: int, **tuned: int,
-    ) -> "IndexParams":  # fmt: skip
-        """Parameters from the options of nodes and commands.
-
-        :param profile: one of PROFILES
-        :param network: if its model is empty, there is no global descriptor
-        :param tuned: fields of sextant.FeatureParams, which only the profile `tuned` uses
-        """
-        features = PROFILES[profile](detector, extractor)
-        features.update(tuned if profile == "tuned" else {}, orb_wta_k=orb_wta_k)
-        return cls(features, matcher, network if network.model else None)
-
     def feature_params(self) -> "sextant.FeatureParams":
         """The features as sextant.FeatureParams.
 

@@ -30,12 +30,13 @@ Report = Callable[[str], None]
 class PlaceIndexer:
     """Builds and caches the index of one map."""
 
-    map_path: Path  # the cache is beside it
+    map_path: Path  # of the map file, for messages
     place_map: PlaceMap  # content of the map file
     params: IndexParams  # features and index
     jobs: int = 1  # processes, see sextant.base.jobs.run_jobs()
     scheduler: str = ""  # of a Dask cluster, see sextant.base.jobs.run_jobs()
     report: Report = lambda line: None  # called with each progress message
+    cache: Optional[Path] = None  # file of the cache; None: beside the map
 
     def index(self) -> PlaceIndex:
         """Returns the index of the current photos; reads and updates the cache beside the map.
@@ -74,12 +75,15 @@ class PlaceIndexer:
 
     def _cached(self) -> Optional[PlaceIndex]:
         try:
-            return read_cache(cache_path(self.map_path), self.params)
+            return read_cache(self._cache_path(), self.params)
         except FileNotFoundError:
             return None
         except (OSError, CacheError) as error:
             self.report(f"{error}; the index is rebuilt")
             return None
+
+    def _cache_path(self) -> Path:
+        return self.cache or cache_path(self.map_path)
 
     def _update(self, index: PlaceIndex, images: List[str]) -> bool:
         """Adds and removes photos. Returns whether the cache is outdated, if only by the state of a file."""
@@ -127,7 +131,7 @@ class PlaceIndexer:
 
     def _store(self, index: PlaceIndex) -> None:
         try:
-            write_cache(cache_path(self.map_path), index)
+            write_cache(self._cache_path(), index)
         except OSError as error:
             self.report(f"the index cannot be cached, every start has to rebuild it: {error}")
 

@@ -4,7 +4,7 @@
 
 import csv
 from pathlib import Path
-from typing import Dict, FrozenSet, Iterator, List, NamedTuple, Optional, Tuple
+from typing import Dict, FrozenSet, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -24,6 +24,16 @@ class Query(NamedTuple):
     true_places: FrozenSet[Position]  # correct places; empty: the query is not in the map
     position: Optional[Position] = None  # where it was taken; None: unknown
 
+    def distance(self, position: Position, pixels: np.ndarray) -> float:
+        """Distance of a position from that of the query; if this is unknown, from the nearest correct place.
+
+        :param pixels: (2,) metres per pixel along x and y
+        :returns: in the unit of pixels; nan if neither is known
+        """
+        truth = [self.position] if self.position else list(self.true_places)
+        distances = np.linalg.norm((np.array(truth).reshape(-1, 2) - position) * pixels, axis=1)
+        return float(distances.min()) if len(distances) else np.nan
+
 
 def metres_per_pixel(place_map: PlaceMap) -> np.ndarray:
     """Metres per pixel of the overview along x and y, (2,); (1, 1) if the map has no scale."""
@@ -38,6 +48,15 @@ def default_tolerance(place_map: PlaceMap) -> float:
     if not place_map.photos:
         raise ValueError("the map has no photos")
     return TOLERANCE * spacing_of(place_map.positions() * metres_per_pixel(place_map))
+
+
+def default_distances(place_map: PlaceMap, has_table: bool) -> List[float]:
+    """Distances of correct hypotheses that a comparison counts: metres, or pixels if the map has no scale.
+
+    :param has_table: whether the positions of the queries are unknown: then 0 is a correct photo of the table
+    """
+    spacing = spacing_of(place_map.positions() * metres_per_pixel(place_map))
+    return [float(f"{number * spacing:.2g}") for number in ((0, 1, 2) if has_table else (1, 2, 4))]
 
 
 def places_near(place_map: PlaceMap, position: Position, tolerance: float) -> FrozenSet[Position]:
@@ -96,9 +115,43 @@ def _row_query(row: Dict[str, Optional[str]], places: Dict[str, Position], folde
     return Query(folder / name, frozenset(places[image] for image in references.split()))
 
 
-def leave_one_out_queries(place_map: PlaceMap, tolerance: float) -> Iterator[Tuple[Photo, PlaceMap, Query]]:
-    """Yields each photo, the map without it, and the photo as a query."""
+def queries_of_photos(place_map: PlaceMap) -> List[Query]:
+    """The photos of a map as queries of their own places, in its order."""
+    return [
+        Query(place_map.path(photo), frozenset([(photo.x, photo.y)]), (photo.x, photo.y))
+        for photo in place_map.photos
+    ]
+
+
+def leave_one_out_queries(
+    place_map: PlaceMap, tolerance: float, clusters: Optional[PlaceMap] = None
+) -> Iterator[Tuple[Photo, PlaceMap, Query]]:
+    """Yields each photo, the map without it, and the photo as a query.
+
+    :param clusters: if set, the map without the photo is one of these, see queries_in_clusters()
+    """
     for photo in place_map.photos:
-        others = place_map._replace(photos=tuple(p for p in place_map.photos if p.image != photo.image))
-        position = photo.x, photo.y
-        yield photo, others, Query(place_map.path(photo), places_near(others, position, tolerance), position)
+        position, others = (photo.x, photo.y), _without(place_map, photo)
+        true_places = places_near(others, position, tolerance)
+        query = Query(place_map.path(photo), true_places, position)
+        if clusters:
+            (query,), others = queries_in_clusters([query], place_map, clusters), _without(clusters, photo)
+        yield photo, others, query
+
+
+def _without(place_map: PlaceMap, photo: Photo) -> PlaceMap:
+    return place_map._replace(photos=tuple(each for each in place_map.photos if each.image != photo.image))
+
+
+def queries_in_clusters(queries: Sequence[Query], place_map: PlaceMap, clusters: PlaceMap) -> List[Query]:
+    """The queries for a map of clusters: correct are the clusters of the correct places.
+
+    :param place_map: map of the queries' places
+    :param clusters: the same map with its places merged, see sextant.place_maps.place_clusters
+    """
+    pairs = zip(place_map.photos, clusters.photos)
+    cluster_of = {(photo.x, photo.y): (merged.x, merged.y) for photo, merged in pairs}
+    return [
+        query._replace(true_places=frozenset(cluster_of[place] for place in query.true_places))
+        for query in queries
+    ]

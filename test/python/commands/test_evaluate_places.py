@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """evaluate_places as its user calls for it: what it prints, writes and refuses, and its page."""
 
+import csv
 import json
 import re
 import subprocess
@@ -37,6 +38,8 @@ def park(tmp_path_factory):
     (folder / "broken.csv").write_text("query,right_refs\nbroken.png,2.png\n")
     (folder / "autumn/broken.png").write_bytes((folder / "autumn/1.png").read_bytes()[:5000])
     (folder / "there.json").write_text("{}")
+    (folder / "empty.txt").write_text(lines[0] + "\n")
+    (folder / "empty.csv").write_text("query,right_refs\n")
     pooling_network(folder / "net.onnx", channels=1)
     return folder
 
@@ -62,11 +65,11 @@ def test_photos_of_another_map(in_park, tmp_path, capsys):
     assert lines[1].startswith("recall @1 1.000, @5 1.000, @10 1.000; area under precision-recall 1.000")
     assert lines[3].endswith("reported for 0.0% of the queries in the map, and for 100.0% of the others")
     assert lines[4].startswith("position error: median ") and " px, 90 % below" in lines[4]
-    assert lines[-3:] == [
-        str(tmp_path / name)
-        for name in ("figures.json", "plots/precision_recall.png", "plots/reliability.png")
+    names = [
+        f"plots/{name}.png" for name in ("precision_recall", "predictors", "distributions", "reliability")
     ]
-    for picture_file in lines[-2:]:
+    assert lines[-5:] == [str(tmp_path / name) for name in ("figures.json", *names)]
+    for picture_file in lines[-4:]:
         assert cv2.imread(picture_file).shape[1] > 600
     written = json.loads((tmp_path / "figures.json").read_text())
     assert (written["figures"]["recall@1"], written["figures"]["mode"]) == (1.0, "single")
@@ -94,6 +97,50 @@ def test_votes_of_plain_features(in_park, capsys):
     arguments = ["--mode", "votes", "--profile", "plain", "--matcher", "FlannBased"]
     lines = printed(capsys, "park.txt", "--queries", "autumn.txt", *arguments)
     assert lines[0].startswith("park.txt, mode votes: 7 queries") and "built in" in lines[-1]
+
+
+@pytest.mark.slow
+def test_a_comparison_has_table_plots_pictures_and_page(in_park, tmp_path, capsys):
+    outputs = ["--table", tmp_path / "a.csv", tmp_path / "a.md", "--per-picture", tmp_path / "pictures.csv"]
+    outputs += ["--plots", tmp_path / "plots", "--page", tmp_path / "a.html"]
+    lines = printed(
+        capsys, "park.txt", "--queries", "autumn.txt", "--compare", "orb,default", "--clusters", "2",
+        "--tolerance", "1", "--distances", "15", "0.5", "--min-matches", "3", *outputs,
+    )  # fmt: skip
+    assert lines[0] == "park.txt:"
+    names = ["orb", "orb, 2 clusters", "default", "default, 2 clusters"]
+    for line, name in zip(lines[3:7], names):
+        assert line.startswith(name)
+    with open(tmp_path / "a.csv", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["method"] for row in rows] == names
+    for row in rows[::2]:
+        shares = [
+            row[f"{photos} ≤ {distance} px, %"] for photos in ("map", "new") for distance in ("0.5", "15")
+        ]
+        assert shares == ["100.0", "100.0", "0.0", "100.0"] and row["right cluster, %"] == "100.0"
+    with open(tmp_path / "pictures.csv", newline="") as file:
+        pictures = list(csv.DictReader(file))
+    assert len(pictures) == 4 * 7
+    assert [row["right"] for row in pictures[:7]] == ["1"] * 6 + ["0"]  # the last is not in the map
+    assert {row["best_error_px"] for row in pictures[:6]} == {"1"}
+    page = (tmp_path / "a.html").read_text()
+    assert page.count("data:image/png;base64") == 7 == len(list((tmp_path / "plots").iterdir()))
+
+
+@pytest.mark.slow
+def test_thresholds_are_those_of_the_node(in_park, tmp_path, capsys):
+    """Fewer and fewer keypoints."""
+    counts = []
+    for number in ("60", "120"):
+        path = tmp_path / f"{number}.csv"
+        printed(
+            capsys, "park.txt", "--truth", "truth.csv", "--folder", "autumn", "--mode", "single",
+            "--max-features", number, "--per-picture", path,
+        )  # fmt: skip
+        with open(path, newline="") as file:
+            counts.append({row["keypoints"] for row in csv.DictReader(file)})
+    assert counts == [{"60"}, {"120"}]
 
 
 GREY = ["--network", "net.onnx", "--network-channels", "grey", "--network-mean", "0.5", "--network-std", "1"]
@@ -139,9 +186,9 @@ REFUSED = {
     ),
     "a folder of nothing": (["park.txt", "--leave-one-out", "--folder", "autumn"], "--folder needs"),
     "a tolerance of a table": (["park.txt", "--truth", "truth.csv", "--tolerance", "1"], "cannot be used"),
-    "a tolerance": (["park.txt", "--leave-one-out", "--tolerance", "-1"], "--tolerance is -1"),
+    "a tolerance": (["park.txt", "--leave-one-out", "--tolerance", "-1"], "--tolerance: is -1, it must"),
     "a mode that carries on": (["park.txt", "--leave-one-out", "--mode", "filter"], "mode is 'filter'"),
-    "an unknown mode": (["park.txt", "--leave-one-out", "--mode", "best"], "--mode"),
+    "an unknown mode": (["park.txt", "--leave-one-out", "--mode", "best"], "mode: must be one of filter"),
     "a matcher of bits": (["park.txt", "--leave-one-out", "--matcher", "BruteForce-Hamming"], "matcher is"),
     "figures that are there": (["park.txt", "--leave-one-out", "--json", "there.json"], "--force"),
     "a network that is not there": (["park.txt", "--leave-one-out", "--network", "no.onnx"], "no.onnx"),
@@ -150,7 +197,41 @@ REFUSED = {
         "takes 1 channels; RGB is 3",
     ),
     "a weight": (["park.txt", "--leave-one-out", *GREY, "--network-weight", "-1"], "network_weight: must be"),
-    "points of ORB": (["park.txt", "--leave-one-out", "--orb-wta-k", "5"], "orb_wta_k is 5"),
+    "points of ORB": (
+        ["park.txt", "--leave-one-out", "--orb-wta-k", "5"],
+        "orb_wta_k: must be within [2, 4]",
+    ),
+    "a threshold": (["park.txt", "--leave-one-out", "--surf-threshold", "0"], "surf_threshold: must be"),
+    "a side of no number": (["park.txt", "--leave-one-out", "--max-side", "big"], "--max-side: invalid int"),
+    "no query": (["park.txt", "--queries", "empty.txt"], "empty.txt: there is no query"),
+    "no query in a table": (["park.txt", "--truth", "empty.csv"], "empty.csv: there is no query"),
+    "an unknown method": (
+        ["park.txt", "--leave-one-out", "--compare", "sift,surff"],
+        "'surff' is not a method to compare; known are surf, sift, orb, akaze, default",
+    ),
+    "features of a method": (
+        ["park.txt", "--leave-one-out", "--compare", "sift", "--detector", "ORB"],
+        "detector cannot be set: the compared method 'sift' has its own",
+    ),
+    "more clusters than places": (["park.txt", "--leave-one-out", "--clusters", "7"], "into 7 clusters"),
+    "a table of one method": (["park.txt", "--leave-one-out", "--table", "a.csv"], "--table needs --compare"),
+    "distances for one method": (
+        ["park.txt", "--leave-one-out", "--distances", "5"],
+        "--distances needs --compare",
+    ),
+    "figures of a comparison": (
+        ["park.txt", "--leave-one-out", "--compare", "sift", "--json", "a.json"],
+        "--json is of one method",
+    ),
+    "a workbook": (
+        ["park.txt", "--leave-one-out", "--compare", "sift", "--table", "a.xlsx"],
+        "a.xlsx: the ending must be one of .csv, .md, .txt",
+    ),
+    "pictures in no folder": (
+        ["park.txt", "--leave-one-out", "--per-picture", "nowhere/a.csv"],
+        "there is no folder nowhere",
+    ),
+    "pictures that are there": (["park.txt", "--leave-one-out", "--per-picture", "truth.csv"], "--force"),
     "no job": (["park.txt", "--leave-one-out", "--profile", "plain", "--jobs", "0"], "jobs is 0"),
 }
 
@@ -165,6 +246,12 @@ def test_what_cannot_be_is_refused_in_one_line(case, in_park, capsys):
     assert captured.out == "" and line.startswith("evaluate_places: ") and reason in line
     assert all("describing" in each or "other parameters" in each for each in progress)
     assert (in_park / "there.json").read_text() == "{}"
+
+
+def test_a_write_protected_folder_is_named_before_anything_is_computed(in_park, capsys, monkeypatch):
+    monkeypatch.setattr("os.access", lambda path, mode: False)
+    assert main(["park.txt", "--leave-one-out", "--per-picture", "a.csv"]) == 2
+    assert capsys.readouterr().err == "evaluate_places: a.csv: the folder . is write-protected\n"
 
 
 @pytest.mark.slow

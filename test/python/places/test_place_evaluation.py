@@ -11,10 +11,12 @@ import pytest
 from made_network import projection_network
 from made_photos import picture, shifted, written_photos
 
+import sextant
 from sextant.place_maps.place_map import Overview, Photo, PlaceMap
 from sextant.places.global_descriptor import GlobalDescriptorParams
 from sextant.places.place_estimate import PlaceEstimate
 from sextant.places.place_evaluation import (
+    WARM_UP_IMAGE,
     Cost,
     PlaceEvaluation,
     QueryResult,
@@ -53,6 +55,20 @@ def test_recall_is_of_the_queries_in_the_map():
     figures = found.figures()
     assert [figures[f"recall@{n}"] for n in (1, 5, 10)] == [0.25, 0.5, 0.75]
     assert (figures["queries"], figures["unmapped_queries"]) == (5, 1)
+
+
+def test_the_share_within_a_distance_is_of_the_queries_in_the_map():
+    found = evaluation(
+        outcome([1], [(1, 0.9)], position=(13.0, 5.0)),  # 3 pixels from the truth, 1.5 m
+        outcome([1], [(4, 0.9), (1, 0.1)]),  # 30 pixels from the right place
+        outcome([2], []),
+        outcome([], [(3, 0.9)], position=(30.0, 5.0)),
+        pixels=(0.5, 0.5),
+    )
+    shares = [found.within(distance) for distance in (1.4, 1.5, 14.9, 15.0, 1e6)]
+    assert shares == pytest.approx([0, 1 / 3, 1 / 3, 2 / 3, 2 / 3])
+    assert found.results[1].errors(found.pixels).tolist() == [15.0, 0.0]
+    assert np.isnan(evaluation(outcome([], [])).within(1.0))
 
 
 def test_an_answer_to_a_query_of_an_unknown_place_is_wrong():
@@ -210,6 +226,13 @@ def test_a_photo_that_is_left_out_finds_its_twin_and_never_itself(mode, settings
         assert each.query.path.name not in [answer.photo.image for answer in each.found.hypotheses]
     if mode == "single":
         assert found.unknown_rate(False) == 1.0  # that of the fifth, which has no twin
+
+
+@pytest.mark.parametrize("features", sextant.feature_names())
+def test_the_first_query_does_not_train_the_matcher(features):
+    """OpenCV's matchers are trained by the first search; without keypoints nothing is searched."""
+    params = IndexParams(plain_features(features, features)).feature_params()
+    assert len(sextant.FeatureExtractor(params).extract(WARM_UP_IMAGE).keypoints) > 100
 
 
 def test_modes_that_carry_on_leave_no_photo_out(tmp_path):

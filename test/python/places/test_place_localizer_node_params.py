@@ -7,15 +7,10 @@ from made_photos import written_photos
 
 from sextant.base.strict_params import parse_params
 from sextant.nodes.places.place_localizer_node_params import PlaceLocalizerNodeParams
-from sextant.places.place_localizer import PlaceLocalizationParams
 
 
 def made(**values):
     return parse_params(PlaceLocalizerNodeParams, {"map_file": "park.txt", **values}, "/robot")
-
-
-def test_without_any_the_defaults_are_the_librarys():
-    assert made().localization == PlaceLocalizationParams()
 
 
 def test_every_one_arrives_where_it_belongs():
@@ -26,11 +21,11 @@ def test_every_one_arrives_where_it_belongs():
         "evidence_exponent": 0.75,
         "evidence_penalty": 3.5,
     }
-    belief = made(**values).localization.belief
+    belief = made(**values).method.localization.belief
     assert {name: getattr(belief, name) for name in values} == values
     localization = made(
         mode="sequence", window=7, max_places=3, min_matches=11, min_keypoints=13, network_weight=2.5
-    ).localization
+    ).method.localization
     assert (localization.mode, localization.window) == ("sequence", 7)
     assert (localization.max_places, localization.min_matches) == (3, 11)
     assert (localization.recognition.min_keypoints, localization.recognition.network_weight) == (13, 2.5)
@@ -44,21 +39,6 @@ def map_file(tmp_path):
 
 def settings(map_file, **values):
     return made(map_file=map_file, **values).place_indexer(print).params
-
-
-def test_only_the_tuned_profile_makes_images_smaller(map_file):
-    tuned = settings(map_file, detector="ORB", extractor="ORB", max_side=200, max_features=90)
-    assert [tuned.features[name] for name in ("detector", "max_side", "max_features")] == ["ORB", 200, 90]
-    plain = settings(map_file, profile="plain", matcher="FlannBased", max_side=200)
-    assert plain.features["max_side"] != 200 and plain.matcher == "FlannBased"
-
-
-def test_a_network_comes_with_its_settings(map_file):
-    assert settings(map_file).global_descriptor is None
-    values = {"network_channels": "grey", "network_mean": [0], "network_std": [1], "network_width": 64}
-    network = settings(map_file, network="n.onnx", network_height=32, **values).global_descriptor
-    assert (network.model, network.width, network.height, network.channels) == ("n.onnx", 64, 32, "grey")
-    assert (network.mean, network.std) == ((0.0,), (1.0,))
 
 
 def test_who_describes_the_photos_is_reported(map_file):

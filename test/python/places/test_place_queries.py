@@ -2,14 +2,22 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Which places are right answers to pictures whose truth is known."""
 
+from pathlib import Path
+
+import numpy as np
 import pytest
 
+from sextant.place_maps.place_clusters import clustered
 from sextant.place_maps.place_map import GeoCorners, MetricFrame, Overview, Photo, PlaceMap
 from sextant.places.place_queries import (
+    Query,
+    default_distances,
     default_tolerance,
     leave_one_out_queries,
     places_near,
+    queries_in_clusters,
     queries_of_map,
+    queries_of_photos,
     queries_of_table,
 )
 
@@ -29,6 +37,45 @@ def test_the_tolerance_is_in_metres_where_the_map_has_a_scale(tmp_path):
     assert places_near(metric, (10.0, 50.0), 10.0) == {(0.0, 50.0), (10.0, 50.0), (20.0, 50.0)}
     assert places_near(metric, (10.0, 50.0), 15.0) == {(x, 50.0) for x in (0.0, 10.0, 20.0, 40.0)}
     assert places_near(metric, (10.0, 56.0), 3.0) == {(10.0, 50.0)}
+
+
+def test_distances_are_spacings_in_metres_where_the_map_has_a_scale(tmp_path):
+    pixels = row_of_places(tmp_path, 0, 10, 20, 40)
+    metric = pixels._replace(georeference=MetricFrame("map", 0.5, (3.0, 4.0, 1.0)))
+    assert default_distances(pixels, False) == [10, 20, 40]
+    assert default_distances(metric, True) == [0, 5, 10]
+
+
+def test_a_distance_is_that_from_the_query_or_from_the_nearest_right_place():
+    places, pixels = frozenset([(10.0, 50.0), (30.0, 50.0)]), np.array([0.5, 2.0])
+    assert Query(Path("a"), places, (13.0, 54.0)).distance((19.0, 50.0), pixels) == pytest.approx(
+        np.hypot(3, 8)
+    )
+    assert Query(Path("a"), places).distance((26.0, 50.0), pixels) == pytest.approx(2.0)
+    assert np.isnan(Query(Path("a"), frozenset()).distance((26.0, 50.0), pixels))
+
+
+def test_photos_of_the_map_are_queries_of_their_places(tmp_path):
+    first, second = queries_of_photos(row_of_places(tmp_path, 0, 10))
+    assert first == Query(tmp_path / "0.png", frozenset([(0.0, 50.0)]), (0.0, 50.0))
+    assert second.path == tmp_path / "1.png"
+
+
+def test_in_clusters_right_is_the_cluster_of_a_right_place(tmp_path):
+    place_map = row_of_places(tmp_path, 0, 10, 20, 100, 110, 120)
+    clusters = clustered(place_map, 2)  # their middle places are at 10 and 110
+    queries = [
+        Query(Path(f"{i}"), frozenset((float(x), 50.0) for x in xs))
+        for i, xs in enumerate(([20], [], [0, 120]))
+    ]
+    assert [each.true_places for each in queries_in_clusters(queries, place_map, clusters)] == [
+        {(10.0, 50.0)},
+        set(),
+        {(10.0, 50.0), (110.0, 50.0)},
+    ]
+    photo, others, query = list(leave_one_out_queries(place_map, 10.0, clusters))[2]
+    assert (photo.x, len(others.photos), {each.x for each in others.photos}) == (20.0, 5, {10.0, 110.0})
+    assert (query.true_places, query.position) == ({(10.0, 50.0)}, (20.0, 50.0))
 
 
 def test_a_pixel_of_corners_on_the_earth_is_not_square(tmp_path):

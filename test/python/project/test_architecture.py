@@ -53,6 +53,7 @@ PYTHON = {
     "objects": "base geometry landmarks",
     "place_maps": "base",
     "places": "base place_maps",
+    "place_reports": "base place_maps places",
     "printing": "base markers",
     "ball": "base geometry objects",
     "simulation": "base geometry objects place_maps",

@@ -10,6 +10,8 @@ import cv2
 import numpy as np
 import pytest
 import yaml
+from made_photos import picture as place_picture
+from made_photos import shifted, written_photos
 
 import sextant
 
@@ -172,6 +174,18 @@ def test_library_example_locates_the_camera(tmp_path, monkeypatch):
     assert np.linalg.norm(error[:3]) < 0.02 and np.linalg.norm(error[3:]) < 0.01
     marker = names["poses"].best.T_camera_marker[:3, 3]
     np.testing.assert_allclose(np.abs(marker), [1.5, 0.0, 3.0], atol=0.1)
+
+
+def test_library_example_localizes_a_photo(tmp_path, monkeypatch, capsys):
+    """A photo a bit aside of one in the map."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "hall").mkdir()
+    made = written_photos(tmp_path / "hall", 5)
+    (made.folder / "park.txt").rename(made.folder / "map.txt")
+    cv2.imwrite("photo.jpg", shifted(place_picture(3), 4, 2))
+    (block,) = code(section((ROOT / "doc/how_to/places.md").read_text(), "In Python, without ROS"), "python")
+    exec(block, {})
+    assert capsys.readouterr().out.startswith("LOCALIZED [('3.png', 0.9")
 
 
 def migration(index):

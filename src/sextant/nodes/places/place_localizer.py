@@ -50,7 +50,7 @@ class LoadedMap:
         begin = time.monotonic()
         indexer = params.place_indexer(rospy.loginfo)
         self.place_map, index = indexer.place_map, indexer.index()
-        self.localizer = PlaceLocalizer(self.place_map, index, params.localization)
+        self.localizer = PlaceLocalizer(self.place_map, index, params.method.localization)
         self.text = (
             f"{len(self.place_map.photos)} photos of {len(self.place_map.places())} places, "
             f"{index.bytes / 1e6:.1f} MB, ready after {time.monotonic() - begin:.1f} s"
