@@ -15,14 +15,15 @@ import sextant
 from sextant.base.jobs import worker_environment
 from sextant.place_maps.place_map import PlaceMap
 from sextant.place_maps.place_map_file import read_place_map
-from sextant.places.index_params import IndexParams, plain_features
+from sextant.place_reports.place_comparison import method_params
+from sextant.places.index_params import IndexParams
 from sextant.places.place_evaluation import resident_bytes
 from sextant.places.place_index_update import PlaceIndexer
 from sextant.places.place_recognition import PlaceRecognizer
 from sextant.places.place_votes import count_votes
 
 METHODS: Dict[str, IndexParams] = {
-    "votes, SIFT": IndexParams(plain_features("SIFT", "SIFT"), "FlannBased"),
+    "votes, SIFT": method_params("sift", {}).index_params(),
     "default profile": IndexParams(),
 }
 MIN_MATCHES = 5  # minimum number of votes
