@@ -8,6 +8,7 @@ fit to all of them. Each image is used twice: with the map, and with the map wit
 
 import tempfile
 from dataclasses import astuple
+from itertools import product
 from pathlib import Path
 from typing import Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
 
@@ -19,7 +20,7 @@ from tables import Row, Table, Value
 from places import place_domains
 from places.place_domains import QuerySet, part_of, still_right
 from places.place_recall import measured
-from places.place_seasons import FEW, MAP_STEP, QUERY_STEP, SIZE, SMALL, walk
+from places.place_seasons import FEW, HARD_PAIRS, MAP_STEP, QUERY_STEP, SIZE, SMALL, hard_walk, walk
 from sextant.place_maps.photo_file import find_photos
 from sextant.place_reports.place_predictors import roc_area
 from sextant.places.index_params import IndexParams
@@ -58,7 +59,7 @@ def calibration_tables(data: Path, quick: bool) -> List[Table]:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         walks = [*_corridor(data, quick), *_streets(folder, quick)]
-        asked = [*walks, *_others(data, quick)]
+        asked = [*walks, *_hard(folder, quick), *_others(data, quick)]
         seen = {domain: _seen(folder, each) for domain, each in _by_domain(asked).items()}
         rows = [_shipped(folder, walks, mode) for mode in ("single", "filter")]
     weights = _fitted([one for domain in seen.values() for one in domain])
@@ -97,6 +98,18 @@ def _streets(folder: Path, quick: bool) -> List[QuerySet]:
     for seed, other in (STREETS, STREETS[::-1]):
         place_map = next(each.place_map for each in asked if each.domain == f"street{seed}")
         asked.append(QuerySet(f"street{seed}", f"strangers{seed}", place_map, strangers[other]))
+    return asked
+
+
+def _hard(folder: Path, quick: bool) -> List[QuerySet]:
+    """Walks in hard seasons."""
+    size, count, pairs = (SMALL, FEW, HARD_PAIRS[:1]) if quick else (SIZE, None, HARD_PAIRS)
+    asked = []
+    for seed, (map_season, season) in product(STREETS, pairs):
+        taken = folder / f"hard{seed}_{season}"
+        taken.mkdir()
+        place_map, queries = hard_walk(taken, (map_season, season), seed, size, count)
+        asked.append(QuerySet("hard seasons", f"hard_{season}{seed}", place_map, queries))
     return asked
 
 

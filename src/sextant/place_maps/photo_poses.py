@@ -1,14 +1,13 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Poses and cameras of a map's photos, in a file beside the map.
+"""Poses and cameras of a map's photos, in a file beside the map."""
 
-frame: map                                          # tf frame, that of the map
-cameras:                                            # fields of sensor_msgs/CameraInfo
-- {width: 640, height: 480, rectified: false, distortion_model: plumb_bob, D: [...], K: [...], R: [...],
-  P: [...]}
-photos:                                             # the optical frame (z forward): metres, x y z w
-  hall_12.300.jpg: {camera: 0, position: [1.0, 2.0, 0.4], orientation: [-0.5, 0.5, -0.5, 0.5]}
-"""
+# frame: map                                      # tf frame, that of the map
+# cameras:                                        # fields of sensor_msgs/CameraInfo
+# - {width: 640, height: 480, rectified: false, distortion_model: plumb_bob, D: [...], K: [...],
+#   R: [...], P: [...]}
+# photos:                                         # the optical frame (z forward): metres, x y z w
+#   hall_12.300.jpg: {camera: 0, position: [1.0, 2.0, 0.4], orientation: [-0.5, 0.5, -0.5, 0.5]}
 
 from pathlib import Path
 from typing import Any, Dict, List, NamedTuple, Sequence

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from sextant.base.strict_params import ParamError, StrictParams, param, within
-from sextant.places.place_motion import LAYERS, PlaceMotion
+from sextant.places.place_motion import PlaceMotion, layer_prior
 from sextant.places.place_spacing import neighbour_radius
 
 
@@ -33,7 +33,7 @@ class BeliefParams(StrictParams):
     )
     persistence: float = param(
         0.95,
-        "probability that the velocity along the photos of the map remains the same until the next image",
+        "probability that the robot keeps its velocity along the photos of the map until the next image",
         within(0, 1),
     )
     kidnap_probability: float = param(
@@ -54,8 +54,8 @@ class BeliefParams(StrictParams):
         within(0, 1),
     )
     evidence_exponent: float = param(
-        0.8,
-        "exponent of the likelihood ratios; below 1, because errors of successive images are " "correlated",
+        0.6,
+        "exponent of the likelihood ratios; below 1, because errors of successive images are correlated",
         within(1e-6, 1),
     )
     evidence_penalty: float = param(
@@ -64,7 +64,7 @@ class BeliefParams(StrictParams):
         within(0, 20),
     )
     confidence: float = param(
-        0.3,
+        0.4,
         "exponent of the odds of the best hypothesis when it is published; below 1, because errors of "
         "successive images are correlated",
         within(1e-6, 1),
@@ -126,7 +126,7 @@ class PlaceBelief:
         """Sets the prior: all places are equally probable."""
         count = len(self._positions)
         self.unknown = self._params.unknown_prior
-        self._layers = np.full((LAYERS, count), (1 - self.unknown) / (LAYERS * count))
+        self._layers = np.outer(layer_prior(), np.full(count, (1 - self.unknown) / count))
 
     def predict(self, distance: Optional[float] = None) -> None:
         """Predicts the belief at the next image.
@@ -136,7 +136,8 @@ class PlaceBelief:
         params = self._params
         moved, total = self._motion.predict(self._layers, distance), self._layers.sum() + self.unknown
         stay = 1 - params.kidnap_probability - params.exit_probability
-        self._layers = stay * moved + params.kidnap_probability * total / moved.size
+        anywhere = layer_prior()[:, np.newaxis] * total / moved.shape[1]
+        self._layers = stay * moved + params.kidnap_probability * anywhere
         self.unknown = max(1 - self._layers.sum(), 0.0) if params.unknown_prior else 0.0
 
     def update(self, log_ratios: np.ndarray, is_absolute: bool = True) -> None:

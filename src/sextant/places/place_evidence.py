@@ -79,7 +79,7 @@ class UnknownPlaces(NamedTuple):
         return cls(tuple(np.mean(differences, axis=0)), tuple(deviation))
 
     def features(self, scores: np.ndarray, is_near: np.ndarray, kinds: int = 1) -> np.ndarray:
-        """Features (2,) of EvidenceParams of an image, m and e: sign(z) ln(1 + |z|) of standard scores z.
+        """Features (2,) of EvidenceParams of an image, m and e: `sign(z) ln(1 + |z|)` of standard scores z.
 
         :param scores: (n,) of the photos
         :param is_near: bool (n,) whether each photo is near the best one, or is the same

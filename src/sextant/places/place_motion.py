@@ -15,8 +15,10 @@ from scipy.spatial import cKDTree
 
 from sextant.places.place_spacing import spacing_of
 
-VELOCITIES = (-2.0, -1.0, -0.5, 0.0, 0.5, 1.0, 2.0)  # spacings per image along the photos
+VELOCITIES = np.arange(-9, 10) / 3  # spacings per image along the photos
 LAYERS = len(VELOCITIES) + 1  # the last one: free motion
+USUAL_SPEED = 2.0  # spacings per image: a speed v has the prior exp(-v / USUAL_SPEED), not normalized
+FREE_PRIOR = 0.12  # prior probability of free motion
 STEP_SIGMA = 0.35  # standard deviation of a step along the photos, spacings
 SHARE_SIGMA = 0.15  # added to it, as a fraction of the step
 POSITION_SIGMA = 0.5  # spacings; with odometry: the robot may be anywhere around its place
@@ -34,7 +36,7 @@ class PlaceMotion:
         """:param positions: (n, 2) of the places in the order of the photos, in the unit of the distances
 
         :param reach: two standard deviations of a free step without odometry, spacings
-        :param persistence: probability that the layer remains the same
+        :param persistence: probability that the layer is kept; else a new one is drawn from layer_prior()
         :param distance_noise: standard deviation of a measured distance, as a fraction of it
         """
         self._tree, self.spacing = cKDTree(positions), spacing_of(positions)
@@ -42,8 +44,7 @@ class PlaceMotion:
         self._arcs = np.concatenate([[0.0], np.cumsum(steps)])[: len(positions), np.newaxis]  # (n, 1)
         self._along = cKDTree(self._arcs)
         self._reach, self._noise = reach, distance_noise
-        change = (1 - persistence) / (LAYERS - 1)
-        self._layers = np.full((LAYERS, LAYERS), change) + (persistence - change) * np.eye(LAYERS)
+        self._layers = persistence * np.eye(LAYERS) + (1 - persistence) * layer_prior()[:, np.newaxis]
         self._cached: Dict[Optional[int], List[Optional[csr_matrix]]] = {}
 
     def predict(self, layers: np.ndarray, distance: Optional[float]) -> np.ndarray:
@@ -111,6 +112,12 @@ class PlaceMotion:
         beyond = np.maximum(least - self.spacing / 2, 0.0)  # no place is nearer than that
         sums = (np.exp(-0.5 * (beyond / sigma) ** 2) + LEAST) / np.asarray(matrix.sum(axis=1))[:, 0]
         return matrix.multiply(sums[:, np.newaxis]).tocsr()
+
+
+def layer_prior() -> np.ndarray:
+    """Prior probabilities (LAYERS,) of the layers."""
+    along = np.exp(-np.abs(VELOCITIES) / USUAL_SPEED)
+    return np.append((1 - FREE_PRIOR) * along / along.sum(), FREE_PRIOR)
 
 
 def _entries(matrices: List[Optional[csr_matrix]]) -> int:

@@ -180,5 +180,6 @@ class PlaceRecognizer:
     def _of_places(self, ratios: np.ndarray) -> np.ndarray:
         """Log (places,) of the mean likelihood ratio of each place's photos."""
         highest = ratios.max()
-        sums = np.bincount(self._photos.place_of, np.exp(np.maximum(ratios - highest, -MAX_DIFFERENCE)))
+        parts = np.exp(np.maximum(ratios - highest, -MAX_DIFFERENCE), dtype=float)
+        sums = np.bincount(self._photos.place_of, parts)
         return highest + np.log(sums / np.bincount(self._photos.place_of))

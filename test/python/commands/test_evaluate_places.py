@@ -166,7 +166,7 @@ def test_a_network_takes_part_as_much_as_it_is_weighted(in_park, tmp_path, capsy
 
 @pytest.mark.slow
 def test_orb_of_four_points_has_a_matcher_of_its_own(in_park, capsys):
-    orb = ["--detector", "ORB", "--extractor", "ORB", "--orb-wta-k", "4", "--matcher"]
+    orb = ["--mode", "votes", "--detector", "ORB", "--extractor", "ORB", "--orb-wta-k", "4", "--matcher"]
     assert printed(capsys, "park.txt", "--queries", "autumn.txt", *orb, "BruteForce-Hamming(2)")
     assert main(["park.txt", "--queries", "autumn.txt", *orb, "BruteForce-Hamming"]) == 2
 
@@ -189,7 +189,10 @@ REFUSED = {
     "a tolerance": (["park.txt", "--leave-one-out", "--tolerance", "-1"], "--tolerance: is -1, it must"),
     "a mode that carries on": (["park.txt", "--leave-one-out", "--mode", "filter"], "mode is 'filter'"),
     "an unknown mode": (["park.txt", "--leave-one-out", "--mode", "best"], "mode: must be one of filter"),
-    "a matcher of bits": (["park.txt", "--leave-one-out", "--matcher", "BruteForce-Hamming"], "matcher is"),
+    "a matcher of bits": (
+        ["park.txt", "--leave-one-out", "--mode", "votes", "--matcher", "BruteForce-Hamming"],
+        "matcher is",
+    ),
     "figures that are there": (["park.txt", "--leave-one-out", "--json", "there.json"], "--force"),
     "a network that is not there": (["park.txt", "--leave-one-out", "--network", "no.onnx"], "no.onnx"),
     "colours for a grey network": (

@@ -49,7 +49,7 @@ class PlaceLocalizerStartTest(unittest.TestCase):
             ([spoilt], "text.png: is not an image"),
             ([outside], "outside.txt:5: image '../out.png' is outside of the map's folder"),
             ([good, "_modus:=votes"], "/refused4/modus: unknown parameter; did you mean mode?"),
-            ([good, "_matcher:=BruteForce-Hamming"], "/refused5: matcher"),
+            ([good, "_mode:=votes", "_matcher:=BruteForce-Hamming"], "/refused5: matcher"),
         ]
         nodes = [self.start(f"refused{i}", given) for i, (given, _) in enumerate(refused)]
         for node, (_, reason) in zip(nodes, refused):
