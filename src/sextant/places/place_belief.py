@@ -17,6 +17,10 @@ from sextant.base.strict_params import ParamError, StrictParams, param, within
 from sextant.places.place_motion import PlaceMotion, layer_prior
 from sextant.places.place_spacing import neighbour_radius
 
+RETURN = (
+    0.5  # part of the robots of unknown places that move on along the photos: only their images were poor
+)
+
 
 @dataclass(frozen=True)
 class BeliefParams(StrictParams):
@@ -59,12 +63,12 @@ class BeliefParams(StrictParams):
         within(1e-6, 1),
     )
     evidence_penalty: float = param(
-        0.0,
+        1.0,
         "subtracted from the log likelihood ratios, because a wrong place may match over many images",
         within(0, 20),
     )
     confidence: float = param(
-        0.4,
+        0.5,
         "exponent of the odds of the best hypothesis when it is published; below 1, because errors of "
         "successive images are correlated",
         within(1e-6, 1),
@@ -134,10 +138,13 @@ class PlaceBelief:
         :param distance: driven since the last image, by odometry; None if unknown
         """
         params = self._params
-        moved, total = self._motion.predict(self._layers, distance), self._layers.sum() + self.unknown
+        moved, inside = self._motion.predict(self._layers, distance), self._layers.sum()
+        anywhere = layer_prior()[:, np.newaxis] / moved.shape[1]
+        ahead = moved / moved.sum() if moved.sum() else anywhere
+        back = RETURN * ahead + (1 - RETURN) * anywhere
+        entered = params.kidnap_probability * (inside * anywhere + self.unknown * back)
         stay = 1 - params.kidnap_probability - params.exit_probability
-        anywhere = layer_prior()[:, np.newaxis] * total / moved.shape[1]
-        self._layers = stay * moved + params.kidnap_probability * anywhere
+        self._layers = stay * moved + entered
         self.unknown = max(1 - self._layers.sum(), 0.0) if params.unknown_prior else 0.0
 
     def update(self, log_ratios: np.ndarray, is_absolute: bool = True) -> None:

@@ -74,7 +74,8 @@ def test_relative_evidence_has_no_penalty():
 
 
 def test_places_around_the_likeliest_are_one_answer():
-    belief = PlaceBelief(LINE, BeliefParams(evidence_exponent=1.0, confidence=1.0, radius=1.0))
+    params = BeliefParams(evidence_exponent=1.0, evidence_penalty=0.0, confidence=1.0, radius=1.0)
+    belief = PlaceBelief(LINE, params)
     ratios = np.full(20, -50.0)
     ratios[[5, 6, 7, 12]] = np.log([40.0, 80.0, 40.0, 20.0])
     belief.update(ratios)  # each place was at 0.025, nowhere at 0.5
@@ -183,6 +184,20 @@ def test_without_odometry_it_spreads_to_neighbours():
     belief.update(evidence_for(10, 30.0))
     belief.predict()
     assert belief.places[8:13].sum() > 0.85 and belief.places[10] == belief.places.max()
+
+
+def test_poor_images_do_not_lose_the_place():
+    """After images that match nothing, the robot is probably still near its place, if it is in the map."""
+    belief = PlaceBelief(LINE, INDEPENDENT)
+    for _ in range(4):
+        belief.predict()
+        belief.update(evidence_for(10, 20.0))
+    for _ in range(5):
+        belief.predict()
+        belief.update(np.full(20, -3.0))
+    assert belief.unknown > 0.9
+    inside = belief.places / belief.places.sum()
+    assert inside[8:13].sum() > 0.35 and inside.argmax() == 10  # 0.25: anywhere
 
 
 def test_a_robot_that_was_carried_away_is_found_again():
