@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sextant/places/photo_matches.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -67,17 +68,20 @@ struct Nearest {
   int row = -1;
 };
 
-Nearest nearestOf(const int32_t* distances, int count) {
+SEXTANT_VECTORIZED int32_t leastOf(const int32_t* distances, int count) {
+  int32_t least = kNone;
+  for (int j = 0; j < count; ++j) least = distances[j] < least ? distances[j] : least;
+  return least;
+}
+
+// Removes the least distance.
+Nearest nearestOf(int32_t* distances, int count) {
   Nearest nearest;
-  for (int j = 0; j < count; ++j) {
-    if (distances[j] < nearest.first) {
-      nearest.second = nearest.first;
-      nearest.first = distances[j];
-      nearest.row = j;
-    } else if (distances[j] < nearest.second) {
-      nearest.second = distances[j];
-    }
-  }
+  nearest.first = leastOf(distances, count);
+  if (nearest.first == kNone) return nearest;
+  nearest.row = static_cast<int>(std::find(distances, distances + count, nearest.first) - distances);
+  distances[nearest.row] = kNone;
+  nearest.second = leastOf(distances, count);
   return nearest;
 }
 
