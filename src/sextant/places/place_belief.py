@@ -63,7 +63,7 @@ class BeliefParams(StrictParams):
         within(1e-6, 1),
     )
     evidence_penalty: float = param(
-        1.0,
+        0.0,
         "subtracted from the log likelihood ratios, because a wrong place may match over many images",
         within(0, 20),
     )

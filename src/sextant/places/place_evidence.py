@@ -32,10 +32,10 @@ class EvidenceParams(StrictParams):
     UnknownPlaces.features(). Among the photos, the likelihood is exp(slope * score).
     """
 
-    slope: float = param(1.73, "logarithm of the likelihood ratio of two photos per score", within(0, 100))
-    margin: float = param(1.37, "weight of m", within(0, 100))
-    excess: float = param(0.17, "weight of e", within(0, 100))
-    offset: float = param(0.30, "subtracted from the sum", within(-100, 100))
+    slope: float = param(1.88, "logarithm of the likelihood ratio of two photos per score", within(0, 100))
+    margin: float = param(1.16, "weight of m", within(0, 100))
+    excess: float = param(0.63, "weight of e", within(0, 100))
+    offset: float = param(0.94, "subtracted from the sum", within(-100, 100))
     limit: float = param(12.0, "maximum absolute log odds of one image, not fitted", within(1e-6, 100))
 
 
