@@ -170,6 +170,17 @@ def test_a_leap_that_no_memory_holds_leads_anywhere(monkeypatch):
     assert belief.places == pytest.approx(np.full(20, 0.05))
 
 
+def test_pictures_that_are_turned_at_one_spot_decide_together():
+    """Each of them shows what two places have in common; only one place is common to all."""
+    belief = PlaceBelief(LINE, INDEPENDENT)
+    belief.update(evidence_for([10, 3], 4.0))
+    assert belief.places[9:12].sum() < 0.6
+    for other in (15, 18):
+        belief.predict(0.0)
+        belief.update(evidence_for([10, other], 4.0))
+    assert belief.places.argmax() == 10 and belief.places[9:12].sum() > 0.9
+
+
 def test_without_odometry_it_spreads_to_neighbours():
     belief = PlaceBelief(
         LINE,
