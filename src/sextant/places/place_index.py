@@ -92,13 +92,9 @@ class PlaceIndex:
         samples = [_samples(kind) for kind in kinds if any(map(len, kind))]
         widths = [0] if params.matcher else WIDTHS
         keypoints = [PhotoKeypoints.empty(each, width) for each, width in zip(samples, widths)]
-        expected, descriptors = expected or len(images), None
+        expected = expected or len(images)
         total = sum(map(len, kinds[0])) * expected // len(images)
-        if params.matcher:
-            descriptors = sextant.DescriptorIndex(params.matcher, samples[0], total)
-        elif is_large(expected):
-            values = _values(keypoints[0].coder.encode(samples[0]))
-            descriptors = sextant.DescriptorIndex("faiss", values, min(total, SEARCHED * expected))
+        descriptors = _descriptor_index(params.matcher, expected, total, samples[0], keypoints[0])
         vectors = np.zeros((0, len(features[0].vector)), np.float32)
         index = cls(params, [], keypoints, descriptors, expected, vectors)
         index.add(images, features)
@@ -114,11 +110,14 @@ class PlaceIndex:
             self.photos.append(IndexedPhoto(image, each.digest, each.state, number, each.count))
             if self.descriptors is not None:
                 self.descriptors.add(number, self.searched(each.kinds[0]))
-        lacking = [each.kinds[len(self.keypoints) :] for each in features]
-        self.is_incomplete |= any(len(kind.positions) for kinds in lacking for kind in kinds)
+        self.is_incomplete |= any(len(kind.positions) for each in features for kind in self._lacking(each))
         for number, kind in enumerate(self.keypoints):
             kind.add([each.kinds[number] for each in features])
         self.vectors = np.concatenate([self.vectors, *(each.vector[np.newaxis] for each in features)])
+
+    def _lacking(self, features: PhotoFeatures) -> Sequence[Keypoints]:
+        """Kinds of keypoints that this index does not have."""
+        return features.kinds[len(self.keypoints) :]
 
     def remove(self, photos: Iterable[IndexedPhoto]) -> None:
         """Removes photos; renumbers the others."""
@@ -161,6 +160,23 @@ class PlaceIndex:
         """Memory of descriptors, keypoints and vectors, bytes."""
         searched = self.descriptors.bytes if self.descriptors is not None else 0
         return searched + sum(kind.bytes for kind in self.keypoints) + self.vectors.nbytes
+
+
+def _descriptor_index(
+    matcher: Optional[str], photos: int, total: int, samples: np.ndarray, keypoints: PhotoKeypoints
+) -> "Optional[sextant.DescriptorIndex]":
+    """An empty index, for the matcher or, without one, for the codes of a large map; None for a small one.
+
+    :param total: expected number of descriptors
+    :param samples: descriptors to learn from
+    :param keypoints: of the first kind
+    """
+    if matcher:
+        return sextant.DescriptorIndex(matcher, samples, total)
+    if is_large(photos):
+        values = _values(keypoints.coder.encode(samples))
+        return sextant.DescriptorIndex("faiss", values, min(total, SEARCHED * photos))
+    return None
 
 
 def _values(codes: np.ndarray) -> np.ndarray:
