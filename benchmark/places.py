@@ -11,6 +11,7 @@ import sys
 from command import run
 
 from places.metric_pose import metric_pose_tables
+from places.place_budget import budget_tables
 from places.place_calibration import calibration_tables
 from places.place_recall import recall_tables
 from places.place_seasons import season_tables
@@ -22,6 +23,7 @@ TOPICS = {
     "calibration": lambda options: calibration_tables(options.data / "places", options.quick),
     "seasons": lambda options: season_tables(options.quick),
     "metric_pose": lambda options: metric_pose_tables(options.quick),
+    "budget": lambda options: budget_tables(options.quick),
     "speed": lambda options: speed_tables(options.quick),
     "size": lambda options: size_tables(options.quick),
 }
