@@ -70,7 +70,7 @@ class UnknownPlaces(NamedTuple):
         for row, is_near in zip(scores, near(numbers)):
             others = np.flatnonzero(~(is_near | np.isnan(row)))
             if len(others):
-                beside = near(others[row[others].argmax(keepdims=True)])[0, others]
+                beside = near(others[[row[others].argmax()]])[0, others]
                 if not beside.all():
                     differences.append(score_differences(row[others], beside))
         if len(differences) < MIN_COMPARED:
