@@ -22,6 +22,7 @@ from sextant.place_points.point_triangulation import Observations, Points, trian
 MIN_MATCHES = 20  # of a photo that takes part in the calibration of the covariance
 MIN_POSES, MAX_POSES = 8, 200  # photos in the calibration; with fewer its result is not used
 DEFAULT_FACTOR = 2.0  # of covariances in a map with fewer photos; typical of simulated streets
+QUANTILE = 0.9  # of the photos' NEES that is compared with its distribution: near the regions that are used
 FIRST_FACTOR = 2.0  # of the noise of keypoints, before it is known
 ROUNDS = 2  # of the estimation of the noise
 NORMAL = 1.4826  # standard deviation of a normal distribution by the median of its absolute values
@@ -110,7 +111,7 @@ def _covariance_factor(poses: np.ndarray, count: int, seen: Observations) -> flo
     known = [value for value in values if value is not None]
     if len(known) < MIN_POSES:
         return DEFAULT_FACTOR
-    return max(1.0, float(np.median(known) / chi2.ppf(0.5, 6)))
+    return max(1.0, float(np.quantile(known, QUANTILE) / chi2.ppf(QUANTILE, 6)))
 
 
 def _nees_without(photo: int, poses: np.ndarray, seen: Observations) -> Optional[float]:
