@@ -62,5 +62,5 @@ def tone_curve(collected: np.ndarray, gamma: float) -> np.ndarray:
 def _fall_off(shape, vignetting: float) -> np.ndarray:
     """Share of the light that arrives, float32 (rows, columns): falls with the squared radius."""
     y, x = (np.linspace(-1, 1, side, dtype=np.float32) for side in shape)
-    aspect = np.float32([shape[0], shape[1]]) / np.hypot(*shape)
+    aspect = np.float32([shape[0], shape[1]]) / np.float32(np.hypot(*shape))
     return 1 - np.float32(vignetting) * ((y[:, None] * aspect[0]) ** 2 + (x * aspect[1]) ** 2)
