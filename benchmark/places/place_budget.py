@@ -12,7 +12,8 @@ from typing import Dict, List, NamedTuple, Optional, Sequence, Tuple
 import numpy as np
 from tables import Row, Table, Value
 
-from places.place_walk import NEXT_DAY, Size, queries, walk_map
+from places.place_speed import NEAR, QUERIES
+from places.place_walk import NEXT_DAY, Size, loop_errors, queries, walk_map
 from sextant.base.jobs import worker_environment
 from sextant.place_maps.place_map_file import read_place_map
 from sextant.places.index_params import IndexParams
@@ -21,8 +22,7 @@ from sextant.places.place_evaluation import WARM_UP_IMAGE, resident_bytes
 from sextant.places.place_index_update import PlaceIndexer
 from sextant.places.place_localizer import PlaceLocalizer
 
-JOBS, QUERIES = 2, 24  # processes that describe photos; number of queries
-NEAR = 600.0  # tolerance of a correct place, centimetres
+JOBS = 2  # processes that describe photos
 COLUMNS = ["build, s", "start from cache, s", "index, MB", "process, MB", "query, ms", "95 %, ms", "right, %"]
 
 
@@ -62,9 +62,8 @@ def _row(count: int, size: Size, bars: Bars) -> Row:
         map_path = walk_map(Path(folder) / "map", count, size)
         shots = queries(Path(folder) / "queries", QUERIES, size, NEXT_DAY)
         cold, warm = (_started(map_path, [shot.path for shot in shots]) for _ in range(2))
-        around = float(map_path.read_text().split(";")[1])  # the map's width is the length of the loop
-    seconds, x = np.array(warm.answers).T
-    errors = (x - [100 * shot.arc for shot in shots] + around / 2) % around - around / 2
+        seconds, x = np.array(warm.answers).T
+        errors = loop_errors(map_path, x, shots)
     return f"{count} photos of {size[0]}x{size[1]}", [
         Value(cold.seconds, 1, at_most=bars.build),
         Value(warm.seconds, 2, at_most=bars.start),
@@ -72,7 +71,7 @@ def _row(count: int, size: Size, bars: Bars) -> Row:
         Value(warm.resident_bytes / 1e6, 0, at_most=bars.resident),
         Value(1e3 * float(np.median(seconds)), 1, at_most=bars.query),
         Value(1e3 * float(np.quantile(seconds, 0.95)), 1),
-        Value(100 * float(np.mean(np.abs(errors) < NEAR)), 0),
+        Value(100 * float(np.mean(errors < NEAR)), 0),
     ]
 
 

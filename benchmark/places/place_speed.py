@@ -11,7 +11,7 @@ import numpy as np
 from tables import Row, Table, Value
 
 from places.place_method import METHODS, Built, Method
-from places.place_walk import NEXT_DAY, Shot, Size, queries, walk_map
+from places.place_walk import NEXT_DAY, Shot, Size, loop_errors, queries, walk_map
 
 PHOTOS, QUERIES = 360, 24  # number of photos of the map, and of queries
 NEAR = 600.0  # tolerance of a correct place, centimetres
@@ -83,10 +83,8 @@ def _costs(map_path: Path, shots: List[Shot]) -> Dict[str, Cost]:
 
 def _summary(answers: List[Tuple[float, float]], shots: List[Shot], map_path: Path) -> Tuple[float, float]:
     """Median of the seconds, and fraction of the answers within NEAR of the true position."""
-    around = float(map_path.read_text().split(";")[1])  # the map's width is the length of the loop
     seconds, x = np.array(answers).T
-    errors = (x - [100 * shot.arc for shot in shots] + around / 2) % around - around / 2
-    return float(np.median(seconds)), float(np.mean(np.abs(errors) < NEAR))
+    return float(np.median(seconds)), float(np.mean(loop_errors(map_path, x, shots) < NEAR))
 
 
 def _row(name: str, cost: Cost, plain: Cost, bars: Bars) -> Row:

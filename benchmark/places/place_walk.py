@@ -84,6 +84,15 @@ def queries(folder: Path, count: int, size: Size, conditions: StreetConditions, 
     return shots
 
 
+def loop_errors(map_path: Path, x: np.ndarray, shots: List[Shot]) -> np.ndarray:
+    """Distances along the loop of recognized photos of a walk_map() from the truth, centimetres.
+
+    :param x: (shots,) of the recognized photos
+    """
+    around = float(map_path.read_text().split(";")[1])  # the map's width is the length of the loop
+    return np.abs((x - [100 * shot.arc for shot in shots] + around / 2) % around - around / 2)
+
+
 @lru_cache(maxsize=2)
 def _street(seed: int, conditions: StreetConditions) -> Street:
     return Street(seed, conditions)

@@ -17,9 +17,7 @@ from sextant.base.strict_params import ParamError, StrictParams, param, within
 from sextant.places.place_motion import PlaceMotion, layer_prior
 from sextant.places.place_spacing import neighbour_radius
 
-RETURN = (
-    0.5  # part of the robots of unknown places that move on along the photos: only their images were poor
-)
+RETURN = 0.5  # of the belief that returns to the map: the share that goes on along the photos
 
 
 @dataclass(frozen=True)
@@ -122,7 +120,7 @@ class PlaceBelief:
         self._tree = cKDTree(self._positions)
         motion = self._params.reach, self._params.persistence, self._params.distance_noise
         self._motion = PlaceMotion(self._positions, *motion)
-        self.spacing = self._motion.spacing
+        self.spacing, self._prior = self._motion.spacing, layer_prior()[:, np.newaxis]
         self._radius = neighbour_radius(self._positions, self._params.radius)
         self.reset()
 
@@ -130,7 +128,7 @@ class PlaceBelief:
         """Sets the prior: all places are equally probable."""
         count = len(self._positions)
         self.unknown = self._params.unknown_prior
-        self._layers = np.outer(layer_prior(), np.full(count, (1 - self.unknown) / count))
+        self._layers = np.repeat(self._prior * (1 - self.unknown) / count, count, axis=1)
 
     def predict(self, distance: Optional[float] = None) -> None:
         """Predicts the belief at the next image.
@@ -139,7 +137,7 @@ class PlaceBelief:
         """
         params = self._params
         moved, inside = self._motion.predict(self._layers, distance), self._layers.sum()
-        anywhere = layer_prior()[:, np.newaxis] / moved.shape[1]
+        anywhere = self._prior / moved.shape[1]
         ahead = moved / moved.sum() if moved.sum() else anywhere
         back = RETURN * ahead + (1 - RETURN) * anywhere
         entered = params.kidnap_probability * (inside * anywhere + self.unknown * back)
