@@ -188,10 +188,11 @@ def test_quick_run_of_metric_poses(tmp_path):
 @pytest.mark.slow
 @pytest.mark.skipif(not (EXTERNAL / "places").is_dir(), reason="external test data")
 def test_quick_run_of_recall(tmp_path):
-    corridor, unknown, lund = tables_of("places.py", "recall", tmp_path)
+    corridor, unknown, look_alikes, lund = tables_of("places.py", "recall", tmp_path)
     modes = {row["name"]: row["recall@1"]["value"] for row in corridor["rows"]}
     assert modes["single"] > modes["votes"] > 0
     assert unknown["rows"][0]["not in the map"]["value"] == lund["rows"][0]["placed"]["value"] == 8
+    assert [row["recall@1"]["value"] > 0.9 for row in look_alikes["rows"]] == [True]
     for name in ("recall", "reliability_single"):
         assert (tmp_path / f"{name}.png").read_bytes().startswith(b"\x89PNG")
 
