@@ -59,7 +59,7 @@ class LandmarkSlamNodelet : public nodelet::Nodelet {
       throw;
     }
     waiting_ = std::make_unique<TransformQueue>(tf_, params_.transform_timeout);
-    start_timer_ = startInQueue(getNodeHandle(), [this] { advertise(), subscribe(); });
+    start_ = std::make_unique<StartInQueue>(getNodeHandle(), [this] { advertise(), subscribe(); });
   }
 
   void advertise() {
@@ -315,7 +315,8 @@ class LandmarkSlamNodelet : public nodelet::Nodelet {
   std::unique_ptr<TransformQueue> waiting_;  // observations
   std::unique_ptr<MapTransform> transform_;
   std::unique_ptr<diagnostic_updater::Updater> diagnostics_;
-  ros::WallTimer start_timer_, diagnostics_timer_, retry_timer_;
+  std::unique_ptr<StartInQueue> start_;
+  ros::WallTimer diagnostics_timer_, retry_timer_;
   ros::Publisher filtered_pub_, pose_pub_, initialpose_pub_, visualization_pub_, entries_pub_;
   ros::Subscriber odom_sub_, landmarks_sub_, pose_sub_, map_sub_;
   std::vector<ros::Subscriber> marker_subs_;

@@ -42,7 +42,7 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
       throw;
     }
     enabled_ = params_.enabled;
-    start_timer_ = startInQueue(getNodeHandle(), [this] {
+    start_ = std::make_unique<StartInQueue>(getNodeHandle(), [this] {
       advertise();
       updateSubscription();
     });
@@ -268,7 +268,8 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
   tf2_ros::TransformBroadcaster broadcaster_;
   std::unique_ptr<diagnostic_updater::Updater> diagnostics_;
   std::unique_ptr<ReconfigureServer<MarkerDetectorConfig>> reconfigure_;
-  ros::WallTimer start_timer_, diagnostics_timer_;
+  std::unique_ptr<StartInQueue> start_;
+  ros::WallTimer diagnostics_timer_;
   ros::Publisher markers_pub_, debug_pub_, jpeg_pub_;
   ros::ServiceServer enable_srv_;
   ros::Subscriber image_sub_, info_sub_;

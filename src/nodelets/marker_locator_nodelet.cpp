@@ -68,7 +68,7 @@ class MarkerLocatorNodelet : public nodelet::Nodelet {
     groups_ = std::make_unique<Groups>(
         StampGroupsParams{params_.cameras.size(), params_.camera_window, params_.camera_timeout});
     newest_.resize(params_.cameras.size());
-    start_timer_ = startInQueue(getNodeHandle(), [this] { advertise(), subscribe(); });
+    start_ = std::make_unique<StartInQueue>(getNodeHandle(), [this] { advertise(), subscribe(); });
   }
 
   void advertise() {
@@ -301,7 +301,8 @@ class MarkerLocatorNodelet : public nodelet::Nodelet {
   std::unique_ptr<MapTransform> transform_;
   std::unique_ptr<diagnostic_updater::Updater> diagnostics_;
   std::unique_ptr<ReconfigureServer<MarkerLocatorConfig>> reconfigure_;
-  ros::WallTimer start_timer_, diagnostics_timer_, retry_timer_, transform_timer_;
+  std::unique_ptr<StartInQueue> start_;
+  ros::WallTimer diagnostics_timer_, retry_timer_, transform_timer_;
   int published_starts_ = 0;  // of the odometry filter, whose pose was published on initialpose
   ros::Publisher pose_pub_, initialpose_pub_, visualization_pub_;
   ros::Subscriber map_sub_;

@@ -19,6 +19,7 @@
 #include "sextant/MarkerArray.h"
 #include "sextant/MarkerMapEntries.h"
 #include "sextant/markers/marker_map_file.hpp"
+#include "sextant/ros/base/start_in_queue.hpp"
 #include "sextant/ros/markers/marker_conversions.hpp"
 #include "sextant/simulation/room_renderer.hpp"
 #include "storm.hpp"
@@ -213,6 +214,22 @@ TEST_F(NodeletsStorm, ALocatorHasNoThreadOfItsOwn) {
     threads.push_back(std::distance(std::filesystem::directory_iterator(task), {}));
   }
   EXPECT_EQ(threads[1], threads[0]);
+}
+
+TEST_F(NodeletsStorm, AStartThatTheQueueDiscardsIsRepeated) {
+  ros::CallbackQueue queue(false);  // as nodelet 1.10.0 leaves it during onInit
+  ros::NodeHandle node;
+  node.setCallbackQueue(&queue);
+  int started = 0;
+  const StartInQueue start(node, [&started] { ++started; });
+  sleep(100);
+  queue.callAvailable();
+  EXPECT_EQ(started, 0);
+  queue.enable();
+  EXPECT_TRUE(await([&] { return queue.callAvailable(), started > 0; }));
+  sleep(100);
+  queue.callAvailable();
+  EXPECT_EQ(started, 1);
 }
 
 TEST_F(NodeletsStorm, RefusedNodeletsLeaveTheOthersAlone) {
