@@ -145,6 +145,15 @@ class PlaceBelief:
         self._layers = stay * moved + entered
         self.unknown = max(1 - self._layers.sum(), 0.0) if params.unknown_prior else 0.0
 
+    def restrict(self, log_weights: np.ndarray) -> None:
+        """Multiplies the places' probabilities by weights; that of an unknown place does not change.
+
+        :param log_weights: (n,) finite
+        """
+        layers = self._layers * np.exp(log_weights - np.max(log_weights))
+        if layers.sum() > 0:
+            self._layers = layers * ((1 - self.unknown) / layers.sum())
+
     def update(self, log_ratios: np.ndarray, is_absolute: bool = True) -> None:
         """Updates the belief with the evidence of an image.
 

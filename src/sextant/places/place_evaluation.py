@@ -278,7 +278,7 @@ def _ready(localizer: PlaceLocalizer) -> PlaceLocalizer:
 def _localized(index: PlaceIndex, localizer: PlaceLocalizer, query: Query) -> QueryResult:
     image = decode_photo(index.params, query.path.read_bytes(), query.path)
     begin = time.perf_counter()
-    found = localizer.localize(image)
+    found = localizer.localize(image, rough=query.rough)
     return QueryResult(query, found, time.perf_counter() - begin)
 
 

@@ -6,7 +6,7 @@ The ratio compares the hypotheses that an image was taken at the photo's place a
 """
 
 from dataclasses import dataclass
-from typing import Callable, NamedTuple, Tuple
+from typing import Callable, NamedTuple, Optional, Tuple
 
 import numpy as np
 from scipy.special import logsumexp
@@ -59,8 +59,10 @@ class UnknownPlaces(NamedTuple):
     deviation: Tuple[float, float] = (0.5, 0.5)  # standard deviation over images
 
     @classmethod
-    def of_map(cls, scores: np.ndarray, numbers: np.ndarray, near: Near) -> "UnknownPlaces":
+    def of_map(cls, scores: np.ndarray, numbers: np.ndarray, near: Near) -> Optional["UnknownPlaces"]:
         """Estimates it from photos of the map, each compared with those that are not near it.
+
+        Returns None for less than MIN_COMPARED of them.
 
         :param scores: (m, n) of n photos for m of them; nan: the photo itself
         :param numbers: int (m,) of these m photos
@@ -74,7 +76,7 @@ class UnknownPlaces(NamedTuple):
                 if not beside.all():
                     differences.append(score_differences(row[others], beside))
         if len(differences) < MIN_COMPARED:
-            return cls()
+            return None
         deviation = np.maximum(np.std(differences, axis=0), MIN_DEVIATIONS)
         return cls(tuple(np.mean(differences, axis=0)), tuple(deviation))
 

@@ -20,6 +20,7 @@ from sextant.places.place_matches import MatchedPhoto
 from sextant.places.place_modes import MODES, ImageEvidence
 from sextant.places.place_recognition import PlaceRecognizer, Recognition, RecognitionParams
 from sextant.places.place_votes import MatchStatistics
+from sextant.places.rough_pose import RoughPose
 from sextant.places.vote_shares import VoteCounter
 
 VOTES = "votes"  # the mode that counts matches, without a belief
@@ -129,27 +130,32 @@ class PlaceLocalizer:
         image: np.ndarray,
         distance: Optional[float] = None,
         camera: Optional["sextant.CameraModel"] = None,
+        rough: Optional[RoughPose] = None,
     ) -> Localization:
         """Localizes the robot with one more image.
 
         :param image: uint8, (height, width) grey or (height, width, 3) BGR
         :param distance: metres since the last image, by odometry; ignored if the map has no scale
         :param camera: that took the image; without it there is no metric pose
+        :param rough: of the camera, by another estimate; not used by mode votes
         :raises ValueError: the image does not have the camera's size
         """
-        found = self._localize(image, distance)
+        found = self._localize(image, distance, rough)
         if self._points is None or camera is None or found.status != Status.LOCALIZED:
             return found
         near = found.hypotheses[0].photo.image
         return found._replace(pose=self._points.localize(image, camera, near))
 
-    def _localize(self, image: np.ndarray, distance: Optional[float]) -> Localization:
+    def _localize(
+        self, image: np.ndarray, distance: Optional[float], rough: Optional[RoughPose]
+    ) -> Localization:
         if self._params.mode == VOTES:
             return self._localize_by_votes(image)
-        recognition = self._recognizer.recognize(image)
+        recognition = self._recognizer.recognize(image, rough)
         driven = distance if self.scale else None
         log_ratios = recognition.log_ratios if recognition.usable else None
-        self._mode.update(ImageEvidence(log_ratios, driven, recognition.is_absolute))
+        is_absolute, weights = recognition.is_absolute, recognition.log_weights
+        self._mode.update(ImageEvidence(log_ratios, driven, is_absolute, weights))
         return self._localize_by_belief(recognition, driven)
 
     def _localize_by_belief(self, recognition: Recognition, driven: Optional[float]) -> Localization:

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Matches between an image and the photos of a map."""
 
-from typing import Dict, List, NamedTuple
+from typing import Dict, List, NamedTuple, Optional
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from sextant.places.photo_keypoints import UNIT, CodedKeypoints, PhotoKeypoints
 from sextant.places.place_estimate import scale_of
 from sextant.places.place_index import PlaceIndex
 from sextant.places.place_spacing import neighbour_radius
+from sextant.places.rough_pose import RoughPose, log_weights
 
 
 class MatchedPhoto(NamedTuple):
@@ -39,8 +40,15 @@ class MapPhotos:
         in_place = np.bincount(self.place_of)
         self.shares = 1 / (len(places) * in_place[self.place_of])
         self.rows = _rows(self.photos, index)
-        self._positions = place_map.positions()[self.place_of] * (scale_of(place_map) or (1.0, 1.0))
+        self._pixels = place_map.positions()[self.place_of]
+        self._positions = self._pixels * (scale_of(place_map) or (1.0, 1.0))
         self._radius = neighbour_radius(self._positions)
+
+    def log_weights(self, rough: Optional[RoughPose]) -> np.ndarray:
+        """Log weights (photos,) by a rough pose; None: all are 0."""
+        if rough is None:
+            return np.zeros(len(self.photos))
+        return log_weights(rough, self._pixels, [photo.yaw for photo in self.photos])
 
     def near(self, numbers: np.ndarray) -> np.ndarray:
         """Whether each photo shows about the same place as some photos: bool (m, photos).

@@ -17,6 +17,14 @@ class ImageEvidence(NamedTuple):
     log_ratios: Optional[np.ndarray]  # (places,) log likelihood ratios; None: the image is unusable
     distance: Optional[float]  # driven since the last image; None: unknown
     is_absolute: bool = True  # whether log_ratios also compare with an unknown place
+    log_weights: Optional[np.ndarray] = None  # (places,) by a rough pose, see PlaceBelief.restrict()
+
+    def apply(self, belief: PlaceBelief) -> None:
+        """Updates a belief that is predicted for the time of the image."""
+        if self.log_weights is not None:
+            belief.restrict(self.log_weights)
+        if self.log_ratios is not None:
+            belief.update(self.log_ratios, self.is_absolute)
 
 
 class Single:
@@ -29,8 +37,7 @@ class Single:
     def update(self, evidence: ImageEvidence) -> None:
         """Replaces the belief."""
         self.belief.reset()
-        if evidence.log_ratios is not None:
-            self.belief.update(evidence.log_ratios, evidence.is_absolute)
+        evidence.apply(self.belief)
 
 
 class Filter:
@@ -44,8 +51,7 @@ class Filter:
         """Predicts and updates the belief."""
         if not self._is_first:
             self.belief.predict(evidence.distance)
-        if evidence.log_ratios is not None:
-            self.belief.update(evidence.log_ratios, evidence.is_absolute)
+        evidence.apply(self.belief)
         self._is_first = False
 
 
@@ -68,8 +74,7 @@ class Sequence:
         for number, each in enumerate(self._window):
             if number:
                 self.belief.predict(each.distance)
-            if each.log_ratios is not None:
-                self.belief.update(each.log_ratios, each.is_absolute)
+            each.apply(self.belief)
 
 
 # name: class, constructed with positions (n, 2), parameters of the belief, and number of images in the window

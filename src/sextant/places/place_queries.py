@@ -11,6 +11,7 @@ import numpy as np
 from sextant.place_maps.place_map import Photo, PlaceMap
 from sextant.places.place_estimate import scale_of
 from sextant.places.place_spacing import spacing_of
+from sextant.places.rough_pose import RoughPose
 
 Position = Tuple[float, float]  # pixels of the overview
 COLUMNS = ("query", "right_refs")
@@ -23,6 +24,7 @@ class Query(NamedTuple):
     path: Path  # image file
     true_places: FrozenSet[Position]  # correct places; empty: the query is not in the map
     position: Optional[Position] = None  # where it was taken; None: unknown
+    rough: Optional[RoughPose] = None  # by another estimate
 
     def distance(self, position: Position, pixels: np.ndarray) -> float:
         """Distance of a position from that of the query; if this is unknown, from the nearest correct place.

@@ -7,6 +7,7 @@ from typing import Any, List, NamedTuple, Optional
 
 import cv2
 import numpy as np
+from scipy.special import softmax
 
 from sextant.base.strict_params import StrictParams, nested, param, within
 from sextant.place_maps.place_map import Photo, PlaceMap
@@ -23,6 +24,7 @@ from sextant.places.place_index import PlaceIndex
 from sextant.places.place_matches import MapPhotos, MatchedPhoto, matched_photo
 from sextant.places.place_scores import ScoresByPhoto, compared_photos, photo_scores
 from sextant.places.place_votes import MatchStatistics, match_statistics
+from sextant.places.rough_pose import LEAST, RoughPose
 
 CELLS = 8  # number of cells along each side of the image, see contrast()
 MAX_DIFFERENCE = 500.0  # log ratios farther below the largest are raised to this: no exponential is 0
@@ -55,6 +57,7 @@ class Recognition(NamedTuple):
     is_absolute: bool  # whether there are enough keypoints; otherwise log_ratios only compare places
     statistics: MatchStatistics  # of the image's keypoints
     match: MatchedPhoto  # of the most likely photo
+    log_weights: Optional[np.ndarray] = None  # (places,) by the rough pose; None: there was none
 
 
 def contrast(image: np.ndarray) -> float:
@@ -87,33 +90,39 @@ class PlaceRecognizer:
             raise ValueError(f"matcher {index.params.matcher} is for mode votes only")
         self._params, self._index = params or RecognitionParams(), index
         self._photos = MapPhotos(place_map, index)
-        self._unknown = self._unknown_places(np.arange(len(self._photos.rows)))
+        everywhere = self._unknown_places(np.arange(len(self._photos.rows)))
+        self._unknown = [unknown or UnknownPlaces() for unknown in everywhere]
         self._extractor = extractor or KeypointExtractor(index.params)
         network = index.params.global_descriptor
         self._descriptor = GlobalDescriptor(network) if network and self._params.network_weight else None
 
-    def recognize(self, image: np.ndarray) -> Recognition:
+    def recognize(self, image: np.ndarray, rough: Optional[RoughPose] = None) -> Recognition:
         """Computes the evidence of an image.
 
         :param image: uint8, (height, width) grey or (height, width, 3) BGR
+        :param rough: of the camera
         """
         kinds = self._index.encode(self._extractor.extract(image))
-        scores = photo_scores(self._index, self._photos.rows, kinds)
+        weights = self._photos.log_weights(rough)
+        region = _region(weights)
+        scores = photo_scores(self._index, self._photos.rows, kinds, region)
         total, is_absolute = scores.total, len(kinds[0].positions) >= self._params.min_keypoints
-        ratios = np.zeros(len(total))
+        ratios, shares = np.zeros(len(total)), softmax(weights + np.log(self._photos.shares))
         if is_absolute:
-            features = self.features(total, len(scores.logs))
-            ratios = absolute_log_ratios(total, features, self._photos.shares, self._params.evidence)
+            features = self.features(total, len(scores.logs), region)
+            ratios = absolute_log_ratios(total, features, shares, self._params.evidence)
         has_descriptor = self._descriptor is not None and contrast(image) >= self._params.min_contrast
         if has_descriptor:
-            ratios = ratios + self._network_log_ratios(image)
-        order = np.lexsort((total, ratios))
-        best = self._best(order)
+            ratios = ratios + self._network_log_ratios(image, shares)
+        order = np.lexsort((total, ratios + weights))
+        best, of_places = self._best(order), self._of_places(weights)
         return Recognition(
-            total[best], self._of_places(ratios), [self._photos.photos[number] for number in best],
+            total[best], self._of_places(ratios + weights) - of_places,
+            [self._photos.photos[number] for number in best],
             is_absolute or has_descriptor, is_absolute,
             match_statistics(scores.nearest, np.isfinite(scores.nearest)),
             self._match(int(order[-1]), kinds[0], scores.background),
+            None if rough is None else of_places,
         )  # fmt: skip
 
     def scores(self, image: np.ndarray) -> ScoresByPhoto:
@@ -126,13 +135,13 @@ class PlaceRecognizer:
 
         :param scores: (photos,) of all kinds of keypoints that the image has
         :param kinds: number of these kinds
-        :param numbers: int (m,) of the photos that are in the map; None: all
+        :param numbers: int (m,) of the photos where the robot may be; None: all
         """
         unknown = self._unknown[kinds - 1]
         if numbers is None:
             numbers = np.arange(len(scores))
         else:
-            unknown = self._unknown_places(numbers)[kinds - 1]
+            unknown = self._unknown_places(numbers)[kinds - 1] or unknown
         best = np.zeros(len(scores), bool)
         best[numbers[scores[numbers].argmax()]] = True
         return unknown.features(scores[numbers], self.near(best)[numbers], kinds)
@@ -145,10 +154,10 @@ class PlaceRecognizer:
         """
         return self._photos.near(np.flatnonzero(which)).any(axis=0)
 
-    def _unknown_places(self, numbers: np.ndarray) -> List[UnknownPlaces]:
-        """For images with one kind of keypoints, with two, ...
+    def _unknown_places(self, numbers: np.ndarray) -> List[Optional[UnknownPlaces]]:
+        """For images with one kind of keypoints, with two, ...; None if too few photos were compared.
 
-        :param numbers: int (m,) of the photos that are in the map
+        :param numbers: int (m,) of the photos where the robot may be
         """
         index, rows = self._index, self._photos.rows[numbers]
         number_of_row = np.full(len(index.photos), -1)
@@ -166,10 +175,10 @@ class PlaceRecognizer:
         photo, row = self._photos.photos[number], self._photos.rows[number]
         return matched_photo(photo, image, self._index.keypoints[0], row, background)
 
-    def _network_log_ratios(self, image: np.ndarray) -> np.ndarray:
+    def _network_log_ratios(self, image: np.ndarray, shares: np.ndarray) -> np.ndarray:
         """Log likelihood ratios (photos,) by global descriptors."""
         similarities = (self._index.vectors @ self._descriptor.describe(image))[self._photos.rows]
-        return relative_log_ratios(similarities, self._params.network_weight, self._photos.shares)
+        return relative_log_ratios(similarities, self._params.network_weight, shares)
 
     def _best(self, order: np.ndarray) -> np.ndarray:
         """Numbers (places,) of photos: for each place, its photo that comes last in the order."""
@@ -183,3 +192,10 @@ class PlaceRecognizer:
         parts = np.exp(np.maximum(ratios - highest, -MAX_DIFFERENCE), dtype=float)
         sums = np.bincount(self._photos.place_of, parts)
         return highest + np.log(sums / np.bincount(self._photos.place_of))
+
+
+def _region(log_weights: np.ndarray) -> Optional[np.ndarray]:
+    """Indices (m,) of photos that a rough pose does not exclude, the highest weights first; None: all."""
+    order = np.argsort(-log_weights, kind="stable")
+    there = order[log_weights[order] > LEAST]
+    return there if 0 < len(there) < len(order) else None

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Scores of all photos of a map for one image: with each photo, or with candidates of a large map."""
 
-from typing import NamedTuple, Sequence
+from typing import NamedTuple, Optional, Sequence
 
 import numpy as np
 
@@ -29,15 +29,24 @@ class ScoresByPhoto(NamedTuple):
         return self.logs[-1]
 
 
-def photo_scores(index: PlaceIndex, rows: np.ndarray, kinds: Sequence[CodedKeypoints]) -> ScoresByPhoto:
+def photo_scores(
+    index: PlaceIndex,
+    rows: np.ndarray,
+    kinds: Sequence[CodedKeypoints],
+    expected: Optional[np.ndarray] = None,
+) -> ScoresByPhoto:
     """Compares an image with photos; kinds of which it has no keypoints are left out.
 
     :param rows: int (photos,) of the photos in the index
     :param kinds: keypoints of the image, for each kind of the index
+    :param expected: int (m,) indices in rows, most probable first, that are compared in any case; of large
+        maps the first CANDIDATES
     """
     numbers = np.arange(len(rows))
     if index.descriptors is not None:
         numbers = _candidates(index, rows, kinds[0])
+        if expected is not None:
+            numbers = np.union1d(numbers, expected[:CANDIDATES])
     there = [number for number, each in enumerate(kinds) if not number or len(each.codes)]
     scored = [index.keypoints[number].scores(kinds[number], rows[numbers]) for number in there]
     of_candidates = np.cumsum([each.logs for each in scored], axis=0)

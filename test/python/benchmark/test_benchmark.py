@@ -173,7 +173,7 @@ def test_quick_run_of_the_seasons(tmp_path):
     assert rows["summer -> autumn, filter"]["recall@1"]["value"] > 0.8
     names = [row["name"] for row in hard["rows"]]
     walks = "autumn -> snow, street 3", "mean"
-    assert names == [f"{each}, {mode}" for each in walks for mode in ("single", "filter")]
+    assert names == [f"{each}, {mode}" for each in walks for mode in ("single", "filter", "filter, GPS")]
     assert 0 <= hard["rows"][-1]["recall@1"]["value"] <= hard["rows"][-1]["@5"]["value"] <= 1
 
 

@@ -40,8 +40,10 @@ class PlaceLocalizerTest(unittest.TestCase):
         cls.images = rospy.Publisher("/robot/image", Image, queue_size=10)
         cls.jpegs = rospy.Publisher("/walker/image/compressed", CompressedImage, queue_size=10)
         cls.odometry = rospy.Publisher("/robot/odom", Odometry, queue_size=100)
+        cls.rough = rospy.Publisher("/robot/rough_pose", PoseWithCovarianceStamped, queue_size=10)
         cls.diagnostics = Diagnostics()
-        cls.start("robot", cls.write("town.txt", METRIC), "_use_odometry:=true", "_initialpose:=relocalized")
+        given = "_use_odometry:=true", "_use_rough_pose:=true", "_initialpose:=relocalized"
+        cls.start("robot", cls.write("town.txt", METRIC), *given)
         (cls.folder / "earth.txt.index").write_bytes(b"SEXTANT PLACES\n\0\1\0\0\0 of long ago")
         cls.start("walker", cls.write("earth.txt", CORNERS), "_mode:=single", "_compressed:=true")
         for name in ("robot", "walker"):
@@ -124,6 +126,21 @@ class PlaceLocalizerTest(unittest.TestCase):
         self.assertTrue(until(lambda: self.diagnostics.row(DIAGNOSTICS, "place") == "6"))
         self.assertGreater(self.diagnostics.count(DIAGNOSTICS, "keypoints"), 100)
         self.assertTrue(self.diagnostics.row(DIAGNOSTICS, "time").endswith(" ms"))
+
+    def test_a_rough_pose_is_used_if_it_is_in_the_frame_of_the_map(self):
+        places = self.recorder("/robot/places", Places)
+        self.assertTrue(until(lambda: self.rough.get_num_connections() == 1))
+        counted = self.diagnostics.count(DIAGNOSTICS, "images with a rough pose")
+        for frame, more in (("odom", 0), ("town", 1)):
+            rough = PoseWithCovarianceStamped(header=Header(stamp=next(self.stamps), frame_id=frame))
+            rough.pose.pose.orientation.w, rough.pose.covariance[35] = 1.0, 10.0
+            rough.pose.covariance[0] = rough.pose.covariance[7] = 100.0
+            self.rough.publish(rough)
+            rospy.sleep(0.5)  # it has no answer
+            places.at(self.show(shifted(picture(3), 6, 2)))
+            self.assertTrue(self.diagnostics.reaches(DIAGNOSTICS, "images with a rough pose", counted + more))
+        self.assertEqual(self.diagnostics.count(DIAGNOSTICS, "images with a rough pose"), counted + 1)
+        self.assertTrue(self.has_logged("a rough pose is not used: its frame is 'odom'"))
 
     def test_elsewhere_is_nowhere(self):
         full = self.recorder("/robot/hypotheses", PlaceHypotheses)

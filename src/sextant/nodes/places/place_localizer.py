@@ -29,6 +29,7 @@ from sextant.nodes.places.place_localizer_node_params import PlaceLocalizerNodeP
 from sextant.nodes.places.place_messages import fix_message, hypotheses_message, places_message, pose_message
 from sextant.nodes.places.place_report import PlaceReport
 from sextant.nodes.places.query_camera import QueryCamera
+from sextant.nodes.places.rough_pose_input import RoughPoseInput
 from sextant.place_maps.photo_file import read_rgb
 from sextant.place_maps.place_map import GeoCorners, MetricFrame
 from sextant.place_points.place_points_file import points_of_map
@@ -78,6 +79,7 @@ class PlaceLocalizerNode:
         self._camera = QueryCamera(self._input[0])
         if params.use_odometry:
             rospy.Subscriber("odom", Odometry, self._on_odometry, queue_size=100)
+        self._rough = RoughPoseInput() if params.use_rough_pose else None
         rospy.Service("~reload", Trigger, self._reload)
         rospy.Service("~reset", Trigger, self._reset)
         rospy.Service("~publish_initialpose", Trigger, self._on_initialpose)
@@ -136,8 +138,10 @@ class PlaceLocalizerNode:
         begin, stamp, distance = time.perf_counter(), header.stamp, None
         if self._last is not None:
             distance = self._track.distance(self._last.to_nsec(), stamp.to_nsec())
-        found = self._loaded.localizer.localize(image, distance, self._camera.of(image))
+        rough = self._rough.at(self._loaded.place_map, stamp) if self._rough else None
+        found = self._loaded.localizer.localize(image, distance, self._camera.of(image), rough)
         self._last = stamp
+        self.report.rough += rough is not None
         self.report.add(found, distance, time.perf_counter() - begin)
         self._publish(image, found, header)
 

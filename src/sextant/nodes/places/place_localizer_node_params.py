@@ -27,6 +27,11 @@ class PlaceLocalizerNodeParams(StrictParams):
         False,
         "subscribe to `odom`: predict the belief with the distance that odometry measures between two images",
     )
+    use_rough_pose: bool = param(
+        False,
+        "subscribe to `rough_pose` and `rough_fix`: places and directions that are [not expected]"
+        "(../how_to/places.md#rough-pose) are improbable",
+    )
     initialpose: str = param(
         "never", "when `initialpose` is published automatically", one_of("never", "relocalized")
     )

@@ -21,7 +21,7 @@ class PlaceReport:
     """Counters, and the statistics of the last image."""
 
     def __init__(self) -> None:
-        self.images, self.damaged, self.late, self.odometry = 0, 0, 0, 0
+        self.images, self.damaged, self.late, self.odometry, self.rough = 0, 0, 0, 0, 0
         self._last: Optional[Localization] = None
         self._distance: Optional[float] = None
         self._seconds = 0.0
@@ -47,6 +47,7 @@ class PlaceReport:
         row.add("damaged images", str(self.damaged))
         row.add("late images", str(self.late))
         row.add("odometry messages", str(self.odometry))
+        row.add("images with a rough pose", str(self.rough))
         if self._last:
             self._add_last(row, self._last)
         return row
