@@ -19,6 +19,7 @@ from sextant.place_maps.place_map import Photo, PlaceMap
 from sextant.place_points.place_points_file import points_of_map
 from sextant.place_points.point_localizer import R_BODY_OPTICAL
 from sextant.places.index_params import IndexParams
+from sextant.places.place_estimate import PlaceEstimate
 from sextant.places.place_index_update import PlaceIndexer
 from sextant.places.place_localizer import PlaceLocalizer, Status
 from sextant.simulation.camera import camera_calibration
@@ -32,6 +33,7 @@ REGION, WITHIN = 0.95, (93.0, 97.0)  # region of the covariance; bars of the tru
 COLUMNS = [
     "queries", "localized, %", "metric, %", "median, m", "95 %, m", "largest, m", "heading 95 %, deg",
     "position in 95 % region, %", "pose in 95 % region, %", "nearest photo, median, m",
+    "heading by photos, 95 %, deg",
 ]  # fmt: skip
 
 
@@ -42,6 +44,7 @@ class Answer(NamedTuple):
     error: Optional[np.ndarray]  # sextant.pose_error() (6,); None: no metric pose
     covariance: Optional[np.ndarray]  # (6, 6)
     photo_error: float  # distance of the recognized photo, metres
+    heading_error: float  # of the estimate by the recognized photos, degrees; nan: not localized
 
 
 def metric_pose_tables(quick: bool) -> List[Table]:
@@ -84,10 +87,18 @@ def _pose(place_map: PlaceMap, photo: Photo) -> np.ndarray:
 def _answer(found, place_map: PlaceMap, truth: np.ndarray) -> Answer:
     is_localized = found.status == Status.LOCALIZED
     near = np.linalg.norm(_pose(place_map, found.match.photo)[:2, 3] - truth[:2, 3])
+    turned = _heading_error(found.estimate, place_map, truth)
     if found.pose is None:
-        return Answer(is_localized, None, None, near)
+        return Answer(is_localized, None, None, near, turned)
     error = sextant.pose_error(truth, found.pose.T_map_camera)
-    return Answer(is_localized, error, found.pose.covariance, near)
+    return Answer(is_localized, error, found.pose.covariance, near, turned)
+
+
+def _heading_error(place: Optional[PlaceEstimate], place_map: PlaceMap, truth: np.ndarray) -> float:
+    if place is None or place.yaw is None:
+        return np.nan
+    ahead = np.exp(1j * place_map.georeference.yaw(place.yaw))
+    return float(np.degrees(abs(np.angle(ahead / (truth[0, 2] + 1j * truth[1, 2])))))
 
 
 def _row(pair: Tuple[str, str], answers: List[Answer], quick: bool) -> Row:
@@ -98,13 +109,14 @@ def _row(pair: Tuple[str, str], answers: List[Answer], quick: bool) -> Row:
         Value(100 * len(metric) / len(answers), 0),
         *_accuracy(metric, quick),
         Value(np.median([each.photo_error for each in answers]), 2),
+        Value(np.nanpercentile([each.heading_error for each in answers], 95), 1),
     ]
 
 
 def _accuracy(metric: List[Answer], quick: bool) -> List[Value]:
     """Figures of the metric poses."""
     if not metric:
-        return [Value(np.nan, 3, at_most=0.0) for _ in COLUMNS[3:-1]]
+        return [Value(np.nan, 3, at_most=0.0) for _ in COLUMNS[3:-2]]
     errors = np.array([each.error for each in metric])
     covariances = np.array([each.covariance for each in metric])
     position, heading = np.linalg.norm(errors[:, :2], axis=1), np.degrees(np.abs(errors[:, 5]))

@@ -22,6 +22,7 @@ class PlaceEstimate(NamedTuple):
     y: float  # pixels
     covariance: np.ndarray  # (2, 2) pixels^2
     yaw: Optional[float]  # radians counterclockwise from the overview's right; None: unknown or contradictory
+    yaw_deviation: float = YAW_SIGMA  # standard deviation of the yaw, radians
 
 
 def scale_of(place_map: PlaceMap) -> Optional[Tuple[float, float]]:
@@ -64,7 +65,7 @@ def metric_pose(
     yaw = 0.0 if place.yaw is None else frame.yaw(place.yaw)
     rotation = sextant.pose_from_xyz_rpy([0.0, 0.0, 0.0], [0.0, 0.0, frame.origin[2]])[:2, :2]
     to_frame = rotation @ np.diag([frame.resolution, -frame.resolution])
-    yaw_variance = ANY_ANGLE if place.yaw is None else YAW_SIGMA**2
+    yaw_variance = ANY_ANGLE if place.yaw is None else place.yaw_deviation**2
     covariance = np.diag([0.0, 0.0, UNKNOWN_HEIGHT, ANY_ANGLE, ANY_ANGLE, yaw_variance])
     covariance[:2, :2] = to_frame @ place.covariance @ to_frame.T
     return sextant.pose_from_xyz_rpy([x, y, 0.0], [0.0, 0.0, yaw]), covariance

@@ -15,6 +15,7 @@ from sextant.place_points.place_points import PlacePoints
 from sextant.place_points.point_localizer import MetricPose, PointLocalizer
 from sextant.places.place_belief import BeliefParams, BeliefPeak
 from sextant.places.place_estimate import PlaceEstimate, estimate, scale_of
+from sextant.places.place_heading import DEVIATION, turn
 from sextant.places.place_index import PlaceIndex
 from sextant.places.place_matches import MatchedPhoto
 from sextant.places.place_modes import MODES, ImageEvidence
@@ -136,12 +137,16 @@ class PlaceLocalizer:
 
         :param image: uint8, (height, width) grey or (height, width, 3) BGR
         :param distance: metres since the last image, by odometry; ignored if the map has no scale
-        :param camera: that took the image; without it there is no metric pose
+        :param camera: that took the image; without it there is no metric pose, and the heading is that of
+            the photos
         :param rough: of the camera, by another estimate; not used by mode votes
         :raises ValueError: the image does not have the camera's size
         """
         found = self._localize(image, distance, rough)
-        if self._points is None or camera is None or found.status != Status.LOCALIZED:
+        if camera is None or found.estimate is None:
+            return found
+        found = found._replace(estimate=self._turned(found.estimate, found.match, camera))
+        if self._points is None:
             return found
         near = found.hypotheses[0].photo.image
         return found._replace(pose=self._points.localize(image, camera, near))
@@ -174,6 +179,18 @@ class PlaceLocalizer:
         yaws = [recognition.best_photos[place].yaw for place in peak.around]
         probabilities = self._mode.belief.places[peak.around]
         return estimate(self._positions[peak.around], probabilities, yaws, self._spacing)
+
+    def _turned(
+        self, place: PlaceEstimate, match: MatchedPhoto, camera: "sextant.CameraModel"
+    ) -> PlaceEstimate:
+        """The estimate with the heading by the matches, if they are with a photo of its places."""
+        offset = np.array([match.photo.x - place.x, match.photo.y - place.y]) / self._spacing
+        if match.photo.yaw is None or np.linalg.norm(offset) > self._params.belief.radius:
+            return place
+        angle = turn(match, camera)
+        if angle is None:
+            return place
+        return place._replace(yaw=match.photo.yaw + angle, yaw_deviation=DEVIATION)
 
     def _localize_by_votes(self, image: np.ndarray) -> Localization:
         votes = self._votes.count(image)
