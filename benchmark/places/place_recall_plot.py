@@ -7,8 +7,8 @@ from typing import Dict, List
 
 from tables import Table
 
+from sextant.place_reports.place_plots import plot_precision_recall, plot_reliability
 from sextant.places.place_metrics import precision_recall
-from sextant.places.place_plots import plot_precision_recall, plot_reliability
 
 
 def plot(folder: Path, results: Dict[str, List[Table]]) -> None:

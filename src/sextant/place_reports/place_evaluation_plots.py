@@ -9,10 +9,10 @@ from typing import Callable, Dict, List, Mapping, Sequence
 
 from sextant.place_reports.place_comparison import ComparedMethod
 from sextant.place_reports.place_comparison_plot import plot_comparison
+from sextant.place_reports.place_plots import plot_precision_recall, plot_reliability
 from sextant.place_reports.place_predictor_plots import plot_distributions, plot_predictors
 from sextant.place_reports.place_predictors import predictors
 from sextant.places.place_evaluation import PlaceEvaluation
-from sextant.places.place_plots import plot_precision_recall, plot_reliability
 
 EACH = ("distributions", "reliability")  # plots of one method
 

@@ -7,8 +7,8 @@ from typing import Sequence, Tuple
 import cv2
 import numpy as np
 
+from sextant.place_maps.probability_colours import Colour, probability_colour
 from sextant.places.place_matches import MatchedPhoto
-from sextant.places.probability_colours import Colour, probability_colour
 
 HEIGHT = 480  # of both images, pixels
 MAX_WIDTH = 4 * HEIGHT  # of each image, pixels; wider ones (line cameras) are scaled down

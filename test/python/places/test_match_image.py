@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from sextant.place_maps.place_map import Photo
+from sextant.place_maps.probability_colours import probability_colour
 from sextant.places.match_image import BAR, BORDER, GAP, HEIGHT, MAX_MATCHES, MAX_WIDTH, match_image
 from sextant.places.place_matches import MatchedPhoto
-from sextant.places.probability_colours import probability_colour
 
 GREY = np.full((240, 320), 128, np.uint8)  # shown at twice its size
 TALL = np.full((960, 480, 3), 40, np.uint8)  # at half

@@ -20,8 +20,8 @@ from std_srvs.srv import Trigger
 from visualization_msgs.msg import Marker, MarkerArray
 
 from sextant.msg import Places
-from sextant.places.overview_renderer import PLACE
-from sextant.places.probability_colours import probability_colour
+from sextant.place_maps.overview_renderer import PLACE
+from sextant.place_maps.probability_colours import probability_colour
 
 WAIT = 20.0
 # 40 m x 20 m, turned by a quarter to the left; the overview is shown at twice its size

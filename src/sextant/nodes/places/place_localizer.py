@@ -16,6 +16,7 @@ from std_srvs.srv import Trigger, TriggerResponse
 
 from sextant.base.jobs import JobError, SchedulerError
 from sextant.base.stamp_jump import jumps_back
+from sextant.localization.odometry_track import OdometryTrack
 from sextant.messages.damaged_message import DamagedMessage
 from sextant.messages.image_messages import colour_compressed, colour_image
 from sextant.msg import PlaceHypotheses, Places
@@ -34,7 +35,6 @@ from sextant.place_maps.photo_file import read_rgb
 from sextant.place_maps.place_map import GeoCorners, MetricFrame
 from sextant.place_points.place_points_file import points_of_map
 from sextant.places.match_image import match_image
-from sextant.places.odometry_track import OdometryTrack
 from sextant.places.place_localizer import Localization, PlaceLocalizer, Status
 
 WARN_EVERY = 10.0  # seconds

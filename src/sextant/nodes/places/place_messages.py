@@ -11,8 +11,8 @@ from std_msgs.msg import Header
 
 from sextant import msg
 from sextant.messages.pose_messages import pose_to_message
+from sextant.place_maps.overview_renderer import Hypothesis
 from sextant.place_maps.place_map import GeoCorners, MetricFrame, PlaceMap
-from sextant.places.overview_renderer import Hypothesis
 from sextant.places.place_estimate import PlaceEstimate, geographic_covariance, metric_pose, scale_of
 from sextant.places.place_localizer import Localization, PlaceHypothesis, Status
 

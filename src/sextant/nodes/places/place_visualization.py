@@ -11,8 +11,7 @@ from nav_msgs.msg import MapMetaData, OccupancyGrid
 from std_msgs.msg import ColorRGBA, Header
 from visualization_msgs.msg import Marker, MarkerArray
 
-from sextant.place_maps.place_map import MetricFrame, Overview, Photo, PlaceMap
-from sextant.places.overview_renderer import (
+from sextant.place_maps.overview_renderer import (
     INK,
     MAX_LABELS,
     MIN_LABELLED,
@@ -21,7 +20,8 @@ from sextant.places.overview_renderer import (
     Radii,
     trail_colours,
 )
-from sextant.places.probability_colours import Colour, probability_colour
+from sextant.place_maps.place_map import MetricFrame, Overview, Photo, PlaceMap
+from sextant.place_maps.probability_colours import Colour, probability_colour
 
 
 class PlaceVisualization:

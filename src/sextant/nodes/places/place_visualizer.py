@@ -24,9 +24,9 @@ from sextant.nodes.images.image_publisher import ImagePublisher
 from sextant.nodes.images.image_window import ImageWindow
 from sextant.nodes.places.place_messages import hypotheses_from_message
 from sextant.nodes.places.place_visualization import PlaceVisualization, delete_all, overview_grid
+from sextant.place_maps.overview_renderer import Hypothesis, OverviewRenderer
 from sextant.place_maps.place_map import MetricFrame
 from sextant.place_maps.place_map_file import read_place_map
-from sextant.places.overview_renderer import Hypothesis, OverviewRenderer
 
 WARN_EVERY = 60.0  # seconds
 

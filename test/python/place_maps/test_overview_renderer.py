@@ -7,9 +7,9 @@ import pytest
 from PIL import Image
 
 from sextant.place_maps.overview_backdrop import DARKEST, LIGHTEST, backdrop, subdued
+from sextant.place_maps.overview_renderer import PLACE, TRAIL, Hypothesis, OverviewRenderer, text_of
 from sextant.place_maps.place_map import Overview, Photo, PlaceMap
-from sextant.places.overview_renderer import PLACE, TRAIL, Hypothesis, OverviewRenderer, text_of
-from sextant.places.probability_colours import probability_bar, probability_colour
+from sextant.place_maps.probability_colours import probability_bar, probability_colour
 
 UNKNOWN_PLACE = [Hypothesis(0, 0.0)]
 LUMA = np.array([0.2126, 0.7152, 0.0722])  # of sRGB, IEC 61966-2-1

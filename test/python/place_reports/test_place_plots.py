@@ -6,8 +6,8 @@ import cv2
 import numpy as np
 import pytest
 
+from sextant.place_reports.place_plots import plot_precision_recall, plot_reliability
 from sextant.places.place_metrics import PrecisionRecall, precision_recall
-from sextant.places.place_plots import plot_precision_recall, plot_reliability
 
 NOTHING = PrecisionRecall(np.zeros(0), np.zeros(0), np.nan)
 

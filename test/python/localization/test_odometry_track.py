@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from sextant.places.odometry_track import MAX_AGE, MAX_POSITIONS, OdometryTrack
+from sextant.localization.odometry_track import MAX_AGE, MAX_POSITIONS, OdometryTrack
 
 SECOND = 1_000_000_000
 

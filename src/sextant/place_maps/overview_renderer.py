@@ -16,7 +16,7 @@ from scipy.spatial import cKDTree
 
 from sextant.place_maps.overview_backdrop import READABLE, backdrop
 from sextant.place_maps.place_map import PlaceMap
-from sextant.places.probability_colours import Colour, probability_bar, probability_colour
+from sextant.place_maps.probability_colours import Colour, probability_bar, probability_colour
 
 Box = Tuple[float, float, float, float]  # left, top, right, bottom; pixels
 
