@@ -67,7 +67,8 @@ def _answers(pair: Tuple[str, str], seed: int, size: Size, count: Optional[int])
         posed = {photo.image: PosedPhoto(camera, _pose(place_map, photo)) for photo in place_map.photos}
         write_photo_poses(poses_path(path), PhotoPoses(place_map.georeference.frame, posed))
         index = PlaceIndexer(path, place_map, IndexParams()).index()
-        localizer = PlaceLocalizer(place_map, index, points=points_of_map(path, place_map))
+        points = points_of_map(path, place_map)
+        localizer = PlaceLocalizer(place_map, index, points=points, same_camera=True)
         for query in queries.photos:
             found = localizer.localize(read_grey(queries.path(query)), camera=camera.model())
             yield _answer(found, place_map, _pose(queries, query))

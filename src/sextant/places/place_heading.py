@@ -3,7 +3,7 @@
 """Heading of a camera relative to that of the most similar photo, by the directions of their matches.
 
 Far things, and the mean of near ones on both sides, turn by the angle between the cameras. The photo is
-assumed to be of the same camera as the image.
+assumed to be of the same camera and size as the image.
 """
 
 from typing import Optional
@@ -19,7 +19,7 @@ MIN_MATCHES, MIN_SHARE = 15, 0.4  # number and share of matches within the windo
 DEVIATION = 0.09  # standard deviation of the turn, radians
 
 
-def turn(match: MatchedPhoto, camera: "sextant.CameraModel") -> Optional[float]:
+def turn_to_left(match: MatchedPhoto, camera: "sextant.CameraModel") -> Optional[float]:
     """Angle of the image to the left of the photo, radians; None if too few matches agree.
 
     :param camera: of the image

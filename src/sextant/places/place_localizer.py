@@ -15,7 +15,7 @@ from sextant.place_points.place_points import PlacePoints
 from sextant.place_points.point_localizer import MetricPose, PointLocalizer
 from sextant.places.place_belief import BeliefParams, BeliefPeak
 from sextant.places.place_estimate import PlaceEstimate, estimate, scale_of
-from sextant.places.place_heading import DEVIATION, turn
+from sextant.places.place_heading import DEVIATION, turn_to_left
 from sextant.places.place_index import PlaceIndex
 from sextant.places.place_matches import MatchedPhoto
 from sextant.places.place_modes import MODES, ImageEvidence
@@ -101,11 +101,14 @@ class PlaceLocalizer:
         index: PlaceIndex,
         params: Optional[PlaceLocalizationParams] = None,
         points: Optional[PlacePoints] = None,
+        same_camera: bool = False,
     ):
         """:param points: of the map, for metric poses
+        :param same_camera: the map's photos were taken by the camera that is passed to localize(), with the
+            same size: the matches measure the heading
         :raises ValueError: a parameter out of range, or a photo that is not in the index
         """
-        self._params = params or PlaceLocalizationParams()
+        self._params, self._same_camera = params or PlaceLocalizationParams(), same_camera
         self._points = PointLocalizer(points) if points else None
         self.scale = scale_of(place_map)
         self._positions = place_map.positions()
@@ -137,15 +140,15 @@ class PlaceLocalizer:
 
         :param image: uint8, (height, width) grey or (height, width, 3) BGR
         :param distance: metres since the last image, by odometry; ignored if the map has no scale
-        :param camera: that took the image; without it there is no metric pose, and the heading is that of
-            the photos
+        :param camera: that took the image; without it there is no metric pose
         :param rough: of the camera, by another estimate; not used by mode votes
         :raises ValueError: the image does not have the camera's size
         """
         found = self._localize(image, distance, rough)
         if camera is None or found.estimate is None:
             return found
-        found = found._replace(estimate=self._turned(found.estimate, found.match, camera))
+        if self._same_camera:
+            found = found._replace(estimate=self._with_heading(found.estimate, found.match, camera))
         if self._points is None:
             return found
         near = found.hypotheses[0].photo.image
@@ -180,14 +183,14 @@ class PlaceLocalizer:
         probabilities = self._mode.belief.places[peak.around]
         return estimate(self._positions[peak.around], probabilities, yaws, self._spacing)
 
-    def _turned(
+    def _with_heading(
         self, place: PlaceEstimate, match: MatchedPhoto, camera: "sextant.CameraModel"
     ) -> PlaceEstimate:
         """The estimate with the heading by the matches, if they are with a photo of its places."""
         offset = np.array([match.photo.x - place.x, match.photo.y - place.y]) / self._spacing
         if match.photo.yaw is None or np.linalg.norm(offset) > self._params.belief.radius:
             return place
-        angle = turn(match, camera)
+        angle = turn_to_left(match, camera)
         if angle is None:
             return place
         return place._replace(yaw=match.photo.yaw + angle, yaw_deviation=DEVIATION)

@@ -50,6 +50,19 @@ class MapPhotos:
             return np.zeros(len(self.photos))
         return log_weights(rough, self._pixels, [photo.yaw for photo in self.photos])
 
+    def of_best(self, log_weights: np.ndarray) -> np.ndarray:
+        """Log weights (places,): of each place's photo with the highest weight."""
+        highest = np.full(1 + self.place_of.max(), -np.inf)
+        np.maximum.at(highest, self.place_of, log_weights)
+        return highest
+
+    def weighted_shares(self, log_weights: np.ndarray) -> np.ndarray:
+        """Weights (photos,) that sum to 1: of_best() of the places, divided among the photos of each."""
+        weights = np.exp(log_weights)
+        of_place = np.exp(self.of_best(log_weights)) / np.bincount(self.place_of, weights)
+        shares = weights * of_place[self.place_of]
+        return shares / shares.sum()
+
     def near(self, numbers: np.ndarray) -> np.ndarray:
         """Whether each photo shows about the same place as some photos: bool (m, photos).
 

@@ -24,7 +24,7 @@ class Query(NamedTuple):
     path: Path  # image file
     true_places: FrozenSet[Position]  # correct places; empty: the query is not in the map
     position: Optional[Position] = None  # where it was taken; None: unknown
-    rough: Optional[RoughPose] = None  # by another estimate
+    rough: Optional[RoughPose] = None  # of the camera
 
     def distance(self, position: Position, pixels: np.ndarray) -> float:
         """Distance of a position from that of the query; if this is unknown, from the nearest correct place.

@@ -7,7 +7,6 @@ from typing import Any, List, NamedTuple, Optional
 
 import cv2
 import numpy as np
-from scipy.special import softmax
 
 from sextant.base.strict_params import StrictParams, nested, param, within
 from sextant.place_maps.place_map import Photo, PlaceMap
@@ -107,7 +106,7 @@ class PlaceRecognizer:
         region = _region(weights)
         scores = photo_scores(self._index, self._photos.rows, kinds, region)
         total, is_absolute = scores.total, len(kinds[0].positions) >= self._params.min_keypoints
-        ratios, shares = np.zeros(len(total)), softmax(weights + np.log(self._photos.shares))
+        ratios, shares = np.zeros(len(total)), self._photos.weighted_shares(weights)
         if is_absolute:
             features = self.features(total, len(scores.logs), region)
             ratios = absolute_log_ratios(total, features, shares, self._params.evidence)
@@ -115,14 +114,14 @@ class PlaceRecognizer:
         if has_descriptor:
             ratios = ratios + self._network_log_ratios(image, shares)
         order = np.lexsort((total, ratios + weights))
-        best, of_places = self._best(order), self._of_places(weights)
+        best = self._best(order)
         return Recognition(
-            total[best], self._of_places(ratios + weights) - of_places,
+            total[best], self._of_places(ratios + weights) - self._of_places(weights),
             [self._photos.photos[number] for number in best],
             is_absolute or has_descriptor, is_absolute,
             match_statistics(scores.nearest, np.isfinite(scores.nearest)),
             self._match(int(order[-1]), kinds[0], scores.background),
-            None if rough is None else of_places,
+            None if rough is None else self._photos.of_best(weights),
         )  # fmt: skip
 
     def scores(self, image: np.ndarray) -> ScoresByPhoto:
@@ -195,7 +194,6 @@ class PlaceRecognizer:
 
 
 def _region(log_weights: np.ndarray) -> Optional[np.ndarray]:
-    """Indices (m,) of photos that a rough pose does not exclude, the highest weights first; None: all."""
-    order = np.argsort(-log_weights, kind="stable")
-    there = order[log_weights[order] > LEAST]
-    return there if 0 < len(there) < len(order) else None
+    """Indices (m,) of photos that a rough pose does not exclude; None: all."""
+    there = np.flatnonzero(log_weights > LEAST)
+    return there if 0 < len(there) < len(log_weights) else None

@@ -33,20 +33,17 @@ def photo_scores(
     index: PlaceIndex,
     rows: np.ndarray,
     kinds: Sequence[CodedKeypoints],
-    expected: Optional[np.ndarray] = None,
+    region: Optional[np.ndarray] = None,
 ) -> ScoresByPhoto:
     """Compares an image with photos; kinds of which it has no keypoints are left out.
 
     :param rows: int (photos,) of the photos in the index
     :param kinds: keypoints of the image, for each kind of the index
-    :param expected: int (m,) indices in rows, most probable first, that are compared in any case; of large
-        maps the first CANDIDATES
+    :param region: int (m,) indices in rows of photos among which there are candidates of their own
     """
     numbers = np.arange(len(rows))
     if index.descriptors is not None:
-        numbers = _candidates(index, rows, kinds[0])
-        if expected is not None:
-            numbers = np.union1d(numbers, expected[:CANDIDATES])
+        numbers = _candidates(index, rows, kinds[0], region)
     there = [number for number, each in enumerate(kinds) if not number or len(each.codes)]
     scored = [index.keypoints[number].scores(kinds[number], rows[numbers]) for number in there]
     of_candidates = np.cumsum([each.logs for each in scored], axis=0)
@@ -57,13 +54,19 @@ def photo_scores(
     return ScoresByPhoto(logs, scored[0].nearest, scored[0].background)
 
 
-def _candidates(index: PlaceIndex, rows: np.ndarray, image: CodedKeypoints) -> np.ndarray:
+def _candidates(
+    index: PlaceIndex, rows: np.ndarray, image: CodedKeypoints, region: Optional[np.ndarray]
+) -> np.ndarray:
     """Indices in rows of the photos with most votes of nearest neighbours, relative to their keypoints."""
     distances, image_ids, _ = index.descriptors.search(image.codes.astype(np.float32), VOTES)
     numbers = index.numbers(rows)[image_ids]
     votes = lnbnn_scores(lnbnn_weights(distances, numbers), numbers, len(rows))
     keypoints = np.clip(index.keypoints[0].counts[rows], 1, SEARCHED)
-    return np.sort(np.argsort(-votes / np.sqrt(keypoints), kind="stable")[:CANDIDATES])
+    order = np.argsort(-votes / np.sqrt(keypoints), kind="stable")
+    best = order[:CANDIDATES]
+    if region is not None:
+        best = np.union1d(best, order[np.isin(order, region)][:CANDIDATES])
+    return np.sort(best)
 
 
 def compared_photos(index: PlaceIndex) -> ComparedPhotos:

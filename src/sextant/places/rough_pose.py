@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Where another estimate, such as GPS, odometry or a compass, expects the robot: weights of a map's photos.
+"""Weights of a map's photos by a rough pose of the camera, from GPS, odometry or a compass.
 
-Errors of such an estimate are correlated over a long time, so it only excludes photos: within its region all
-of them are as probable as before.
+Errors of such an estimate are correlated over a long time, so it only makes photos outside of its region
+improbable; within the region all of them are as probable as before.
 """
 
 from typing import NamedTuple, Optional, Sequence
@@ -12,7 +12,7 @@ import numpy as np
 
 DEVIATIONS = 3.0  # radius of the region, standard deviations
 TURNED = 0.6  # difference of two cameras' directions with which images still have much in common, radians
-LEAST = -5.0  # log weight of excluded photos; several images overrule a wrong estimate
+LEAST = -5.0  # log weight of photos far outside of the region
 
 
 class RoughPose(NamedTuple):
@@ -22,7 +22,7 @@ class RoughPose(NamedTuple):
     y: float  # pixels
     covariance: np.ndarray  # (2, 2) pixels^2, positive definite
     yaw: Optional[float] = None  # radians counterclockwise from the overview's right; None: unknown
-    yaw_deviation: float = 0.0  # standard deviation of the yaw, radians
+    yaw_deviation: float = TURNED  # standard deviation of the yaw, radians
 
 
 def log_weights(rough: RoughPose, positions: np.ndarray, yaws: Sequence[Optional[float]]) -> np.ndarray:

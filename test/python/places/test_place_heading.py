@@ -8,7 +8,7 @@ from made_photos import index_of
 from posed_street import CAMERA, SIZE, STEP, street, view, write_street
 
 from sextant.place_maps.place_map import Photo
-from sextant.places.place_heading import MIN_MATCHES, turn
+from sextant.places.place_heading import MIN_MATCHES, turn_to_left
 from sextant.places.place_localizer import PlaceLocalizationParams, PlaceLocalizer
 from sextant.places.place_matches import MatchedPhoto
 
@@ -29,12 +29,12 @@ def matches(angle, count, false=0):
 @pytest.mark.parametrize("angle", [-0.2, 0.0, 0.25])
 @pytest.mark.parametrize("false", [0, 25])
 def test_the_angle_between_two_cameras_is_found_despite_false_matches(angle, false):
-    assert turn(matches(angle, 60, false), CAMERA.model()) == pytest.approx(angle, abs=0.01)
+    assert turn_to_left(matches(angle, 60, false), CAMERA.model()) == pytest.approx(angle, abs=0.01)
 
 
 @pytest.mark.parametrize("count, false", [(MIN_MATCHES - 1, 0), (60, 60), (0, 0)])
 def test_too_few_matches_have_no_angle(count, false):
-    assert turn(matches(0.1, count, false), CAMERA.model()) is None
+    assert turn_to_left(matches(0.1, count, false), CAMERA.model()) is None
 
 
 @pytest.mark.slow
@@ -47,7 +47,8 @@ def test_the_heading_in_a_map_without_poses_is_that_of_the_camera(tmp_path):
     image, _ = view(7.4, 0.2, angle, seed=99)
     truth = street().pose(7.4, 0.2, angle)[2]
     coarse, fine = (
-        PlaceLocalizer(*given).localize(image, camera=each).estimate for each in (None, CAMERA.model())
+        PlaceLocalizer(*given, same_camera=True).localize(image, camera=each).estimate
+        for each in (None, CAMERA.model())
     )
     assert abs(coarse.yaw - truth) > 0.08
     assert fine.yaw == pytest.approx(truth, abs=0.05)

@@ -57,6 +57,12 @@ def test_each_kind_of_orb_has_its_matcher(map_file, profile, points, matcher):
         settings(map_file, matcher=matcher, **{**orb, "orb_wta_k": 6 - points}).validate()
 
 
+def test_rough_poses_are_refused_with_votes():
+    assert made(use_rough_pose=True).use_rough_pose
+    with pytest.raises(ValueError, match="not possible with mode votes"):
+        made(use_rough_pose=True, mode="votes")
+
+
 @pytest.mark.parametrize(
     "name, value", [("network_backend", "torch"), ("network_channels", "HSV"), ("orb_wta_k", 5)]
 )

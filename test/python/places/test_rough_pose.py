@@ -13,6 +13,7 @@ from scipy.stats import multivariate_normal
 from sextant.place_maps.place_map import Overview, Photo, PlaceMap
 from sextant.places.place_belief import PlaceBelief
 from sextant.places.place_localizer import PlaceLocalizationParams, PlaceLocalizer, Status
+from sextant.places.place_matches import MapPhotos
 from sextant.places.rough_pose import DEVIATIONS, LEAST, TURNED, RoughPose, log_weights
 
 COVARIANCE = np.array([[9.0, 3.0], [3.0, 4.0]])
@@ -98,3 +99,36 @@ def test_an_image_of_elsewhere_remains_unknown_with_a_rough_pose(doubles, index)
     robot = PlaceLocalizer(doubles, index, PlaceLocalizationParams(mode="single"))
     for seed in (300, 301, 302):
         assert robot.localize(picture(seed), rough=NEAR_SECOND).status == Status.UNKNOWN_PLACE
+
+
+@pytest.mark.slow
+def test_places_with_photos_in_several_directions_are_as_probable_as_others(tmp_path):
+    """Dark images, and a compass: a photo of each place is in its direction."""
+    photos = []
+    for number in range(12):
+        cv2.imwrite(str(tmp_path / f"{number}.png"), picture(number))
+        place, direction = (number, 0) if number < 4 else (4 + (number - 4) // 4, number % 4)
+        photos.append(Photo(number, f"{number}.png", 10.0 * place, 50.0, direction * math.pi / 2))
+    place_map = PlaceMap(tmp_path, Overview("town.png", 1000, 100), tuple(photos))
+    robot = PlaceLocalizer(place_map, index_of(place_map), PlaceLocalizationParams(mode="filter"))
+    compass = COMPASS._replace(yaw=0.0)
+    probabilities = []
+    for rough in (None, compass):
+        robot.reset()
+        for _ in range(6):
+            found = robot.localize(np.zeros((240, 320), np.uint8), rough=rough)
+        probabilities.append({each.photo.x: each.probability for each in found.hypotheses})
+    assert len(probabilities[0]) > 1
+    assert probabilities[1] == pytest.approx(probabilities[0])
+
+
+def test_weights_of_a_place_are_divided_among_its_photos(doubles, index):
+    places = [photo._replace(x=10.0 * (photo.id // 2)) for photo in doubles.photos]
+    photos = MapPhotos(doubles._replace(photos=tuple(places)), index)
+    weights = np.zeros(2 * COUNT)
+    weights[[0, 2, 3]] = -1.0, -2.0, -3.0
+    assert photos.of_best(weights)[:3] == pytest.approx([0.0, -2.0, 0.0])
+    shares = photos.weighted_shares(weights).reshape(-1, 2)
+    total = COUNT - 1 + math.exp(-2)
+    assert shares.sum(axis=1)[:3] == pytest.approx(np.array([1.0, math.exp(-2), 1.0]) / total)
+    assert shares[:, 1][:3] / shares[:, 0][:3] == pytest.approx([math.e, 1 / math.e, 1.0])

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import rospy
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from sensor_msgs.msg import NavSatFix, NavSatStatus
 from std_msgs.msg import Header
@@ -14,13 +15,15 @@ from std_msgs.msg import Header
 from sextant.messages.damaged_message import DamagedMessage
 from sextant.messages.pose_messages import pose_to_message
 from sextant.nodes.places.place_messages import fix_message
-from sextant.nodes.places.rough_pose_input import FIX_DEVIATION, rough_pose
+from sextant.nodes.places.rough_pose_input import FIX_DEVIATION, MAX_AGE, RoughPoseInput, rough_pose
 from sextant.place_maps.place_map import GeoCorners, MetricFrame, Overview, PlaceMap
 from sextant.places.place_estimate import PlaceEstimate, metric_pose
 
 FRAME = MetricFrame("town", 0.05, (7.0, -3.0, 2.0))
 TOWN = PlaceMap(Path(), Overview("town.png", 1000, 500), georeference=FRAME)
 EARTH = TOWN._replace(georeference=GeoCorners((55.01, 13.0), (55.0, 13.02)))
+SINGULAR = np.zeros((6, 6))  # but for rounding: its least eigenvalue is computed as 3.5e-18
+SINGULAR[:2, :2] = [[0.03, 0.09], [0.09, 0.27]]
 PLACE = PlaceEstimate(300.0, 120.0, np.array([[90.0, 20.0], [20.0, 40.0]]), 0.7)
 
 
@@ -63,6 +66,7 @@ def test_a_fix_is_converted_back_to_the_overview():
         (TOWN, fix_message(EARTH, PLACE, Header()), "no geographic coordinates"),
         (TOWN, pose_message(covariance=np.zeros((6, 6))), "not positive definite"),
         (TOWN, pose_message(covariance=np.full((6, 6), math.nan)), "not positive definite"),
+        (TOWN, pose_message(covariance=SINGULAR), "not positive definite"),
         (EARTH, NavSatFix(latitude=math.nan), "not finite"),
     ],
 )
@@ -76,3 +80,24 @@ def test_a_pose_that_is_not_finite_is_refused():
     message.pose.pose.position.x = math.inf
     with pytest.raises(DamagedMessage):
         rough_pose(TOWN, message)
+
+
+def test_a_rough_pose_is_used_for_images_of_about_its_time_and_a_fix_does_not_replace_it(monkeypatch):
+    received, warned = {}, []
+    monkeypatch.setattr(
+        rospy, "Subscriber", lambda topic, _, call, queue_size: received.update({topic: call})
+    )
+    monkeypatch.setattr(rospy, "logwarn_throttle", lambda _, text: warned.append(text))
+    rough = RoughPoseInput()
+    assert rough.at(TOWN, rospy.Time(100)) is None
+    message = pose_message()
+    message.header.stamp = rospy.Time(100)
+    received["rough_pose"](message)
+    received["rough_fix"](NavSatFix())
+    for seconds, is_used in ((-0.1, False), (0.1, True), (3.9, True), (4.1, False)):
+        stamp = rospy.Time.from_sec(100 - MAX_AGE + seconds)
+        assert (rough.at(TOWN, stamp) is not None) == is_used
+    assert [text.partition("stamp is ")[2] for text in warned] == [
+        "-2.1 s before that of the image",
+        "2.1 s before that of the image",
+    ]

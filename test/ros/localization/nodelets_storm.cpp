@@ -232,6 +232,19 @@ TEST_F(NodeletsStorm, AStartThatTheQueueDiscardsIsRepeated) {
   EXPECT_EQ(started, 1);
 }
 
+TEST_F(NodeletsStorm, AStartDoesNotOutliveItsNodelet) {
+  ros::CallbackQueue queue;
+  ros::NodeHandle node;
+  node.setCallbackQueue(&queue);
+  int started = 0;
+  {
+    const StartInQueue start(node, [&started] { ++started; });
+    EXPECT_TRUE(await([&] { return !queue.isEmpty(); }));
+  }
+  queue.callAvailable();
+  EXPECT_EQ(started, 0);
+}
+
 TEST_F(NodeletsStorm, RefusedNodeletsLeaveTheOthersAlone) {
   load();
   ros::param::set("/refused/nonsense", 1);

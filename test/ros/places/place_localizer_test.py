@@ -136,7 +136,7 @@ class PlaceLocalizerTest(unittest.TestCase):
             rough.pose.pose.orientation.w, rough.pose.covariance[35] = 1.0, 10.0
             rough.pose.covariance[0] = rough.pose.covariance[7] = 100.0
             self.rough.publish(rough)
-            rospy.sleep(0.5)  # it has no answer
+            rospy.sleep(0.5)  # no message confirms it
             places.at(self.show(shifted(picture(3), 6, 2)))
             self.assertTrue(self.diagnostics.reaches(DIAGNOSTICS, "images with a rough pose", counted + more))
         self.assertEqual(self.diagnostics.count(DIAGNOSTICS, "images with a rough pose"), counted + 1)

@@ -19,15 +19,18 @@ namespace sextant {
 /// belongs in onInit itself. The process must spin the global callback queue, as nodelet managers do.
 class StartInQueue {
  public:
-  /// @param start called once
+  /// @param start called once, but not after the destruction of this object has begun
   StartInQueue(const ros::NodeHandle& node, std::function<void()> start)
-      : call_(boost::make_shared<Call>(std::move(start))), queue_(node.getCallbackQueue()) {
-    ros::WallTimerOptions repeated(
-        ros::WallDuration(0.01), [this](const ros::WallTimerEvent&) { add(); },
-        ros::getGlobalCallbackQueue());
-    const std::lock_guard<std::mutex> lock(mutex_);
-    timer_ = node.createWallTimer(repeated);
+      : repeated_(boost::make_shared<Repeated>()) {
+    repeated_->call = boost::make_shared<Call>(std::move(start));
+    repeated_->queue = node.getCallbackQueue();
+    const auto add = [repeated = repeated_.get()](const ros::WallTimerEvent&) { repeated->add(); };
+    ros::WallTimerOptions options(ros::WallDuration(0.01), add, ros::getGlobalCallbackQueue());
+    options.tracked_object = repeated_;
+    const std::lock_guard<std::mutex> lock(repeated_->mutex);
+    repeated_->timer = node.createWallTimer(options);
   }
+  ~StartInQueue() { repeated_->call->called = true; }
   StartInQueue(const StartInQueue&) = delete;
   StartInQueue& operator=(const StartInQueue&) = delete;
 
@@ -42,19 +45,24 @@ class StartInQueue {
     std::atomic<bool> called{false};
   };
 
-  // nodelet 1.10.0 discards what is added to the queue before onInit has returned, so this is repeated.
-  void add() {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    if (call_->called)
-      timer_.stop();
-    else
-      queue_->addCallback(call_);
-  }
+  // Lives until its last callback has ended.
+  struct Repeated {
+    // nodelet 1.10.0 discards what is added to the queue before onInit has returned, so this is repeated.
+    void add() {
+      const std::lock_guard<std::mutex> lock(mutex);
+      if (call->called)
+        timer.stop();
+      else
+        queue->addCallback(call);
+    }
 
-  const boost::shared_ptr<Call> call_;
-  ros::CallbackQueueInterface* const queue_;
-  std::mutex mutex_;  // of the timer, which can expire before it is assigned
-  ros::WallTimer timer_;
+    boost::shared_ptr<Call> call;
+    ros::CallbackQueueInterface* queue = nullptr;
+    std::mutex mutex;  // of the timer, which can expire before it is assigned
+    ros::WallTimer timer;
+  };
+
+  const boost::shared_ptr<Repeated> repeated_;
 };
 
 }  // namespace sextant

@@ -54,7 +54,8 @@ class LoadedMap:
         indexer = params.place_indexer(rospy.loginfo)
         self.place_map, index = indexer.place_map, indexer.index()
         points = points_of_map(indexer.map_path, self.place_map, params.jobs, rospy.loginfo)
-        self.localizer = PlaceLocalizer(self.place_map, index, params.method.localization, points)
+        given = params.method.localization, points, params.same_camera
+        self.localizer = PlaceLocalizer(self.place_map, index, *given)
         known = f"{len(points.xyz)} points for metric poses, " if points else ""
         self.text = (
             f"{len(self.place_map.photos)} photos of {len(self.place_map.places())} places, {known}"

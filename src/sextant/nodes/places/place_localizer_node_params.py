@@ -6,9 +6,19 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Callable
 
-from sextant.base.strict_params import StrictParams, nested, not_empty, one_of, param, required, within
+from sextant.base.strict_params import (
+    ParamError,
+    StrictParams,
+    nested,
+    not_empty,
+    one_of,
+    param,
+    required,
+    within,
+)
 from sextant.place_maps.place_map_file import read_place_map
 from sextant.places.place_index_update import PlaceIndexer
+from sextant.places.place_localizer import VOTES
 from sextant.places.place_method_params import PlaceMethodParams
 
 
@@ -29,8 +39,13 @@ class PlaceLocalizerNodeParams(StrictParams):
     )
     use_rough_pose: bool = param(
         False,
-        "subscribe to `rough_pose` and `rough_fix`: places and directions that are [not expected]"
+        "subscribe to `rough_pose` and `rough_fix`: photos outside of the [region of a rough pose]"
         "(../how_to/places.md#rough-pose) are improbable",
+    )
+    same_camera: bool = param(
+        False,
+        "the map's photos were taken by the camera of the images, with the same size: the matches measure "
+        "the heading of `pose`",
     )
     initialpose: str = param(
         "never", "when `initialpose` is published automatically", one_of("never", "relocalized")
@@ -40,6 +55,11 @@ class PlaceLocalizerNodeParams(StrictParams):
         1, "number of processes that compute the descriptors of the map's photos", within(1, 256)
     )
     scheduler: str = param("", "`tcp://HOST:PORT` of a Dask cluster that computes them; empty: none")
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.use_rough_pose and self.method.localization.mode == VOTES:
+            raise ParamError("use_rough_pose", "is not possible with mode votes", self.use_rough_pose)
 
     def place_indexer(self, report: Callable[[str], None]) -> PlaceIndexer:
         """Reads the map.

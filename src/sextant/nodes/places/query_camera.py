@@ -34,7 +34,7 @@ class QueryCamera:
         if model is None or model.size == image.shape[1::-1]:
             return model
         size = f"{image.shape[1]} x {image.shape[0]}"
-        text = "no metric pose: the image has %s pixels, %s is for %d x %d"
+        text = "the calibration is not used: the image has %s pixels, %s is for %d x %d"
         rospy.logwarn_throttle(WARN_EVERY, text, size, self.topic, *model.size)
         return None
 
@@ -45,4 +45,4 @@ class QueryCamera:
         try:
             self._model = camera_from_info(info, self._rectified).model()
         except ValueError as error:
-            rospy.logwarn_throttle(WARN_EVERY, "no metric pose: %s: %s", self.topic, error)
+            rospy.logwarn_throttle(WARN_EVERY, "the calibration on %s is not used: %s", self.topic, error)

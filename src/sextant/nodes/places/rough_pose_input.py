@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Rough poses of another node or of a GPS receiver, for place_localizer."""
 
-from typing import Optional, Union
+from typing import Dict, Optional, Union
 
 import numpy as np
 import rospy
@@ -17,28 +17,33 @@ from sextant.places.rough_pose import RoughPose
 
 MAX_AGE = 2.0  # difference of the stamps of image and rough pose, seconds
 WARN_EVERY = 10.0  # seconds
+SINGULAR = 1e-9  # ratio of the eigenvalues of a covariance that is singular but for rounding
 FIX_DEVIATION = 10.0  # standard deviation of fixes without a covariance, m
 
 Message = Union[PoseWithCovarianceStamped, NavSatFix]
 
 
 class RoughPoseInput:
-    """Subscribes to rough_pose and rough_fix and keeps the last message of both."""
+    """Subscribes to rough_pose and rough_fix and keeps the last message of each."""
 
     def __init__(self) -> None:
-        self._last: Optional[Message] = None
+        self._last: Dict[type, Message] = {}
         rospy.Subscriber("rough_pose", PoseWithCovarianceStamped, self._keep, queue_size=1)
         rospy.Subscriber("rough_fix", NavSatFix, self._keep, queue_size=1)
 
     def _keep(self, message: Message) -> None:
-        self._last = message
+        self._last[type(message)] = message
 
     def at(self, place_map: PlaceMap, stamp: rospy.Time) -> Optional[RoughPose]:
         """For an image with this stamp; None: there is none, or it cannot be used."""
-        message = self._last
-        if message is None or abs((message.header.stamp - stamp).to_sec()) > MAX_AGE:
+        kind = NavSatFix if isinstance(place_map.georeference, GeoCorners) else PoseWithCovarianceStamped
+        message = self._last.get(kind)
+        if message is None:
             return None
         try:
+            age = (stamp - message.header.stamp).to_sec()
+            if abs(age) > MAX_AGE:
+                raise DamagedMessage(f"its stamp is {age:.1f} s before that of the image")
             return rough_pose(place_map, message)
         except DamagedMessage as error:
             rospy.logwarn_throttle(WARN_EVERY, f"a rough pose is not used: {error}")
@@ -95,6 +100,9 @@ def _from_fix(place_map: PlaceMap, fix: NavSatFix) -> Optional[RoughPose]:
 
 def _checked(covariance: np.ndarray) -> np.ndarray:
     """A covariance (2, 2) of a position, m^2."""
-    if not np.isfinite(covariance).all() or not np.linalg.eigvalsh(covariance).min() > 0:
-        raise DamagedMessage("the covariance of its position is not positive definite")
-    return covariance
+    symmetric = (covariance + covariance.T) / 2
+    if np.isfinite(symmetric).all():
+        least, largest = np.linalg.eigvalsh(symmetric)
+        if least > SINGULAR * largest:
+            return symmetric
+    raise DamagedMessage("the covariance of its position is not positive definite")
