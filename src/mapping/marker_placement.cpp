@@ -80,6 +80,7 @@ template <typename T>
 std::vector<T> spread(const std::vector<T>& all, size_t most) {
   if (all.size() <= most) return all;
   std::vector<T> some;
+  some.reserve(most);
   for (size_t i = 0; i < most; ++i) some.push_back(all[i * all.size() / most]);
   return some;
 }
