@@ -108,8 +108,7 @@ class PlaceRecognizer:
         total, is_absolute = scores.total, len(kinds[0].positions) >= self._params.min_keypoints
         ratios, shares = np.zeros(len(total)), self._photos.weighted_shares(weights)
         if is_absolute:
-            features = self.features(total, len(scores.logs), region)
-            ratios = absolute_log_ratios(total, features, shares, self._params.evidence)
+            ratios = self._absolute_log_ratios(total, len(scores.logs), shares, region)
         has_descriptor = self._descriptor is not None and contrast(image) >= self._params.min_contrast
         if has_descriptor:
             ratios = ratios + self._network_log_ratios(image, shares)
@@ -169,6 +168,18 @@ class PlaceRecognizer:
             return self._photos.near(numbers[which])[:, numbers]
 
         return [UnknownPlaces.of_map(scores[in_map][:, rows], given, near) for scores in compared.scores]
+
+    def _absolute_log_ratios(
+        self, scores: np.ndarray, kinds: int, shares: np.ndarray, region: Optional[np.ndarray]
+    ) -> np.ndarray:
+        """Log likelihood ratios (photos,): the higher ones of all photos and of the region's alone.
+
+        Photos of a small region are all similar, but those elsewhere may be of places that look the same.
+        """
+        of_all = self.features(scores, kinds)
+        features = [of_all] if region is None else [of_all, self.features(scores, kinds, region)]
+        evidence = self._params.evidence
+        return max((absolute_log_ratios(scores, each, shares, evidence) for each in features), key=np.max)
 
     def _match(self, number: int, image: CodedKeypoints, background: np.ndarray) -> MatchedPhoto:
         photo, row = self._photos.photos[number], self._photos.rows[number]

@@ -101,6 +101,18 @@ def test_an_image_of_elsewhere_remains_unknown_with_a_rough_pose(doubles, index)
         assert robot.localize(picture(seed), rough=NEAR_SECOND).status == Status.UNKNOWN_PLACE
 
 
+@pytest.mark.parametrize("place", [2, 5, 9])
+def test_a_small_region_does_not_make_its_images_unknown(doubles, index, place):
+    """Its photos are all near the correct one, so they alone are no evidence."""
+    first = doubles._replace(photos=doubles.photos[:COUNT])
+    robot = PlaceLocalizer(first, index, PlaceLocalizationParams(mode="single"))
+    rough = RoughPose(10.0 * place, 50.0, 4.0**2 * np.eye(2))
+    image = shifted(picture(place), 9, 3, 60.0, place)
+    alone, given = (robot.localize(image, rough=each) for each in (None, rough))
+    assert given.unknown_probability <= alone.unknown_probability + 1e-3
+    assert given.hypotheses[0].photo.id == place
+
+
 @pytest.mark.slow
 def test_places_with_photos_in_several_directions_are_as_probable_as_others(tmp_path):
     """Dark images, and a compass: a photo of each place is in its direction."""
