@@ -40,6 +40,7 @@ class MapPhotos:
         in_place = np.bincount(self.place_of)
         self.shares = 1 / (len(places) * in_place[self.place_of])
         self.rows = _rows(self.photos, index)
+        self._yaws = np.array([photo.yaw for photo in self.photos], float)  # nan: unknown
         self._pixels = place_map.positions()[self.place_of]
         self._positions = self._pixels * (scale_of(place_map) or (1.0, 1.0))
         self._radius = neighbour_radius(self._positions)
@@ -48,7 +49,7 @@ class MapPhotos:
         """Log weights (photos,) by a rough pose; None: all are 0."""
         if rough is None:
             return np.zeros(len(self.photos))
-        return log_weights(rough, self._pixels, [photo.yaw for photo in self.photos])
+        return log_weights(rough, self._pixels, self._yaws)
 
     def of_best(self, log_weights: np.ndarray) -> np.ndarray:
         """Log weights (places,): of each place's photo with the highest weight."""

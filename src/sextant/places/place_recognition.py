@@ -106,7 +106,8 @@ class PlaceRecognizer:
         region = _region(weights)
         scores = photo_scores(self._index, self._photos.rows, kinds, region)
         total, is_absolute = scores.total, len(kinds[0].positions) >= self._params.min_keypoints
-        ratios, shares = np.zeros(len(total)), self._photos.weighted_shares(weights)
+        shares = self._photos.shares if rough is None else self._photos.weighted_shares(weights)
+        ratios = np.zeros(len(total))
         if is_absolute:
             ratios = self._absolute_log_ratios(total, len(scores.logs), shares, region)
         has_descriptor = self._descriptor is not None and contrast(image) >= self._params.min_contrast

@@ -6,7 +6,7 @@ Errors of such an estimate are correlated over a long time, so it only makes pho
 improbable; within the region all of them are as probable as before.
 """
 
-from typing import NamedTuple, Optional, Sequence
+from typing import NamedTuple, Optional
 
 import numpy as np
 
@@ -25,16 +25,16 @@ class RoughPose(NamedTuple):
     yaw_deviation: float = TURNED  # standard deviation of the yaw, radians
 
 
-def log_weights(rough: RoughPose, positions: np.ndarray, yaws: Sequence[Optional[float]]) -> np.ndarray:
+def log_weights(rough: RoughPose, positions: np.ndarray, yaws: np.ndarray) -> np.ndarray:
     """Log weights (n,) of photos in [LEAST, 0]; outside of the region they fall like a normal distribution.
 
     :param positions: (n, 2) pixels of the overview
-    :param yaws: (n,) radians; None: unknown, never excluded
+    :param yaws: (n,) radians; nan: unknown, never excluded
     """
     offsets = positions - (rough.x, rough.y)
     excess = np.maximum(_squares(offsets, rough.covariance) - DEVIATIONS**2, 0.0)
     if rough.yaw is not None:
-        directions = np.array([rough.yaw if yaw is None else yaw for yaw in yaws], float)
+        directions = np.where(np.isnan(yaws), rough.yaw, yaws)
         turned = np.abs((directions - rough.yaw + np.pi) % (2 * np.pi) - np.pi)
         beyond = np.maximum(turned - TURNED, 0.0) / rough.yaw_deviation
         excess += np.maximum(beyond**2 - DEVIATIONS**2, 0.0)

@@ -28,7 +28,7 @@ def test_photos_within_three_deviations_are_equal_and_others_fall_as_the_normal_
     density = multivariate_normal([50.0, 20.0], COVARIANCE).logpdf(positions)
     edge = multivariate_normal([50.0, 20.0], COVARIANCE).logpdf([50.0, 20.0] + DEVIATIONS * axis)
     expected = np.clip(density - edge, LEAST, 0.0)
-    assert log_weights(rough, positions, 5 * [None]) == pytest.approx(expected, abs=1e-9)
+    assert log_weights(rough, positions, np.full(5, np.nan)) == pytest.approx(expected, abs=1e-9)
     assert expected[1] == 0.0 > expected[2] > expected[3] > expected[4] == LEAST
 
 
@@ -36,7 +36,7 @@ def test_photos_in_another_direction_are_excluded_unless_theirs_is_unknown():
     rough = RoughPose(0.0, 0.0, np.eye(2), yaw=math.pi - 0.1, yaw_deviation=0.1)
     across = -math.pi + 0.1  # 0.2 rad to the left
     weights = log_weights(
-        rough, np.zeros((5, 2)), [None, across, across + TURNED, 0.0, across + TURNED + 0.2]
+        rough, np.zeros((5, 2)), np.array([np.nan, across, across + TURNED, 0.0, across + TURNED + 0.2])
     )
     assert weights[:3] == pytest.approx([0, 0, 0])
     assert weights[3] == LEAST
