@@ -21,6 +21,7 @@
 #include "sextant/ros/base/stage_clock.hpp"
 #include "sextant/ros/base/stamp_jump.hpp"
 #include "sextant/ros/base/start_in_queue.hpp"
+#include "sextant/ros/base/subscription_lock.hpp"
 #include "sextant/ros/base/trouble_log.hpp"
 #include "sextant/ros/geometry/map_transform.hpp"
 #include "sextant/ros/geometry/transform_queue.hpp"
@@ -44,6 +45,15 @@ double secondsOf(const ros::Time& stamp) {
 
 /// Localizes the robot by odometry and landmarks, and maps the landmarks.
 class LandmarkSlamNodelet : public nodelet::Nodelet {
+ public:
+  ~LandmarkSlamNodelet() override {
+    const SubscriptionLock lock;
+    marker_subs_.clear();
+    for (ros::Subscriber* sub : {&odom_sub_, &landmarks_sub_, &pose_sub_, &map_sub_}) sub->shutdown();
+    tf_listener_.reset();
+  }
+
+ private:
   static constexpr double kVisualizationRate = 10.0;  // Hz
 
   void onInit() override {
@@ -59,7 +69,11 @@ class LandmarkSlamNodelet : public nodelet::Nodelet {
       throw;
     }
     waiting_ = std::make_unique<TransformQueue>(tf_, params_.transform_timeout);
-    start_ = std::make_unique<StartInQueue>(getNodeHandle(), [this] { advertise(), subscribe(); });
+    start_ = std::make_unique<StartInQueue>(getNodeHandle(), [this] {
+      const SubscriptionLock lock;
+      advertise();
+      subscribe();
+    });
   }
 
   void advertise() {

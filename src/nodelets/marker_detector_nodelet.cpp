@@ -22,6 +22,7 @@
 #include "sextant/ros/base/reconfigure_values.hpp"
 #include "sextant/ros/base/stage_clock.hpp"
 #include "sextant/ros/base/start_in_queue.hpp"
+#include "sextant/ros/base/subscription_lock.hpp"
 #include "sextant/ros/base/trouble_log.hpp"
 #include "sextant/ros/detection/detector_report.hpp"
 #include "sextant/ros/detection/image_conversions.hpp"
@@ -32,6 +33,10 @@ namespace sextant {
 
 /// Detects printed markers in images and publishes their corners and poses in the camera frame.
 class MarkerDetectorNodelet : public nodelet::Nodelet {
+ public:
+  ~MarkerDetectorNodelet() override { unsubscribe(); }
+
+ private:
   void onInit() override {
     trouble_ = std::make_unique<TroubleLog>(getName());
     try {
@@ -86,14 +91,21 @@ class MarkerDetectorNodelet : public nodelet::Nodelet {
     const bool needed = params_.publish_tf || markers_pub_.getNumSubscribers() > 0 ||
                         debug_pub_.getNumSubscribers() > 0 || jpeg_pub_.getNumSubscribers() > 0;
     if (!enabled_ || !needed) {
-      image_sub_.shutdown();
-      info_sub_.shutdown();
+      unsubscribe();
     } else if (!image_sub_) {
       subscribe();
     }
   }
 
+  void unsubscribe() {
+    if (!image_sub_) return;
+    const SubscriptionLock lock;
+    image_sub_.shutdown();
+    info_sub_.shutdown();
+  }
+
   void subscribe() {
+    const SubscriptionLock lock;
     ros::NodeHandle& node = getNodeHandle();
     const auto no_delay = ros::TransportHints().tcpNoDelay();
     info_sub_ = node.subscribe(infoTopic(), 1, &MarkerDetectorNodelet::onInfo, this, no_delay);

@@ -24,6 +24,7 @@
 #include "sextant/ros/base/stage_clock.hpp"
 #include "sextant/ros/base/stamp_jump.hpp"
 #include "sextant/ros/base/start_in_queue.hpp"
+#include "sextant/ros/base/subscription_lock.hpp"
 #include "sextant/ros/base/trouble_log.hpp"
 #include "sextant/ros/geometry/camera_conversions.hpp"
 #include "sextant/ros/geometry/map_transform.hpp"
@@ -36,6 +37,15 @@ namespace sextant {
 
 /// Publishes the pose of the base in the map, from the markers that the cameras detect.
 class MarkerLocatorNodelet : public nodelet::Nodelet {
+ public:
+  ~MarkerLocatorNodelet() override {
+    const SubscriptionLock lock;
+    marker_subs_.clear();
+    map_sub_.shutdown();
+    tf_listener_.reset();
+  }
+
+ private:
   static constexpr size_t kMaxPending = 30;  // maximum number of instants that wait for a transform
 
   using Groups = StampGroups<MarkerArrayConstPtr>;
@@ -68,7 +78,11 @@ class MarkerLocatorNodelet : public nodelet::Nodelet {
     groups_ = std::make_unique<Groups>(
         StampGroupsParams{params_.cameras.size(), params_.camera_window, params_.camera_timeout});
     newest_.resize(params_.cameras.size());
-    start_ = std::make_unique<StartInQueue>(getNodeHandle(), [this] { advertise(), subscribe(); });
+    start_ = std::make_unique<StartInQueue>(getNodeHandle(), [this] {
+      const SubscriptionLock lock;
+      advertise();
+      subscribe();
+    });
   }
 
   void advertise() {
@@ -105,7 +119,10 @@ class MarkerLocatorNodelet : public nodelet::Nodelet {
 
   // A latched map that arrived before the callback queue was active is lost: subscribe again.
   void everySecond() {
-    if (!map_) subscribeMap();
+    if (!map_) {
+      const SubscriptionLock lock;
+      subscribeMap();
+    }
     diagnostics_->force_update();
   }
 

@@ -7,6 +7,7 @@
 #include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/CompressedImage.h>
 #include <sensor_msgs/Image.h>
+#include <std_msgs/String.h>
 #include <std_srvs/SetBool.h>
 #include <tf2_ros/transform_broadcaster.h>
 #include <visualization_msgs/MarkerArray.h>
@@ -20,6 +21,7 @@
 #include "sextant/MarkerMapEntries.h"
 #include "sextant/markers/marker_map_file.hpp"
 #include "sextant/ros/base/start_in_queue.hpp"
+#include "sextant/ros/base/subscription_lock.hpp"
 #include "sextant/ros/markers/marker_conversions.hpp"
 #include "sextant/simulation/room_renderer.hpp"
 #include "storm.hpp"
@@ -243,6 +245,32 @@ TEST_F(NodeletsStorm, AStartDoesNotOutliveItsNodelet) {
   }
   queue.callAvailable();
   EXPECT_EQ(started, 0);
+}
+
+// A fifth of the subscriptions is lost without the lock.
+TEST_F(NodeletsStorm, ASubscriptionIsNotLostToTheEndOfAnother) {
+  const ros::Publisher words_pub = node_.advertise<std_msgs::String>("words", 1);
+  const auto subscribe = [this](const std::string& topic) {
+    return node_.subscribe(
+        topic, 1, +[](const std_msgs::StringConstPtr&) {});
+  };
+  const auto begin = [&] {
+    const SubscriptionLock lock;
+    return subscribe("words");
+  };
+  const auto end = [](ros::Subscriber& subscriber) {
+    const SubscriptionLock lock;
+    subscriber.shutdown();
+  };
+  for (const std::string other : {"other", "another"}) repeat([=](int) { subscribe(other); });
+  for (int i = 0; i < 100; ++i) {
+    ros::Subscriber before = begin();
+    std::thread ending([&] { end(before); });
+    ros::Subscriber after = begin();
+    ending.join();
+    EXPECT_EQ(words_pub.getNumSubscribers(), 1u) << i;
+    end(after);
+  }
 }
 
 TEST_F(NodeletsStorm, RefusedNodeletsLeaveTheOthersAlone) {
