@@ -13,12 +13,13 @@ from sextant.bags.bag_cameras import one_info
 from sextant.bags.bag_file import BagError, BagFile
 from sextant.bags.bag_params import BagParams
 from sextant.bags.camera_topics import COMPRESSED, IMAGE, CameraTopic, choose_image_topic
+from sextant.bags.drive_depth import PhotoView, read_drive_depth
 from sextant.bags.mounts import Mount, find_mounts
 from sextant.bags.recorded_poses import read_frame, read_poses
 from sextant.bags.stamped_values import stamped_values
 from sextant.bags.stamps import Losses
 from sextant.bags.transforms import read_transforms
-from sextant.base.strict_params import StrictParams, above_zero, param
+from sextant.base.strict_params import StrictParams, above_zero, param, within
 from sextant.geometry.poses import MAX_GAP, interpolated_poses
 from sextant.messages.camera_messages import camera_from_info
 from sextant.messages.damaged_message import DamagedMessage
@@ -37,6 +38,8 @@ class PhotoParams(StrictParams):
     """Parameters of the selection of photos, and the source of their poses."""
 
     image: str = ""  # image topic; empty: that of the only camera
+    depth: str = ""  # topic of depth images; empty: none
+    depth_scale: float = param(1.0, "factor that corrects the depths", within(0.5, 2))
     pose: str = ""  # topic of poses of the base; empty: from tf
     frame: str = "map"  # map frame in tf; a pose topic has its own frame_id
     distance: float = param(1.0, "distance between photos", above_zero(1e5), "m")
@@ -58,8 +61,10 @@ class DrivePhoto(NamedTuple):
     """A photo with the pose of its camera."""
 
     name: str  # file name, unique among drives
+    stamp: int  # nanoseconds
     T_map_camera: np.ndarray  # (4, 4) of the optical frame, metres
     jpeg: bytes  # encoded image
+    depth: Optional[np.ndarray] = None  # of DepthRegistration.registered(); None: unknown
 
     @property
     def position(self) -> Tuple[float, float]:
@@ -93,14 +98,18 @@ def read_drive_photos(path: str, params: PhotoParams) -> DrivePhotos:
         read = stamped_values(bag, topic.topic, _camera_frame)
         stamps = list(read.values)[:: params.every]
         tree = read_transforms(bag)
-        camera = {topic.camera: frame_name(read.first.header.frame_id)}
-        mounts = find_mounts(bag, camera, params.reading(), tree)
+        optical = frame_name(read.first.header.frame_id)
+        mounts = find_mounts(bag, {topic.camera: optical}, params.reading(), tree)
         frame, T_map_base, more = _base_poses(path, params, stamps)
         poses = _camera_poses(stamps, T_map_base, mounts.by_camera[topic.camera])
         if not poses:
             raise bag.error(f"no image of {topic.topic} has a pose", "were both recorded at the same time?")
         photos, losses = _photos(bag, topic, poses, params)
         camera, unknown = _camera(bag, topic)
+        if params.depth:
+            view = camera and PhotoView(camera.model(), optical, tree)
+            photos, unmeasured = _with_depth(bag, params, photos, view)
+            unknown = [*unknown, *unmeasured]
     if len(poses) < len(stamps):
         more = [*more, f"{len(stamps) - len(poses)} of {len(stamps)} images have no pose"]
     warnings = [*notes, *read.notes, *mounts.notes, *more, *losses, *unknown]
@@ -161,7 +170,7 @@ def _photos(
         losses.used(topic.topic)
         sharp, pick = sharpness(image), pick_of[stamp]
         if pick not in best or sharp > best[pick][0]:
-            best[pick] = sharp, _photo(f"{name}_{stamp / 1e9:.3f}.jpg", image, poses[stamp])
+            best[pick] = sharp, _photo(f"{name}_{stamp / 1e9:.3f}.jpg", stamp, image, poses[stamp])
     losses.check(bag, topic.topic)
     return [best[pick][1] for pick in sorted(best)], losses.notes()
 
@@ -185,9 +194,20 @@ def _name(bag: BagFile, topic: CameraTopic) -> str:
     return "_".join([Path(bag.path).stem, *filter(None, camera)])
 
 
-def _photo(name: str, image: np.ndarray, T_map_camera: np.ndarray) -> DrivePhoto:
+def _photo(name: str, stamp: int, image: np.ndarray, T_map_camera: np.ndarray) -> DrivePhoto:
     _, jpeg = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])
-    return DrivePhoto(name, T_map_camera, jpeg.tobytes())
+    return DrivePhoto(name, stamp, T_map_camera, jpeg.tobytes())
+
+
+def _with_depth(
+    bag: BagFile, params: PhotoParams, photos: List[DrivePhoto], view: Optional[PhotoView]
+) -> Tuple[List[DrivePhoto], List[str]]:
+    """The photos with the depth that was recorded with them, and notes."""
+    if view is None:
+        raise bag.error("depth is of no use without a camera_info of the images", "record it, too")
+    stamps = [photo.stamp for photo in photos]
+    found, notes = read_drive_depth(bag, params.depth, stamps, view, params.depth_scale)
+    return [photo._replace(depth=found.get(photo.stamp)) for photo in photos], notes
 
 
 def _paths(stamps: Sequence[int], poses: Dict[int, np.ndarray]) -> List[np.ndarray]:

@@ -4,10 +4,12 @@
 
     make_place_map drive hall.bag -o hall/map.txt                          by tf from map to base_link
     make_place_map drive hall.bag -o hall/map.txt --pose /marker_locator/pose
+    make_place_map drive hall.bag -o hall/map.txt --depth /camera/depth/image_raw
     make_place_map drive *.bag -o hall/map.txt --map-yaml floor.yaml       on the map of map_server
     make_place_map drive evening.bag -o hall/map.txt --add                 more photos of the same places
 
-Photos are written to the map's folder, and their poses beside the map if the bags have camera_info.
+Photos are written to the map's folder, and their poses beside the map if the bags have camera_info. With
+depth images, metric poses use their points, too, also where there is little parallax.
 Without --map-yaml an overview with the paths is drawn.
 """
 
@@ -17,7 +19,7 @@ import math
 import os
 from collections import Counter
 from pathlib import Path
-from typing import Dict, Sequence, Tuple
+from typing import Dict, Iterable, Iterator, Sequence, Tuple
 
 import numpy as np
 
@@ -27,6 +29,7 @@ from sextant.commands.command_line import Answer, CommandParser
 from sextant.commands.place_map_output import add_output_options, existing_map, write_map
 from sextant.place_maps.overview import draw_paths
 from sextant.place_maps.overview_image import OverviewImage, drawn_overview, overview_from_map_server
+from sextant.place_maps.photo_depth import depth_path, encoded_depth
 from sextant.place_maps.photo_poses import PhotoPoses, PosedPhoto, poses_path, read_photo_poses
 from sextant.place_maps.place_map import MetricFrame, PlaceMap
 from sextant.place_maps.place_map_addition import NewPhoto, add_photos
@@ -51,6 +54,10 @@ def parser() -> CommandParser:
     _add_poses(result.add_argument_group("poses"))
     bags = result.add_argument_group("bags")
     bags.add_argument("--image", default="", metavar="TOPIC", help="image topic (default: the only one)")
+    text = "depth images with camera_info beside them, aligned with the images or with tf (default: none)"
+    bags.add_argument("--depth", default="", metavar="TOPIC", help=text)
+    text = "factor that corrects the depths; estimate_depth_scale estimates it (default: %(default)s)"
+    bags.add_argument("--depth-scale", type=float, default=1.0, metavar="FACTOR", help=text)
     bags.add_argument("--every", type=int, default=1, metavar="N", help="use every n-th image")
     add_job_options(bags)
     return result
@@ -95,7 +102,7 @@ def make(options: argparse.Namespace) -> Answer:
     reasons = list(map(": ".join, left_out.items()))
     if not made.photos:
         raise ValueError(f"no photo can be placed: {reasons[0]} (the first of {len(reasons)} reasons)")
-    files.update({name: photo.jpeg for name, photo in photos.items() if name not in left_out})
+    files.update(_files(photo for name, photo in photos.items() if name not in left_out))
     poses = _poses(options, made, drives)
     return write_map(options, made, files, reasons, notes, poses)
 
@@ -121,8 +128,9 @@ def _merge(options: argparse.Namespace) -> float:
 
 def _photo_params(options: argparse.Namespace) -> PhotoParams:
     return PhotoParams(
-        options.image, options.pose, options.frame or PhotoParams.frame, options.distance,
-        math.radians(options.turn), options.every, options.base_frame, read_mounts(options.mounts),
+        options.image, options.depth, options.depth_scale, options.pose,
+        options.frame or PhotoParams.frame, options.distance, math.radians(options.turn), options.every,
+        options.base_frame, read_mounts(options.mounts),
     )  # fmt: skip
 
 
@@ -158,6 +166,14 @@ def _by_name(drives: Sequence[DrivePhotos]) -> Dict[str, DrivePhoto]:
             raise ValueError(f"two bags would write {photo.name}; rename one of them")
         photos[photo.name] = photo
     return photos
+
+
+def _files(photos: Iterable[DrivePhoto]) -> Iterator[Tuple[str, bytes]]:
+    """Names and contents of the files of photos."""
+    for photo in photos:
+        yield photo.name, photo.jpeg
+        if photo.depth is not None:
+            yield depth_path(Path(photo.name)).name, encoded_depth(photo.depth)
 
 
 def _poses(options: argparse.Namespace, place_map: PlaceMap, drives: Sequence[DrivePhotos]) -> PhotoPoses:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Points of a place map: keypoints triangulated between photos with known poses."""
+"""Points of a place map: keypoints triangulated between photos with known poses, or with depth."""
 
 from dataclasses import dataclass
 from functools import partial
@@ -12,6 +12,7 @@ from scipy.stats import chi2
 
 import sextant
 from sextant.base.jobs import run_jobs
+from sextant.place_maps.photo_depth import read_photo_depth
 from sextant.place_maps.photo_file import decode_grey
 from sextant.place_maps.photo_poses import PosedPhoto
 from sextant.place_points.camera_pose_fit import PointMatches, fit_camera_pose
@@ -56,8 +57,10 @@ def posed_keypoints(
 
 
 def _keypoints(folder: Path, photo: Tuple[str, PosedPhoto]) -> PointKeypoints:
-    path = folder / photo[0]
-    return PointKeypointExtractor().extract(decode_grey(path.read_bytes(), path), photo[1].camera.model())
+    path, camera = folder / photo[0], photo[1].camera.model()
+    return PointKeypointExtractor().extract(
+        decode_grey(path.read_bytes(), path), camera, read_photo_depth(path)
+    )
 
 
 def triangulated_points(
@@ -90,13 +93,14 @@ def _noise(points: Points, seen: Observations) -> float:
     """Ratio of the noise to its assumed standard deviation, from the median of the reprojection errors.
 
     The errors are smaller than the noise, as the points are fitted to them: the 2 n coordinates of n photos
-    have 2 n - 3 degrees of freedom.
+    have 2 n - 3 degrees of freedom. Points of one photo have none.
     """
-    if not points.used.any():
-        return 1.0
     point = seen.point[points.used]
     coordinates = 2 * np.bincount(point)[point]
-    noise = np.abs(points.errors[points.used]) / np.sqrt(1 - 3 / coordinates)[:, None]
+    several = coordinates > 2
+    if not several.any():
+        return 1.0
+    noise = np.abs(points.errors[points.used][several]) / np.sqrt(1 - 3 / coordinates[several])[:, None]
     return NORMAL * float(np.median(noise))
 
 
@@ -123,10 +127,9 @@ def _nees_without(photo: int, poses: np.ndarray, seen: Observations) -> Optional
         return None
     left = Observations(point, *(each[others] for each in seen[1:]))
     points = triangulated(poses, len(index), left)
+    mine = np.flatnonzero(mine & np.isin(seen.point, index[points.valid]))
     at = np.searchsorted(index, seen.point[mine])
-    good = points.valid[at]
-    at = at[good]
-    xy, sigma = seen.xy[mine][good], seen.sigma[mine][good]
+    xy, sigma = seen.xy[mine], seen.sigma[mine]
     fit = fit_camera_pose(PointMatches(points.xyz[at], points.covariances[at], xy, sigma))
     if fit is None or fit.inliers.sum() < MIN_MATCHES:
         return None

@@ -3,7 +3,8 @@
 """Points of a place map, cached beside the map.
 
 The cache is an npz file without pickled objects, with a checksum of each array. Its key is a digest of the
-poses, of the photos and of the version; with another one the points are triangulated again.
+poses, of the photos, of their depth images and of the version; with another one the points are triangulated
+again.
 """
 
 import hashlib
@@ -15,6 +16,7 @@ from typing import Callable, Dict, Optional, Tuple
 import numpy as np
 
 from sextant.base.atomic_file import atomic_file
+from sextant.place_maps.photo_depth import depth_path
 from sextant.place_maps.photo_poses import PosedPhoto, poses_path, read_photo_poses
 from sextant.place_maps.place_map import MetricFrame, PlaceMap
 from sextant.place_points.place_points import PlacePoints, posed_keypoints, triangulated_points
@@ -73,8 +75,10 @@ def _key(map_path: Path, place_map: PlaceMap, photos: Dict[str, PosedPhoto]) -> 
     digest = hashlib.blake2b(f"{VERSION}".encode(), digest_size=16)
     digest.update(poses_path(map_path).read_bytes())
     for image in photos:
-        content = (place_map.folder / image).read_bytes()
-        digest.update(image.encode() + hashlib.blake2b(content, digest_size=16).digest())
+        photo = place_map.folder / image
+        digest.update(image.encode())
+        for path in (photo, *filter(Path.exists, [depth_path(photo)])):
+            digest.update(hashlib.blake2b(path.read_bytes(), digest_size=16).digest())
     return digest.hexdigest()
 
 

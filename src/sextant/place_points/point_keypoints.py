@@ -2,11 +2,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Keypoints of calibrated images for triangulation and metric poses."""
 
-from typing import NamedTuple
+from typing import NamedTuple, Optional
 
 import numpy as np
 
 import sextant
+from sextant.geometry.registered_depth import depths_at
 
 MAX_SIDE = 640  # longer side to which images are reduced, pixels
 MAX_KEYPOINTS = 800  # per image, the strongest ones
@@ -24,6 +25,7 @@ class PointKeypoints(NamedTuple):
     sigma: np.ndarray  # (n,) standard deviation of each coordinate
     size: np.ndarray  # (n,) diameter, pixels of the reduced image
     descriptors: np.ndarray  # uint8 (n, 128)
+    depth: np.ndarray  # (n,) along the optical axis, metres; NaN: unknown
 
 
 class PointKeypointExtractor:
@@ -34,10 +36,13 @@ class PointKeypointExtractor:
         params.max_side, params.max_features, params.support_scale = MAX_SIDE, MAX_KEYPOINTS, SUPPORT
         self._extractor = sextant.FeatureExtractor(params)
 
-    def extract(self, image: np.ndarray, camera: "sextant.CameraModel") -> PointKeypoints:
+    def extract(
+        self, image: np.ndarray, camera: "sextant.CameraModel", depth: Optional[np.ndarray] = None
+    ) -> PointKeypoints:
         """Keypoints of an image, without those for which the lens model has no ray.
 
         :param image: uint8, (height, width) grey or (height, width, 3) BGR
+        :param depth: of DepthRegistration.registered(), in the view of the image
         :raises ValueError: the image does not have the camera's size
         """
         if image.shape[1::-1] != camera.size:
@@ -46,9 +51,11 @@ class PointKeypointExtractor:
         found = self._extractor.extract(image)
         scale = max(1.0, max(camera.size) / MAX_SIDE)  # pixels per pixel of the reduced image
         keypoints = found.keypoints.astype(float)
-        rays = camera.rays(keypoints[:, :2] - SIFT_SHIFT * scale)
+        pixels = keypoints[:, :2] - SIFT_SHIFT * scale
+        rays = camera.rays(pixels)
         seen = np.isfinite(rays).all(axis=1)
         size = keypoints[seen, 2] / (SUPPORT * scale)
         sigma = (SIGMA + SIGMA_BY_SIZE * size) * scale / camera.focal_length
         descriptors = found.descriptors[seen].astype(np.uint8).reshape(-1, 128)  # RootSIFT has integers
-        return PointKeypoints(rays[seen, :2], sigma, size, descriptors)
+        known = np.full(len(size), np.nan) if depth is None else depths_at(depth, pixels[seen], camera.size)
+        return PointKeypoints(rays[seen, :2], sigma, size, descriptors, known)

@@ -36,7 +36,7 @@ def squared_distances(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 
 def point_tracks(poses: np.ndarray, keypoints: Sequence[PointKeypoints]) -> Tuple[Observations, np.ndarray]:
-    """Observations of points that at least two photos show, at most one per photo and point.
+    """Observations of points that two photos show, or one with depth, at most one per photo and point.
 
     :returns: the observations, and the index of each among the keypoints of all photos
     """
@@ -46,19 +46,24 @@ def point_tracks(poses: np.ndarray, keypoints: Sequence[PointKeypoints]) -> Tupl
     for i, j in sorted(pairs):
         a, b = _matches(np.linalg.inv(poses[j]) @ poses[i], keypoints[i], keypoints[j])
         links.append(np.stack([first[i] + a, first[j] + b], axis=1))
-    rows, point = _components(np.concatenate(links), np.repeat(np.arange(len(keypoints)), np.diff(first)))
+    depth = np.concatenate([np.zeros(0), *(each.depth for each in keypoints)])
+    photo_of = np.repeat(np.arange(len(keypoints)), np.diff(first))
+    rows, point = _components(np.concatenate(links), photo_of, np.isfinite(depth))
     photo = np.searchsorted(first, rows, "right") - 1
     xy = np.concatenate([np.zeros((0, 2)), *(each.xy for each in keypoints)])
     sigma = np.concatenate([np.zeros(0), *(each.sigma for each in keypoints)])
-    return Observations(point, photo, xy[rows], sigma[rows]), rows
+    return Observations(point, photo, xy[rows], sigma[rows], depth[rows]), rows
 
 
-def _components(links: np.ndarray, photo: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
-    """Keypoints of connected components without two keypoints of one photo, and their components from 0."""
+def _components(links: np.ndarray, photo: np.ndarray, measured: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    """Keypoints of connected components without two keypoints of one photo, and their components from 0.
+
+    :param measured: bool (n,) keypoints that may be alone
+    """
     size = len(photo)
     graph = coo_matrix((np.ones(len(links)), links.T), (size, size))
     _, component = connected_components(graph, directed=False)
-    good = np.bincount(component)[component] > 1
+    good = (np.bincount(component)[component] > 1) | measured
     in_photo, count = np.unique(np.stack([component, photo], axis=1), axis=0, return_counts=True)
     good &= ~np.isin(component, in_photo[count > 1, 0])
     rows = np.flatnonzero(good)

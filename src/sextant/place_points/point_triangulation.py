@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Triangulates points from their observations in photos with known poses.
 
-Observations are normalized image coordinates: (x / z, y / z) of the ray in the camera's optical frame.
+Observations are normalized image coordinates: (x / z, y / z) of the ray in the camera's optical frame, and
+the depth z where a depth camera measured it.
 """
 
 import math
@@ -13,6 +14,8 @@ import numpy as np
 ITERATIONS = 8  # of Gauss-Newton; it converges quadratically
 MAX_ERROR = 3.0  # standard deviations of an observation, above which it is no observation of the point
 MIN_PARALLAX = np.deg2rad(1.5)  # largest angle between two rays of a point, below which it is left out
+# Standard deviation of a depth: at 1 m, growing with its square, and by the scale of the depth camera
+DEPTH_SIGMA, DEPTH_SCALE_SIGMA = 0.004, 0.01
 MAX_DEPTH_ERROR = 0.3  # standard deviation of a point by its distance: beyond, the linear covariance is wrong
 
 
@@ -23,6 +26,7 @@ class Observations(NamedTuple):
     photo: np.ndarray  # int (n,) index of the photo's pose
     xy: np.ndarray  # (n, 2) normalized image coordinates
     sigma: np.ndarray  # (n,) standard deviation of each coordinate
+    depth: np.ndarray  # (n,) along the optical axis, metres; NaN: unknown
 
 
 class Points(NamedTuple):
@@ -53,17 +57,21 @@ def triangulated(poses: np.ndarray, count: int, seen: Observations) -> Points:
     covariances = np.linalg.inv(information)
     valid = _valid(poses, xyz, covariances, seen, used)
     used &= valid[seen.point]
-    errors = _errors(poses, xyz, seen)[0] / seen.sigma[:, None]
+    errors = _errors(poses, xyz, seen)[0][:, :2]
     errors[~used] = np.nan
     return Points(xyz, covariances, valid, used, errors)
 
 
 def _midpoints(poses: np.ndarray, count: int, seen: Observations) -> np.ndarray:
-    """Points (m, 3) with the least sum of squared distances from their rays."""
+    """Points (m, 3) with the least sum of squared distances from their rays, and from those with a depth."""
     ray = _rays(poses, seen)
-    across = np.eye(3) - ray[:, :, None] * ray[:, None, :]
+    length = seen.depth * np.sqrt(1 + (seen.xy**2).sum(axis=1))
+    known = np.isfinite(length)
+    along = ray[:, :, None] * ray[:, None, :]
+    across = np.eye(3) - np.where(known[:, None, None], 0.0, along)
+    nearest = poses[seen.photo, :3, 3] + np.where(known, length, 0.0)[:, None] * ray
     matrix = _summed(seen.point, across, count)
-    right = _summed(seen.point, np.einsum("nij,nj->ni", across, poses[seen.photo, :3, 3]), count)
+    right = _summed(seen.point, np.einsum("nij,nj->ni", across, nearest), count)
     return np.linalg.solve(matrix + 1e-9 * np.eye(3), right[..., None])[..., 0]
 
 
@@ -82,24 +90,34 @@ def _summed(group: np.ndarray, values: np.ndarray, count: int) -> np.ndarray:
 
 
 def _errors(poses: np.ndarray, xyz: np.ndarray, seen: Observations) -> Tuple[np.ndarray, np.ndarray]:
-    """Errors (n, 2) of the observations, and their Jacobians (n, 2, 3) by the point."""
+    """Errors (n, 3) of the observations by their standard deviations, that of an unknown depth is 0, and
+    their Jacobians (n, 3, 3) by the point, with the opposite sign."""
     R = poses[seen.photo, :3, :3]
     p = np.einsum("nji,nj->ni", R, xyz[seen.point] - poses[seen.photo, :3, 3])
     z = np.where(np.abs(p[:, 2]) < 1e-6, 1e-6, p[:, 2])
     xy = p[:, :2] / z[:, None]
-    by_p = np.zeros((len(p), 2, 3))
+    weight = np.stack([1 / seen.sigma, 1 / seen.sigma, _depth_weights(seen.depth)], axis=1)
+    by_p = np.zeros((len(p), 3, 3))
     by_p[:, 0, 0] = by_p[:, 1, 1] = 1 / z
-    by_p[:, :, 2] = -xy / z[:, None]
-    return seen.xy - xy, np.einsum("nij,nkj->nik", by_p, R)
+    by_p[:, :2, 2] = -xy / z[:, None]
+    by_p[:, 2, 2] = 1
+    errors = np.c_[seen.xy - xy, np.nan_to_num(seen.depth) - z]
+    return weight * errors, np.einsum("nij,nkj->nik", weight[:, :, None] * by_p, R)
+
+
+def _depth_weights(depth: np.ndarray) -> np.ndarray:
+    """Inverse standard deviations (n,) of depths; 0: unknown."""
+    known = np.isfinite(depth)
+    z = np.where(known, depth, 1.0)
+    return np.where(known, 1 / np.hypot(DEPTH_SCALE_SIGMA * z, DEPTH_SIGMA * z**2), 0.0)
 
 
 def _refined(poses: np.ndarray, xyz: np.ndarray, seen: Observations, used: np.ndarray):
     """Gauss-Newton over all points at once; points and their information matrices (m, 3, 3)."""
-    weight = used / seen.sigma**2
     for _ in range(ITERATIONS):
         errors, J = _errors(poses, xyz, seen)
-        information = _summed(seen.point, weight[:, None, None] * np.einsum("nij,nik->njk", J, J), len(xyz))
-        gradient = _summed(seen.point, weight[:, None] * np.einsum("nij,ni->nj", J, errors), len(xyz))
+        information = _summed(seen.point, used[:, None, None] * np.einsum("nij,nik->njk", J, J), len(xyz))
+        gradient = _summed(seen.point, used[:, None] * np.einsum("nij,ni->nj", J, errors), len(xyz))
         scale = np.trace(information, axis1=1, axis2=2)[:, None, None]
         information = information + (1e-9 * scale + 1e-9) * np.eye(3)  # a point with one ray is singular
         xyz = xyz + np.linalg.solve(information, gradient[..., None])[..., 0]
@@ -108,7 +126,8 @@ def _refined(poses: np.ndarray, xyz: np.ndarray, seen: Observations, used: np.nd
 
 def _worst(poses: np.ndarray, xyz: np.ndarray, seen: Observations, used: np.ndarray) -> np.ndarray:
     """Which of the observations (n,) has the largest error of its point, if that exceeds MAX_ERROR."""
-    distance = np.linalg.norm(_errors(poses, xyz, seen)[0], axis=1) / seen.sigma
+    errors = _errors(poses, xyz, seen)[0]
+    distance = np.maximum(np.linalg.norm(errors[:, :2], axis=1), np.abs(errors[:, 2]))
     distance = np.where(used, np.nan_to_num(distance, nan=np.inf), 0.0)
     worst = np.zeros(len(xyz))
     np.maximum.at(worst, seen.point, distance)
@@ -118,9 +137,10 @@ def _worst(poses: np.ndarray, xyz: np.ndarray, seen: Observations, used: np.ndar
 def _valid(
     poses: np.ndarray, xyz: np.ndarray, covariances: np.ndarray, seen: Observations, used: np.ndarray
 ) -> np.ndarray:
-    """Points (m,) with parallax, in front of all their cameras, with a covariance that is small enough."""
+    """Points (m,) with parallax or depth, in front of all their cameras, with a small enough covariance."""
     count = len(xyz)
     views = np.bincount(seen.point[used], minlength=count)
+    measured = np.bincount(seen.point, used & np.isfinite(seen.depth), count) > 0
     offset = xyz[seen.point] - poses[seen.photo, :3, 3]
     distance = np.linalg.norm(offset, axis=1)
     depth = np.einsum("ni,ni->n", poses[seen.photo, :3, 2], offset)
@@ -129,7 +149,7 @@ def _valid(
     np.minimum.at(nearest, seen.point[used], distance[used])
     spread = np.sqrt(np.linalg.eigvalsh(covariances)[:, 2])
     wide = _parallax(offset / distance[:, None], seen.point, used, count) >= MIN_PARALLAX
-    return (views >= 2) & ~behind & wide & (spread < MAX_DEPTH_ERROR * nearest)
+    return ((views >= 2) & wide | measured) & ~behind & (spread < MAX_DEPTH_ERROR * nearest)
 
 
 def _parallax(ray: np.ndarray, point: np.ndarray, used: np.ndarray, count: int) -> np.ndarray:

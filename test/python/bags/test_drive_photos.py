@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import pytest
 from geometry_msgs.msg import PoseStamped
-from known_drives import LEFT, MOUNT, RATE, SIZE, pose, write_drive
+from known_drives import LEFT, MOUNT, RATE, SIZE, pose, write_depth_drive, write_drive
 from made_photos import picture
 from written_bags import SMALL, START, WrittenBag, header
 
@@ -188,3 +188,36 @@ def test_poses_of_another_time_are_of_no_use(tmp_path):
 def test_what_cannot_be_is_refused(field, value):
     with pytest.raises(ValueError, match=f"{field}(:| is) "):
         PhotoParams(**{field: value})
+
+
+@pytest.mark.parametrize(("frame", "metres"), [("camera", 2.0), ("depth_camera", 1.9)])
+def test_photos_have_the_depth_recorded_with_them(tmp_path, frame, metres):
+    path = write_depth_drive(tmp_path / "a.bag", frame)
+    read = read_drive_photos(path, PhotoParams(image="/front/image_raw", depth="/depth/image_raw"))
+    assert len(read.photos) == 3 and read.warnings == ()
+    for photo in read.photos:
+        depth = photo.depth[5:-5, 5:-5]
+        assert (depth > 0).mean() > 0.8
+        np.testing.assert_allclose(depth[depth > 0], metres, atol=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("given", "topic", "reason"),
+    [
+        ({}, "/deep", "no image on /deep"),
+        ({"info": False}, "/depth/image_raw", "has no camera_info beside it"),
+        ({"depth_frame": "elsewhere"}, "/depth/image_raw", "does not connect 'camera' with 'elsewhere'"),
+        ({}, "/front/image_raw", "is not depth"),
+    ],
+)
+def test_depth_that_cannot_be_used_is_refused(tmp_path, given, topic, reason):
+    path = write_depth_drive(tmp_path / "a.bag", **given)
+    with pytest.raises(BagError, match=reason):
+        read_drive_photos(path, PhotoParams(image="/front/image_raw", depth=topic))
+
+
+def test_photos_without_a_depth_image_are_counted(tmp_path):
+    path = write_depth_drive(tmp_path / "a.bag", lag=0.1)
+    read = read_drive_photos(path, PhotoParams(image="/front/image_raw", depth="/depth/image_raw"))
+    assert read.warnings == ("3 of 3 photos have no depth image",)
+    assert {photo.depth for photo in read.photos} == {None}

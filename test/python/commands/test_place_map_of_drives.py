@@ -4,11 +4,12 @@
 
 import numpy as np
 import pytest
-from known_drives import MOUNT, SIZE, pose, write_drive
+from known_drives import MOUNT, SIZE, pose, write_depth_drive, write_drive
 from made_photos import picture
 from PIL import Image
 from place_map_command import floor_yaml, printed, refused
 
+from sextant.place_maps.photo_depth import read_photo_depth
 from sextant.place_maps.photo_file import read_grey
 from sextant.place_maps.photo_poses import read_photo_poses
 from sextant.place_maps.place_map import MetricFrame, Overview
@@ -53,6 +54,16 @@ def test_photos_of_a_calibrated_camera_have_poses(tmp_path, capsys):
     assert "map.txt.poses" in refused(capsys, tmp_path, "drive", night, "-o", path, *PICK)
     printed(capsys, "drive", night, "-o", path, "--force", *PICK)
     assert not poses.exists()
+
+
+def test_depth_images_are_beside_their_photos(tmp_path, capsys):
+    bag = write_depth_drive(tmp_path / "hall.bag")
+    depth = ["--image", "/front/image_raw", "--depth", "/depth/image_raw", "--depth-scale", "1.05"]
+    printed(capsys, "drive", bag, "-o", tmp_path / "map.txt", *depth)
+    for photo in read_place_map(tmp_path / "map.txt").photos:
+        found = read_photo_depth(tmp_path / photo.image)
+        np.testing.assert_allclose(found[found > 0], 2.1, atol=1e-3)
+        assert (found > 0).mean() > 0.8
 
 
 @pytest.mark.slow

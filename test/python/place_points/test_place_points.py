@@ -18,7 +18,7 @@ def photos(noise):
     observations = seen(scene(COUNT), poses=POSES, noise=noise)
     known, ones = np.rint(rng.uniform(0, 255, (COUNT, 128))).astype(np.uint8), np.ones(COUNT)
     return [
-        PointKeypoints(observations.xy[observations.photo == i], SIGMA * ones, 4 * ones, known)
+        PointKeypoints(observations.xy[observations.photo == i], SIGMA * ones, 4 * ones, known, np.nan * ones)
         for i in range(len(POSES))
     ]
 
@@ -31,6 +31,17 @@ def test_noise_is_calibrated(noise):
     assert 1.0 <= points.covariance_factor < 1.6
     nearest = np.linalg.norm(points.xyz[:, None] - scene(COUNT), axis=2).min(axis=1)
     assert np.median(nearest) < 0.1 * noise
+
+
+def test_depth_gives_points_to_a_single_photo():
+    known = seen(0.25 * scene(COUNT) + [1, 0, 0], poses=POSES[:1], depth_noise=1.0)
+    keypoints = photos(1.0)[0]._replace(xy=known.xy, depth=known.depth)
+    points = triangulated_points(["0"], POSES[:1], [keypoints])
+    assert len(points.xyz) == COUNT
+    truth = 0.25 * scene(COUNT) + [1, 0, 0]
+    error = points.xyz - truth
+    squared = np.einsum("ni,nij,nj->n", error, np.linalg.inv(points.covariances), error)
+    assert 0.2 < squared.mean() / 3 < 1.0  # FIRST_FACTOR is assumed for the noise of keypoints
 
 
 def test_photos_without_keypoints_have_no_points():

@@ -22,7 +22,8 @@ def photos(noise=5.0, poses=POSES):
         descriptors = np.rint(np.clip(known[order] + rng.normal(0, noise, (COUNT, 128)), 0, 255))
         xy = observations.xy[observations.photo == photo][order]
         ones = np.ones(COUNT)
-        keypoints.append(PointKeypoints(xy, SIGMA * ones, 4 * ones, descriptors.astype(np.uint8)))
+        descriptors = descriptors.astype(np.uint8)
+        keypoints.append(PointKeypoints(xy, SIGMA * ones, 4 * ones, descriptors, np.nan * ones))
         points.append(order)
     return keypoints, np.concatenate(points)
 
@@ -48,6 +49,14 @@ def test_two_keypoints_of_one_photo_are_no_point():
     twice = PointKeypoints(*(np.concatenate([each, each]) for each in keypoints[0]))
     observations, _ = point_tracks(POSES[:2], [twice, keypoints[1]])
     assert not len(observations.point)
+
+
+def test_a_keypoint_with_depth_may_be_alone():
+    keypoints, _ = photos()
+    depth = np.where(np.arange(COUNT) < 7, 2.0, np.nan)
+    observations, rows = point_tracks(POSES[:1], [keypoints[0]._replace(depth=depth)])
+    assert rows.tolist() == list(range(7)) and len(set(observations.point)) == 7
+    np.testing.assert_array_equal(observations.depth, 2.0)
 
 
 @pytest.mark.parametrize("count", [0, 1])

@@ -52,7 +52,7 @@ PYTHON = {
     "landmarks": "base",
     "objects": "base geometry landmarks",
     "place_maps": "base geometry",
-    "place_points": "base place_maps",
+    "place_points": "geometry base place_maps",
     "places": "base place_maps place_points",
     "place_reports": "base place_maps places",
     "printing": "base markers",
