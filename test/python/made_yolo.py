@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""ONNX detectors in the layout of YOLOv8 and YOLO11 that the tests make; all take `images`."""
+"""ONNX detectors in the layouts of YOLO that the tests make; all take `images`."""
 
 import numpy as np
 import onnx
@@ -151,3 +151,55 @@ class ConvolvedDetector:
     def _saved(self, path, nodes, outputs, weights):
         taken = (1, 3, self.size, self.size)
         return saved(path, nodes, {**self._weights, **weights}, outputs, taken, self.classes)
+
+
+class ExportedHeads:
+    """Heads that predict the same in every cell, named as in exports, before operators that OpenCV lacks."""
+
+    def __init__(self, classes, boxes, scores, angle=None, prefix=""):
+        """:param boxes: (4 * bins,) and scores (classes,) before the sigmoid
+
+        :param prefix: of the heads' names
+        """
+        self.classes, self._prefix = list(classes), prefix
+        parts = {"2": boxes, "3": scores, **({} if angle is None else {"4": [angle]})}
+        self._biases = {kind: np.array(values, np.float32) for kind, values in parts.items()}
+
+    def write(self, path, taken=(1, 3, 64, 64), half=False, **metadata):
+        """:param taken: shape of the input. :param half: whether all is in half precision"""
+        number = np.float16 if half else np.float32
+        nodes, weights, ends = [], {}, []
+        for grid, stride in enumerate(STRIDES):
+            pooled = f"pooled{grid}"
+            nodes.append(
+                helper.make_node(
+                    "AveragePool", ["images"], [pooled], kernel_shape=[stride] * 2, strides=[stride] * 2
+                )
+            )
+            for kind, biases in self._biases.items():
+                name = f"model.22.{self._prefix}cv{kind}.{grid}.2"
+                weights[f"{name}.weight"] = np.zeros((len(biases), 3, 1, 1), number)
+                weights[f"{name}.bias"] = biases.astype(number)
+                inputs = [pooled, f"{name}.weight", f"{name}.bias"]
+                nodes.append(helper.make_node("Conv", inputs, [name], kernel_shape=[1, 1]))
+                ends.append(f"{name}/flat")
+                nodes.append(helper.make_node("Flatten", [name], [ends[-1]]))
+        weights["most"] = np.array([300], np.int64)
+        nodes.append(helper.make_node("Concat", ends, ["all"], axis=1))
+        nodes.append(helper.make_node("TopK", ["all", "most"], ["output0", "which"]))
+        return self._saved(path, nodes, weights, taken, half, metadata)
+
+    def _saved(self, path, nodes, weights, taken, half, metadata):
+        kind = TensorProto.FLOAT16 if half else TensorProto.FLOAT
+        graph = helper.make_graph(
+            nodes, "made", [helper.make_tensor_value_info("images", kind, taken)],
+            [helper.make_tensor_value_info("output0", kind, None)],
+            [numpy_helper.from_array(value, name) for name, value in weights.items()],
+        )  # fmt: skip
+        model = helper.make_model(graph, opset_imports=[helper.make_opsetid("", 18)])
+        names = str(dict(enumerate(self.classes)))
+        helper.set_model_props(
+            model, {"names": names, **{key: str(value) for key, value in metadata.items()}}
+        )
+        onnx.save(model, str(path))
+        return str(path)

@@ -4,7 +4,7 @@
 
 import importlib.util
 import re
-from typing import Any, Callable, Dict, List, NamedTuple, Sequence
+from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence
 
 import cv2
 import numpy as np
@@ -34,8 +34,16 @@ class ModelInfo(NamedTuple):
 def read_model(path: str) -> ModelInfo:
     """Reads input, outputs and metadata of a model.
 
+    :raises OSError, ValueError: see load_model() and model_info()
+    """
+    return model_info(path, load_model(path))
+
+
+def load_model(path: str) -> Any:
+    """Reads an onnx.ModelProto.
+
     :raises OSError: the file cannot be read
-    :raises ValueError: not an ONNX file, or not a model with one image as input
+    :raises ValueError: not an ONNX file, or weights or inputs of nodes are missing
     """
     import onnx  # imported here: it is slow, and few place maps have a model
     from google.protobuf.message import DecodeError
@@ -50,10 +58,23 @@ def read_model(path: str) -> ModelInfo:
     if any(each.data_location == onnx.TensorProto.EXTERNAL for each in graph.initializer):
         raise ValueError(f"{path}: its weights are in another file; save both as one by onnx.save()")
     _check_weights(path, graph)
-    tensor = only(path, "input", _inputs_of(path, graph)).type.tensor_type
-    image_input = _image_input(path, tensor, tensor.elem_type == onnx.TensorProto.FLOAT)
+    _sort_nodes(path, graph)
+    return model
+
+
+def model_info(path: str, model: Any, may_be_half: bool = False) -> ModelInfo:
+    """Input, outputs and metadata of an onnx.ModelProto.
+
+    :param may_be_half: whether the input may have half precision
+    :raises ValueError: not a model with one image as input
+    """
+    from onnx import TensorProto
+
+    types = (TensorProto.FLOAT, TensorProto.FLOAT16)[: 1 + may_be_half]
+    tensor = only(path, "input", _inputs_of(model.graph)).type.tensor_type
+    image_input = _image_input(path, tensor, tensor.elem_type in types)
     metadata = {each.key: each.value for each in model.metadata_props}
-    return ModelInfo(image_input, [each.name for each in graph.output], metadata)
+    return ModelInfo(image_input, [each.name for each in model.graph.output], metadata)
 
 
 def only(path: str, what: str, found: Sequence[Any]) -> Any:
@@ -87,33 +108,50 @@ def _image_input(path: str, tensor: Any, is_float: bool) -> ImageInput:
     return ImageInput(*sizes[1:])
 
 
-def _inputs_of(path: str, graph: Any) -> List[Any]:
-    """:raises ValueError: a node lacks an input; OpenCV would crash"""
+def _inputs_of(graph: Any) -> List[Any]:
     weights = {each.name for each in graph.initializer}
-    inputs = [each for each in graph.input if each.name not in weights]  # old files list weights as inputs
-    known = {"", *weights, *(each.name for each in inputs)}  # "": an omitted optional input
-    for node in graph.node:
-        lacking = set(node.input) - known
-        if lacking:
-            raise ValueError(f"{path}: its {node.op_type} works on {lacking.pop()}, which is not there")
-        known.update(node.output)
-    return inputs
+    return [each for each in graph.input if each.name not in weights]  # old files list weights as inputs
 
 
-def open_network(path: str, backend: str, threads: int) -> Network:
+def _sort_nodes(path: str, graph: Any) -> None:
+    """Puts each node behind those that it depends on: converters to half precision do not.
+
+    :raises ValueError: a node lacks an input; OpenCV would crash
+    """
+    known = {"", *(each.name for each in graph.initializer), *(each.name for each in graph.input)}
+    waiting, ordered = list(graph.node), []  # "" is an omitted optional input
+    while waiting:
+        left = []
+        for node in waiting:
+            is_ready = known.issuperset(node.input)
+            (ordered if is_ready else left).append(node)
+            known.update(node.output if is_ready else ())
+        if len(left) == len(waiting):
+            node = left[0]
+            lacking = sorted(set(node.input) - known)[0]
+            raise ValueError(f"{path}: its {node.op_type} works on {lacking}, which is not there")
+        waiting = left
+    if ordered != list(graph.node):
+        copies = [type(node).FromString(node.SerializeToString()) for node in ordered]
+        del graph.node[:]
+        graph.node.extend(copies)
+
+
+def open_network(path: str, backend: str, threads: int, content: Optional[bytes] = None) -> Network:
     """Returns the model as a function, which is not thread-safe.
 
     :param backend: a name in BACKENDS, or auto: onnxruntime if it is installed, else opencv
     :param threads: number of threads of onnxruntime; OpenCV ignores it
+    :param content: replaces that of the file, which is only named in errors
     :raises OSError: the file cannot be read
     :raises ValueError: the model cannot be run; the text explains what to do
     """
     if backend == "auto":
         backend = "onnxruntime" if importlib.util.find_spec("onnxruntime") else "opencv"
-    return BACKENDS[backend](path, threads)
+    return BACKENDS[backend](path, threads, content)
 
 
-def _by_onnxruntime(path: str, threads: int) -> Network:
+def _by_onnxruntime(path: str, threads: int, content: Optional[bytes]) -> Network:
     try:
         import onnxruntime  # optional, and not in Debian
     except ImportError as error:
@@ -122,7 +160,7 @@ def _by_onnxruntime(path: str, threads: int) -> Network:
     options.intra_op_num_threads = threads
     options.log_severity_level = 3  # errors
     try:
-        session = onnxruntime.InferenceSession(path, options, providers=["CPUExecutionProvider"])
+        session = onnxruntime.InferenceSession(content or path, options, providers=["CPUExecutionProvider"])
     except Exception as error:  # onnxruntime's exceptions have no other base class
         raise _cannot(path, "onnxruntime", error) from None
     name = session.get_inputs()[0].name
@@ -136,9 +174,9 @@ def _by_onnxruntime(path: str, threads: int) -> Network:
     return run
 
 
-def _by_opencv(path: str, _threads: int) -> Network:
+def _by_opencv(path: str, _threads: int, content: Optional[bytes]) -> Network:
     try:
-        net = cv2.dnn.readNetFromONNX(path)
+        net = cv2.dnn.readNetFromONNX(np.frombuffer(content, np.uint8) if content else path)
     except cv2.error as error:
         lacking = re.search(r"Can't create layer .* of type \"(\w+)\"", str(error))
         if lacking:

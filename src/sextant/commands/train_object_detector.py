@@ -14,7 +14,8 @@ from pathlib import Path
 from typing import List, Optional, Sequence
 
 from sextant.commands.command_line import Answer, CommandParser, run
-from sextant.objects.yolo_detector import MULTIPLE, YoloParams
+from sextant.objects.yolo_detector import YoloParams
+from sextant.objects.yolo_model import MULTIPLE
 from sextant.training.average_precision import DetectorScore, recall_and_precision
 from sextant.training.detector_scores import plot_confusion, scored
 from sextant.training.object_images import CLASSES, image_set

@@ -79,6 +79,7 @@ class ColourDetector:
         ranges = ranges_of(params.ranges)
         self.classes = list(ranges)
         self._limits = [_limits(colours) for colours in ranges.values()]
+        self.notes: List[str] = []
         self.seconds: Dict[str, float] = {}  # processing time of each stage, last image
 
     def detect(self, image: np.ndarray) -> Detections:

@@ -23,6 +23,7 @@ class Detector(Protocol):
     """Interface of YoloDetector and ColourDetector."""
 
     classes: List[str]
+    notes: List[str]  # on the detector, for the user
     seconds: Dict[str, float]  # processing time of each stage, last image
 
     def detect(self, image: np.ndarray) -> Detections:

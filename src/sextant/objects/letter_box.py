@@ -42,23 +42,28 @@ def letter_box(image: Tuple[int, int], input_size: Tuple[int, int]) -> LetterBox
     return LetterBox(exact, (input_size[0] - inner[0]) // 2, (input_size[1] - inner[1]) // 2, inner)
 
 
-def letterboxed(image: np.ndarray, box: LetterBox, input_size: Tuple[int, int]) -> np.ndarray:
+def letterboxed(
+    image: np.ndarray, box: LetterBox, input_size: Tuple[int, int], is_interpolated: bool = False
+) -> np.ndarray:
     """Resize an image to the network's input; returns uint8 (height, width, 3).
 
     :param image: uint8 (height, width, 3)
+    :param is_interpolated: whether images are reduced by linear interpolation, not by means
     """
     canvas = np.full((input_size[1], input_size[0], 3), GREY, np.uint8)
-    small = cv2.resize(
-        image, box.inner, interpolation=cv2.INTER_AREA if max(box.scale) < 1.0 else cv2.INTER_LINEAR
-    )
+    means = max(box.scale) < 1.0 and not is_interpolated
+    small = cv2.resize(image, box.inner, interpolation=cv2.INTER_AREA if means else cv2.INTER_LINEAR)
     canvas[box.top : box.top + box.inner[1], box.left : box.left + box.inner[0]] = small
     return canvas
 
 
-def blob_of(image: np.ndarray, box: LetterBox, input_size: Tuple[int, int]) -> np.ndarray:
+def blob_of(
+    image: np.ndarray, box: LetterBox, input_size: Tuple[int, int], is_interpolated: bool = False
+) -> np.ndarray:
     """Convert an image to the network's input: float32 (1, 3, height, width) in [0, 1], RGB.
 
     :param image: uint8 (height, width, 3), red first
+    :param is_interpolated: see letterboxed()
     """
-    planes = letterboxed(image, box, input_size).transpose(2, 0, 1)[np.newaxis]
+    planes = letterboxed(image, box, input_size, is_interpolated).transpose(2, 0, 1)[np.newaxis]
     return np.ascontiguousarray(planes, np.float32) / np.float32(255.0)

@@ -1,23 +1,20 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Object detection by a network of the YOLOv8 or YOLO11 family in an ONNX file."""
+"""Object detection by a YOLO network in an ONNX file."""
 
-import ast
 import time
 from dataclasses import dataclass
-from typing import Dict, List, Tuple
+from typing import Dict, Tuple
 
 import cv2
 import numpy as np
 
-from sextant.base.onnx_model import BACKENDS, ModelInfo, open_network, read_model
+from sextant.base.onnx_model import BACKENDS
 from sextant.base.strict_params import Check, StrictParams, one_of, param, within
 from sextant.objects.detections import Detections, check_image
 from sextant.objects.letter_box import GREY, blob_of, letter_box
 from sextant.objects.non_maximum_suppression import non_maximum_suppression
-from sextant.objects.yolo_output import decoded
-
-MULTIPLE = 32  # pixels; exporters round the input size up: 240 is exported as 256
+from sextant.objects.yolo_model import YoloModel
 
 
 @dataclass(frozen=True)
@@ -60,13 +57,13 @@ class YoloDetector:
         if not params.model:
             raise ValueError("model is empty, it must be an ONNX file")
         self._params = params
-        facts = read_model(params.model)
-        self.classes = _classes(params, facts)
-        self.size = _size(params, facts)  # width and height of the input, pixels
-        self._network = open_network(params.model, params.backend, threads or cv2.getNumThreads())
+        threads = threads or cv2.getNumThreads()
+        model = YoloModel(params.model, params.backend, params.classes, params.size, threads)
+        self._model, self.classes, self.notes = model, model.classes, model.notes
+        self.size = model.size  # width and height of the input, pixels
         self.seconds: Dict[str, float] = {}  # processing time of each stage, last image
         grey = np.full((1, 3, self.size[1], self.size[0]), GREY / 255.0, np.float32)
-        self._decoded(self._network(grey))  # raises if the outputs do not fit
+        model.decoded(model.run(grey), params.confidence)  # raises if the outputs do not fit
 
     def detect(self, image: np.ndarray) -> Detections:
         """Detect objects.
@@ -78,57 +75,15 @@ class YoloDetector:
         begin = time.perf_counter()
         size = image.shape[1], image.shape[0]
         box = letter_box(size, self.size)
-        blob = blob_of(image, box, self.size)
+        blob = blob_of(image, box, self.size, self._model.is_interpolated)
         prepared = time.perf_counter()
-        outputs = self._network(blob)
+        outputs = self._model.run(blob)
         run = time.perf_counter()
         params = self._params
-        found = self._decoded(outputs)
+        found = self._model.decoded(outputs, params.confidence)
         found = found._replace(boxes=box.to_image(found.boxes, size))
-        found = non_maximum_suppression(found, params.max_overlap, params.class_agnostic, params.max_objects)
+        overlap = 1.0 if self._model.is_end_to_end else params.max_overlap
+        found = non_maximum_suppression(found, overlap, params.class_agnostic, params.max_objects)
         stages = {"letter box": prepared - begin, "network": run - prepared}
         self.seconds = {**stages, "decoding": time.perf_counter() - run}
         return found
-
-    def _decoded(self, outputs: List[np.ndarray]) -> Detections:
-        try:
-            return decoded(outputs, self.size, len(self.classes), self._params.confidence)
-        except ValueError as error:
-            raise ValueError(f"{self._params.model}: {error}") from None
-
-
-def _classes(params: YoloParams, facts: ModelInfo) -> List[str]:
-    """Class names from the parameters or the model."""
-    written = facts.metadata.get("names", "")
-    try:
-        names = ast.literal_eval(written) if written else {}
-        known = [str(names[i]) for i in range(len(names))]
-    except (ValueError, SyntaxError, KeyError, TypeError):
-        raise ValueError(f"{params.model}: its class names cannot be read: {written[:80]}") from None
-    if params.classes and known and len(params.classes) != len(known):
-        given, names = len(params.classes), ", ".join(known)
-        raise ValueError(f"classes are {given} names, but {params.model} has {len(known)}: {names}")
-    classes = list(params.classes) or known
-    if not classes:
-        raise ValueError(f"{params.model}: contains no class names: set classes")
-    return classes
-
-
-def _size(params: YoloParams, facts: ModelInfo) -> Tuple[int, int]:
-    """Width and height of the model's input."""
-    taken = facts.input
-    if taken.channels not in (0, 3):
-        raise ValueError(f"{params.model}: takes {taken.channels} channel; it must take red, green and blue")
-    return _side(params, "width", taken.width), _side(params, "height", taken.height)
-
-
-def _side(params: YoloParams, name: str, fixed: int) -> int:
-    """One side of the input. :param fixed: pixels in the model, 0: any"""
-    asked = -(-params.size // MULTIPLE) * MULTIPLE
-    if fixed % MULTIPLE:
-        raise ValueError(f"{params.model}: takes a {name} of {fixed}; it must be a multiple of {MULTIPLE}")
-    if fixed and asked not in (0, fixed):
-        raise ValueError(f"size is {params.size}, but {params.model} takes a {name} of {fixed}")
-    if not fixed and not asked:
-        raise ValueError(f"size must be set: {params.model} takes any {name}")
-    return fixed or asked

@@ -3,11 +3,9 @@
 """Detectors in ONNX files: made ones with known outputs, and invalid ones."""
 
 import importlib.util
-import re
 from pathlib import Path
 
 import numpy as np
-import onnx.utils
 import pytest
 from made_yolo import ConvolvedDetector, constant_network
 
@@ -115,17 +113,6 @@ def test_a_full_export_detects_what_the_cut_graph_detects(tmp_path):
     models = made.write_cut(tmp_path / "cut.onnx"), made.write_full(tmp_path / "full.onnx")
     one, other = (detector(model, "onnxruntime").detect(noise()) for model in models)
     assert len(one.boxes) > 10
-    assert_same(one, other)
-
-
-@pytest.mark.skipif(not hasattr(onnx.utils, "extract_model"), reason="onnx is older than 1.8")
-def test_a_full_export_is_cut_by_the_script_of_the_page(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    made = ConvolvedDetector(NAMES)
-    made.write_full("best.onnx")
-    page = Path(__file__).resolve().parents[3] / "doc/how_to/object_detector.md"
-    exec(re.search(r"^```python\n(.*?)^```", page.read_text(), re.M | re.S).group(1), {})
-    one, other = (detector(model).detect(noise()) for model in ("cut.onnx", made.write_cut("known.onnx")))
     assert_same(one, other)
 
 

@@ -143,3 +143,13 @@ def test_a_full_export_without_its_sigmoid_is_refused():
         ValueError, match=r"outputs scores of -2.5 to 0; a full export has scores in \[0, 1\]"
     ):
         decoded([outputs], SIZE, 3, 0.4)
+
+
+def test_rows_of_an_end_to_end_export():
+    rows = np.zeros((1, 300, 6), np.float32)
+    rows[0, :3] = [[1, 2, 3, 4, 0.3, 1], [5, 6, 9, 8, 0.9, 0], [1, 2, 3, 4, 0.7, 2]]
+    found = decoded([rows], SIZE, 3, 0.4)
+    assert found.boxes.tolist() == [[5, 6, 9, 8], [1, 2, 3, 4]]
+    assert found.classes.tolist() == [0, 2] and found.scores == pytest.approx([0.9, 0.7])
+    with pytest.raises(ValueError, match="outputs class 2, there are 2 classes"):
+        decoded([rows], SIZE, 2, 0.4)

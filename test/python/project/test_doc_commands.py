@@ -24,6 +24,7 @@ FOREIGN = (
     *(
         "apt install ./sextant_*.deb",
         "rosbag record ",
+        "yolo export ",
         "rqt_image_view ",
         "rosrun tf2_ros ",
         "rosrun rqt_image_view ",

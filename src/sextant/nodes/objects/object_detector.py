@@ -36,6 +36,8 @@ class ObjectDetectorNode:
         self._detections = VisionPublisher("objects/detections", detector.classes)
         self._drawn_images = ImagePublisher("objects/image")
         rospy.loginfo("detects %s", ", ".join(detector.classes))
+        for note in detector.notes:
+            rospy.loginfo("%s", note)
 
     def run(self) -> None:
         """Process images until the node is shut down."""
