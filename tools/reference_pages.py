@@ -32,7 +32,7 @@ the fields, too.
 def commands() -> str:
     """Returns the page of the commands: the first sentence of each program, and the page that explains it."""
     rows = []
-    for path in sorted((ROOT / "src/sextant/commands").glob("*.py")):
+    for path in sorted((ROOT / "src/sextant/commands").rglob("*.py"), key=lambda path: path.name):
         if (ROOT / "scripts" / path.stem).exists():
             text = ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))) or ""
             page = page_of(path.stem)

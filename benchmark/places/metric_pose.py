@@ -13,7 +13,7 @@ from tables import Row, Table, Value
 import sextant
 from places.place_seasons import FEW, MAP_STEP, SIZE, SMALL, walk
 from places.place_walk import Size
-from sextant.place_maps.photo_file import read_grey
+from sextant.images.photo_file import read_grey
 from sextant.place_maps.photo_poses import PhotoCamera, PhotoPoses, PosedPhoto, poses_path, write_photo_poses
 from sextant.place_maps.place_map import Photo, PlaceMap
 from sextant.place_points.place_points_file import points_of_map

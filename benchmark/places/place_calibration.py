@@ -21,7 +21,7 @@ from places import place_domains
 from places.place_domains import QuerySet, part_of, still_right
 from places.place_recall import measured
 from places.place_seasons import FEW, HARD_PAIRS, MAP_STEP, QUERY_STEP, SIZE, SMALL, hard_walk, walk
-from sextant.place_maps.photo_file import find_photos
+from sextant.images.photo_file import find_photos
 from sextant.place_reports.place_predictors import roc_area
 from sextant.places.index_params import IndexParams
 from sextant.places.photo_features import decode_photo

@@ -11,7 +11,7 @@ from tables import Row, Table, Value
 
 from places.place_domains import NEAR, campus, corridor, lund_map, part_of, still_right, tower
 from places.place_method import METHODS
-from sextant.place_maps.photo_file import find_photos
+from sextant.images.photo_file import find_photos
 from sextant.place_maps.place_map import PlaceMap
 from sextant.places.place_evaluation import PlaceEvaluation, evaluate, evaluate_leave_one_out
 from sextant.places.place_index_update import PlaceIndexer

@@ -8,7 +8,7 @@ from known_drives import SIZE
 from made_photos import picture
 from PIL import Image
 
-from sextant.commands.make_place_map import main
+from sextant.commands.places.make_place_map import main
 
 CORNERS = ["--north-west", "55.61,13.00", "--south-east", "55.60,13.02"]
 

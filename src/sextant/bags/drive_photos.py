@@ -21,11 +21,12 @@ from sextant.bags.stamps import Losses
 from sextant.bags.transforms import read_transforms
 from sextant.base.strict_params import StrictParams, above_zero, param, within
 from sextant.geometry.poses import MAX_GAP, interpolated_poses
+from sextant.images.sharpness import sharpness
 from sextant.messages.camera_messages import camera_from_info
 from sextant.messages.damaged_message import DamagedMessage
 from sextant.messages.frame_name import frame_name
 from sextant.messages.image_messages import colour_compressed, colour_image
-from sextant.place_maps.keyframe_selection import keyframe_candidates, sharpness, view_yaw
+from sextant.place_maps.keyframe_selection import keyframe_candidates, view_yaw
 from sextant.place_maps.photo_poses import PhotoCamera
 
 JPEG_QUALITY = 95

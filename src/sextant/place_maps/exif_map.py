@@ -6,7 +6,7 @@ import math
 from pathlib import Path
 from typing import Dict, Sequence, Tuple
 
-from sextant.place_maps.photo_file import GeoPosition, geo_position
+from sextant.images.photo_file import GeoPosition, geo_position
 from sextant.place_maps.place_map import METRES_PER_DEGREE, GeoCorners, PlaceMap, image_in
 from sextant.place_maps.place_map_addition import NewPhoto, add_photos
 

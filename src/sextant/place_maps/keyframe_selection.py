@@ -8,7 +8,6 @@ Poses are T_map_camera (4, 4) of the optical frame (z forward), metres.
 import math
 from typing import List, Optional, Sequence
 
-import cv2
 import numpy as np
 
 import sextant
@@ -43,12 +42,6 @@ def _motion(a: np.ndarray, b: np.ndarray, distance: float, turn: float) -> float
     """Motion between two poses: the larger of its fractions of distance and of turn."""
     angle = np.linalg.norm(sextant.log_so3(a[:3, :3].T @ b[:3, :3]))
     return max(float(np.linalg.norm(b[:3, 3] - a[:3, 3])) / distance, float(angle) / turn)
-
-
-def sharpness(image: np.ndarray) -> float:
-    """Variance of the Laplacian of an image, uint8 grey or BGR; comparable for the same scene only."""
-    grey = image if image.ndim == 2 else cv2.cvtColor(image, cv2.COLOR_BGR2GRAY)
-    return float(cv2.Laplacian(grey, cv2.CV_32F).var())
 
 
 def view_yaw(T_map_camera: np.ndarray) -> Optional[float]:

@@ -5,7 +5,7 @@
 import cv2
 import numpy as np
 
-from sextant.place_maps.photo_file import read_rgb
+from sextant.images.photo_file import read_rgb
 from sextant.place_maps.place_map import PlaceMap
 
 READABLE = 800  # minimum of the longer side, pixels, for text to be readable; smaller overviews are enlarged

@@ -8,8 +8,8 @@ from typing import Dict, NamedTuple, Tuple, Union
 
 from PIL import Image, ImageOps
 
+from sextant.images.photo_file import photo_size
 from sextant.place_maps.overview import map_server_frame
-from sextant.place_maps.photo_file import photo_size
 from sextant.place_maps.place_map import GeoCorners, MetricFrame, Overview, PlaceMap, image_in
 
 WEB_SUFFIXES = (".png", ".jpg", ".jpeg", ".webp")  # of formats that every browser shows

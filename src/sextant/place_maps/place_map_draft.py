@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Dict, List, Optional, Tuple
 
 from sextant.base.atomic_file import atomic_file
-from sextant.place_maps.photo_file import (
+from sextant.images.photo_file import (
     SUFFIXES,
     decode_grey,
     find_photos,

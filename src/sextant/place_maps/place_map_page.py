@@ -9,7 +9,7 @@ from typing import Any, Awaitable, Callable, Dict, Tuple
 from aiohttp import web
 from PIL import Image
 
-from sextant.place_maps.photo_file import read_rgb
+from sextant.images.photo_file import read_rgb
 from sextant.place_maps.place_map_draft import PlaceMapDraft
 
 ADDRESS = "127.0.0.1"

@@ -5,7 +5,7 @@
 from pathlib import Path
 from typing import Optional
 
-from sextant.place_maps.photo_file import photo_size
+from sextant.images.photo_file import photo_size
 from sextant.place_maps.place_map import GeoCorners
 
 

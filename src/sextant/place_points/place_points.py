@@ -12,8 +12,8 @@ from scipy.stats import chi2
 
 import sextant
 from sextant.base.jobs import run_jobs
-from sextant.place_maps.photo_depth import read_photo_depth
-from sextant.place_maps.photo_file import decode_grey
+from sextant.images.photo_depth import read_photo_depth
+from sextant.images.photo_file import decode_grey
 from sextant.place_maps.photo_poses import PosedPhoto
 from sextant.place_points.camera_pose_fit import PointMatches, fit_camera_pose
 from sextant.place_points.point_keypoints import PointKeypointExtractor, PointKeypoints

@@ -16,7 +16,7 @@ from typing import Callable, Dict, Optional, Tuple
 import numpy as np
 
 from sextant.base.atomic_file import atomic_file
-from sextant.place_maps.photo_depth import depth_path
+from sextant.images.photo_depth import depth_path
 from sextant.place_maps.photo_poses import PosedPhoto, poses_path, read_photo_poses
 from sextant.place_maps.place_map import MetricFrame, PlaceMap
 from sextant.place_points.place_points import PlacePoints, posed_keypoints, triangulated_points

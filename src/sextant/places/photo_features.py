@@ -10,7 +10,7 @@ import numpy as np
 
 import sextant
 from sextant.base.jobs import JobError, run_jobs
-from sextant.place_maps.photo_file import decode_colour, decode_grey
+from sextant.images.photo_file import decode_colour, decode_grey
 from sextant.places.global_descriptor import cached_descriptor
 from sextant.places.index_params import IndexParams, content_digest
 from sextant.places.photo_keypoints import UNIT, Keypoints

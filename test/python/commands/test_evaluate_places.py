@@ -14,7 +14,7 @@ import pytest
 from made_network import pooling_network
 from made_photos import picture, shifted, written_photos
 
-from sextant.commands.evaluate_places import main
+from sextant.commands.places.evaluate_places import main
 
 ROOT = Path(__file__).resolve().parents[3]
 PAGE = (ROOT / "doc/how_to/place_accuracy.md").read_text()

@@ -13,7 +13,7 @@ from known_drives import SIZE, write_drive
 from made_photos import picture
 from place_map_command import CORNERS, floor_yaml, photo, refused
 
-from sextant.commands.make_place_map import COMMANDS, main
+from sextant.commands.places.make_place_map import COMMANDS, main
 
 ROOT = Path(__file__).resolve().parents[3]
 PAGE = (ROOT / "doc/how_to/place_map.md").read_text()

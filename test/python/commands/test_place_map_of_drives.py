@@ -9,8 +9,8 @@ from made_photos import picture
 from PIL import Image
 from place_map_command import floor_yaml, printed, refused
 
-from sextant.place_maps.photo_depth import read_photo_depth
-from sextant.place_maps.photo_file import read_grey
+from sextant.images.photo_depth import read_photo_depth
+from sextant.images.photo_file import read_grey
 from sextant.place_maps.photo_poses import read_photo_poses
 from sextant.place_maps.place_map import MetricFrame, Overview
 from sextant.place_maps.place_map_file import read_place_map

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from sextant.images.photo_file import GeoPosition, find_photos
 from sextant.place_maps.exif_map import corners_around, exif_map, positions_of
-from sextant.place_maps.photo_file import GeoPosition, find_photos
 from sextant.place_maps.place_map import GeoCorners, Overview, Photo, PlaceMap
 
 LUND = Path(__file__).resolve().parents[4] / "shared" / "data" / "places" / "lund"

@@ -50,10 +50,12 @@ PYTHON = {
     "localization": "geometry",
     "mapping": "base",
     "landmarks": "base",
+    "images": "",
     "objects": "base geometry landmarks",
-    "place_maps": "base geometry",
-    "place_points": "geometry base place_maps",
-    "places": "base place_maps place_points",
+    "labels": "base images objects",
+    "place_maps": "base geometry images",
+    "place_points": "base geometry images place_maps",
+    "places": "base images place_maps place_points",
     "place_reports": "base place_maps places",
     "printing": "base markers",
     "ball": "base geometry objects",
@@ -61,7 +63,7 @@ PYTHON = {
     "training": "base objects simulation",
     "evaluation": "base geometry localization objects ball simulation",
     "messages": "geometry localization objects",
-    "bags": "base calibration geometry landmarks localization messages objects place_maps",
+    "bags": "base calibration geometry images landmarks localization messages objects place_maps",
 }
 
 

@@ -19,12 +19,12 @@ from sensor_msgs.msg import Image
 from std_msgs.msg import Header
 
 from sextant.base.strict_params import not_empty, param, required, within
+from sextant.images.photo_file import find_photos, read_rgb
 from sextant.messages.image_messages import image_to_message
 from sextant.nodes.base.exits import fatal
 from sextant.nodes.base.init_node import init_node
 from sextant.nodes.base.params import read_params
 from sextant.nodes.base.subscriber_wait import wait_for_subscriber
-from sextant.place_maps.photo_file import find_photos, read_rgb
 
 LINGER = 1.0  # minimum time from the last photo to the end, seconds, so that it is transmitted
 

@@ -16,6 +16,7 @@ from std_srvs.srv import Trigger, TriggerResponse
 
 from sextant.base.jobs import JobError, SchedulerError
 from sextant.base.stamp_jump import jumps_back
+from sextant.images.photo_file import read_rgb
 from sextant.localization.odometry_track import OdometryTrack
 from sextant.messages.damaged_message import DamagedMessage
 from sextant.messages.image_messages import colour_compressed, colour_image
@@ -31,7 +32,6 @@ from sextant.nodes.places.place_messages import fix_message, hypotheses_message,
 from sextant.nodes.places.place_report import PlaceReport
 from sextant.nodes.places.query_camera import QueryCamera
 from sextant.nodes.places.rough_pose_input import RoughPoseInput
-from sextant.place_maps.photo_file import read_rgb
 from sextant.place_maps.place_map import GeoCorners, MetricFrame
 from sextant.place_points.place_points_file import points_of_map
 from sextant.places.match_image import match_image

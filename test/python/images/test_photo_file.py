@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from sextant.place_maps.photo_file import decode_colour, geo_position, photo_size, read_grey, read_rgb
+from sextant.images.photo_file import decode_colour, geo_position, photo_size, read_grey, read_rgb
 
 ORIENTATION, GPS = 0x0112, 0x8825
 LUND = Path(__file__).resolve().parents[4] / "shared" / "data" / "places" / "lund"

@@ -17,12 +17,12 @@ from typing import List
 import numpy as np
 
 from sextant.commands.command_line import Answer, CommandParser
-from sextant.commands.georeference_options import add_corner_options, corners_of
-from sextant.commands.place_map_output import add_output_options, existing_map, write_map
+from sextant.commands.places.georeference_options import add_corner_options, corners_of
+from sextant.commands.places.place_map_output import add_output_options, existing_map, write_map
+from sextant.images.photo_file import find_photos
 from sextant.place_maps.exif_map import corners_around, exif_map, positions_of
 from sextant.place_maps.overview import draw_overview
 from sextant.place_maps.overview_image import OverviewImage, drawn_overview, overview_from_file
-from sextant.place_maps.photo_file import find_photos
 from sextant.place_maps.place_map import image_in
 from sextant.place_maps.world_file import corners_beside
 

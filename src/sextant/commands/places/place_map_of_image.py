@@ -14,8 +14,8 @@ from pathlib import Path
 from typing import Union
 
 from sextant.commands.command_line import Answer, CommandParser, check_output
-from sextant.commands.georeference_options import add_corner_options, corners_of
-from sextant.commands.place_map_output import add_output_options, write_map
+from sextant.commands.places.georeference_options import add_corner_options, corners_of
+from sextant.commands.places.place_map_output import add_output_options, write_map
 from sextant.place_maps.overview_image import overview_from_file, overview_from_map_server
 from sextant.place_maps.place_map import GeoCorners, MetricFrame
 from sextant.place_maps.world_file import corners_beside

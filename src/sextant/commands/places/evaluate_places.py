@@ -20,7 +20,7 @@ from sextant.base.strict_params import parse_params
 from sextant.base.table_file import text_table
 from sextant.commands.command_line import Answer, CommandParser, run
 from sextant.commands.params_options import add_params_options, given_params
-from sextant.commands.place_evaluation_outputs import (
+from sextant.commands.places.place_evaluation_outputs import (
     Findings,
     add_output_options,
     check_outputs,

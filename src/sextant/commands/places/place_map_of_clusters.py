@@ -12,7 +12,7 @@ import argparse
 from pathlib import Path
 
 from sextant.commands.command_line import Answer, CommandParser, check_output
-from sextant.commands.place_map_output import add_output_options, write_map
+from sextant.commands.places.place_map_output import add_output_options, write_map
 from sextant.place_maps.place_clusters import clustered, clustered_by_size
 from sextant.place_maps.place_map_file import read_place_map
 from sextant.places.place_estimate import scale_of

@@ -17,7 +17,7 @@ from typing import Optional, Sequence
 from aiohttp import web
 
 from sextant.commands.command_line import Answer, CommandParser, run
-from sextant.commands.georeference_options import add_corner_options, corners_of
+from sextant.commands.places.georeference_options import add_corner_options, corners_of
 from sextant.place_maps.place_map_draft import PlaceMapDraft
 from sextant.place_maps.place_map_page import ADDRESS, map_page
 

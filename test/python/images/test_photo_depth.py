@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
-from sextant.place_maps.photo_depth import depth_path, encoded_depth, read_photo_depth
+from sextant.images.photo_depth import depth_path, encoded_depth, read_photo_depth
 
 
 def test_depth_survives_to_the_millimetre(tmp_path):

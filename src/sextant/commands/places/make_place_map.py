@@ -14,13 +14,13 @@ import argparse
 import sys
 from typing import Optional, Sequence
 
-from sextant.commands import (
+from sextant.commands.command_line import Answer, CommandParser, run
+from sextant.commands.places import (
     place_map_of_clusters,
     place_map_of_drives,
     place_map_of_image,
     place_map_of_photos,
 )
-from sextant.commands.command_line import Answer, CommandParser, run
 
 COMMANDS = {
     "exif": place_map_of_photos,

@@ -26,10 +26,10 @@ import numpy as np
 from sextant.bags.drive_photos import DrivePhoto, DrivePhotos, PhotoParams, read_drive_photos
 from sextant.commands.bag_options import add_job_options, add_mount_options, read_bags, read_mounts
 from sextant.commands.command_line import Answer, CommandParser
-from sextant.commands.place_map_output import add_output_options, existing_map, write_map
+from sextant.commands.places.place_map_output import add_output_options, existing_map, write_map
+from sextant.images.photo_depth import depth_path, encoded_depth
 from sextant.place_maps.overview import draw_paths
 from sextant.place_maps.overview_image import OverviewImage, drawn_overview, overview_from_map_server
-from sextant.place_maps.photo_depth import depth_path, encoded_depth
 from sextant.place_maps.photo_poses import PhotoPoses, PosedPhoto, poses_path, read_photo_poses
 from sextant.place_maps.place_map import MetricFrame, PlaceMap
 from sextant.place_maps.place_map_addition import NewPhoto, add_photos
