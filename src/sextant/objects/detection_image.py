@@ -14,15 +14,18 @@ FONT, DARK, LIGHT = cv2.FONT_HERSHEY_SIMPLEX, (20, 20, 20), (255, 255, 255)
 FONT_SCALE = 1.0 / 900.0  # font size per pixel of the image's height
 
 
-def detection_image(image: np.ndarray, found: Detections, classes: Sequence[str]) -> np.ndarray:
+def detection_image(
+    image: np.ndarray, found: Detections, classes: Sequence[str], with_scores: bool = True
+) -> np.ndarray:
     """Return a copy of the image with all detections; the one with the highest score is on top.
 
     :param image: uint8 (height, width, 3), red first
+    :param with_scores: whether the scores are written
     """
     drawn = image.copy()
     for box, score, number in zip(*(each[::-1] for each in found)):
         colour = tuple(round(255 * part) for part in colour_of_class(classes[number]))
-        _draw(drawn, box, f"{classes[number]} {score:.2f}", colour)
+        _draw(drawn, box, f"{classes[number]} {score:.2f}" if with_scores else classes[number], colour)
     return drawn
 
 

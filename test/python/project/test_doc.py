@@ -85,7 +85,8 @@ def source_of(node):
 
 @pytest.mark.parametrize("node", [*sorted(NODELETS), *SCRIPTS])
 def test_topics_and_services_are_named(node):
-    call = r'(?:advertise|subscribe|advertiseService|Publisher|Subscriber|Service)(?:<[^(]*>)?\(\s*"([^"]+)"'
+    calls = "advertise|subscribe|advertiseService|Publisher|Subscriber|Service|LatestImage"
+    call = rf'(?:{calls})(?:<[^(]*>)?\(\s*"([^"]+)"'
     names = set(re.findall(call, source_of(node)))
     assert names or node == "registration_keeper"  # which has those of the others
     text = section(NODES_PAGE, node)

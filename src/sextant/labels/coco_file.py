@@ -1,0 +1,125 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Labels in COCO's JSON format (cocodataset.org, object detection)."""
+
+import json
+import os
+from pathlib import Path
+from typing import Any, Dict, List, Tuple
+
+from sextant.base.atomic_file import atomic_file
+from sextant.images.photo_file import photo_size
+from sextant.labels.json_file import field, read_json
+from sextant.labels.labelled_photos import (
+    LabelledPhoto,
+    LabelledPhotos,
+    check_box,
+    check_names,
+    labelled_photo,
+)
+
+_Objects = Dict[int, Tuple[List[List[float]], List[int]]]  # boxes and classes by image id
+
+
+def read_coco_file(path: Path) -> LabelledPhotos:
+    """Reads the file; names of photos are relative to its folder, or to `images` in it.
+
+    :raises OSError: a file cannot be read
+    :raises ValueError: "file: item: reason"
+    """
+    table = read_json(path)
+    try:
+        return _photos(table, path)
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from None
+
+
+def _photos(table: Any, path: Path) -> LabelledPhotos:
+    categories = [
+        (_of("category", i, each, "id", int), _of("category", i, each, "name", str))
+        for i, each in enumerate(field(table, "categories", list))
+    ]
+    names = check_names([name for _, name in categories], "categories")
+    index_of = {number: index for index, (number, _) in enumerate(categories)}
+    images: Dict[int, Tuple[Path, Tuple[int, int]]] = {}
+    for i, each in enumerate(field(table, "images", list)):
+        number = _of("image", i, each, "id", int)
+        if number in images:
+            raise ValueError(f"image {i}: its id {number} is there twice")
+        images[number] = _image(i, each, path.parent)
+    objects = _objects(table, images, index_of)
+    photos = [_photo(*images[number], *objects[number]) for number in images]
+    return LabelledPhotos(names, tuple(photos))
+
+
+def _of(what: str, number: int, table: Any, name: str, *kinds: type) -> Any:
+    try:
+        return field(table, name, *kinds)
+    except ValueError as error:
+        raise ValueError(f"{what} {number}: {error}") from None
+
+
+def _image(number: int, table: Any, folder: Path) -> Tuple[Path, Tuple[int, int]]:
+    """Path and size of a photo."""
+    name = _of("image", number, table, "file_name", str)
+    photo = next((each for each in (folder / name, folder / "images" / name) if each.is_file()), None)
+    if photo is None:
+        raise ValueError(f"image {number}: there is no file {folder / name}")
+    size = photo_size(photo)
+    written = tuple(table.get(side, size[i]) for i, side in enumerate(("width", "height")))
+    if written != size:
+        sizes = f"{written[0]} × {written[1]} pixels, the file has {size[0]} × {size[1]}"
+        raise ValueError(f"image {number} ({name}): has {sizes}")
+    return photo, size
+
+
+def _objects(table: Any, images: Dict[int, tuple], index_of: Dict[int, int]) -> _Objects:
+    objects: _Objects = {number: ([], []) for number in images}
+    for i, each in enumerate(field(table, "annotations", list)):
+        what = f"annotation {each.get('id', i)}" if isinstance(each, dict) else f"annotation {i}"
+        try:
+            image, category = field(each, "image_id", int), field(each, "category_id", int)
+            if image not in images:
+                raise ValueError(f"there is no image {image}")
+            if category not in index_of:
+                raise ValueError(f"there is no category {category}")
+            box = _box(field(each, "bbox", list))
+            check_box(box, images[image][1])
+        except ValueError as error:
+            raise ValueError(f"{what}: {error}") from None
+        objects[image][0].append(box)
+        objects[image][1].append(index_of[category])
+    return objects
+
+
+def _box(numbers: List[Any]) -> List[float]:
+    """Left, top, right, bottom from left, top, width, height."""
+    if len(numbers) != 4 or not all(type(each) in (int, float) for each in numbers):
+        raise ValueError("its bbox must be four numbers: left, top, width, height")
+    left, top, width, height = numbers
+    return [left, top, left + width, top + height]
+
+
+def _photo(path: Path, size: Tuple[int, int], boxes: List[List[float]], classes: List[int]) -> LabelledPhoto:
+    return labelled_photo(path, size, boxes, classes)
+
+
+def write_coco_file(path: Path, photos: LabelledPhotos) -> None:
+    """Writes the file; names of photos are relative to its folder.
+
+    :raises OSError: it cannot be written
+    """
+    images, annotations = [], []
+    for number, photo in enumerate(photos.photos, 1):
+        name = os.path.relpath(photo.path, path.parent)
+        images.append({"id": number, "file_name": name, "width": photo.size[0], "height": photo.size[1]})
+        for index, (left, top, right, bottom) in zip(photo.classes.tolist(), photo.boxes.tolist()):
+            box = [round(value, 3) for value in (left, top, right - left, bottom - top)]
+            annotations.append({
+                "id": len(annotations) + 1, "image_id": number, "category_id": index + 1, "bbox": box,
+                "area": round(box[2] * box[3], 3), "iscrowd": 0,
+            })  # fmt: skip
+    categories = [{"id": index, "name": name} for index, name in enumerate(photos.classes, 1)]
+    with atomic_file(path) as file:
+        json.dump({"images": images, "annotations": annotations, "categories": categories}, file, indent=1)
+        file.write("\n")

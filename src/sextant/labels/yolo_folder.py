@@ -1,0 +1,198 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Labels of YOLO's format: folders `images` and `labels`, and data.yaml or classes.txt.
+
+A label file has a line for each object: the class, and centre, width and height of its box as fractions of
+the photo; or the class and a polygon x y x y ..., whose box is used. Photos without objects need no file.
+"""
+
+import shutil
+from pathlib import Path
+from typing import Any, Dict, Iterator, List, Sequence, Tuple
+
+import numpy as np
+import yaml
+
+from sextant.base.atomic_file import atomic_file
+from sextant.images.photo_file import find_photos, photo_size
+from sextant.labels.labelled_photos import (
+    LabelledPhoto,
+    LabelledPhotos,
+    box_around,
+    check_box,
+    check_names,
+    labelled_photo,
+)
+
+DATA, CLASSES, IMAGES, LABELS = "data.yaml", "classes.txt", "images", "labels"
+SPLITS = {"train": ("train",), "valid": ("val", "valid"), "test": ("test",)}  # names in data.yaml
+
+
+def read_yolo_folder(path: Path, split: str = "") -> LabelledPhotos:
+    """Reads a folder, or the data.yaml in it.
+
+    :param split: a name in SPLITS; empty: all
+    :raises OSError: a file cannot be read
+    :raises ValueError: "file:line: reason", or a photo cannot be used
+    """
+    data = path / DATA if path.is_dir() else path
+    if path.is_dir() and not data.exists():
+        return _read_plain(path, split)
+    table = _table(data)
+    names = check_names(_listed(table.get("names"), data), str(data))
+    root = data.parent / str(table.get("path", "."))
+    photos: List[LabelledPhoto] = []
+    for folder in _folders(table, data, root if root.is_dir() else data.parent, split):
+        photos += _read_folder(folder, names)
+    return LabelledPhotos(names, tuple(photos))
+
+
+def _read_plain(path: Path, split: str) -> LabelledPhotos:
+    if split:
+        raise ValueError(f"{path}: has no {DATA}, so there is no part '{split}'")
+    listed = path / CLASSES
+    if not listed.exists():
+        raise ValueError(f"{path}: has neither {DATA} nor {CLASSES}")
+    names = check_names(listed.read_text(encoding="utf-8").splitlines(), str(listed))
+    return LabelledPhotos(names, tuple(_read_folder(path / IMAGES, names)))
+
+
+def _table(data: Path) -> Dict[str, Any]:
+    try:
+        table = yaml.safe_load(data.read_text(encoding="utf-8"))
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        raise ValueError(f"{data}: is not YAML: {getattr(error, 'problem', error)}") from None
+    if not isinstance(table, dict):
+        raise ValueError(f"{data}: must have the fields names, train and val")
+    return table
+
+
+def _listed(names: Any, data: Path) -> List[Any]:
+    """Names in the order of their indices."""
+    if isinstance(names, dict) and sorted(names) == list(range(len(names))):
+        return [names[index] for index in range(len(names))]
+    if isinstance(names, list):
+        return names
+    raise ValueError(f"{data}: names must be a list, or a table of 0, 1, ...")
+
+
+def _folders(table: Dict[str, Any], data: Path, root: Path, split: str) -> List[Path]:
+    """The image folders of a part."""
+    if split and split not in SPLITS:
+        raise ValueError(f"there is no part '{split}', there are {', '.join(SPLITS)}")
+    wanted = SPLITS[split] if split else sum(SPLITS.values(), ())
+    names: List[str] = []
+    for part in filter(None, map(table.get, wanted)):
+        names += map(str, part if isinstance(part, list) else [part])
+    if not names:
+        raise ValueError(f"{data}: has no part {' or '.join(wanted)}")
+    folders = [root / name for name in dict.fromkeys(names)]
+    for folder in folders:
+        if not folder.is_dir():
+            raise ValueError(f"{data}: there is no folder {folder}")
+    return folders
+
+
+def _read_folder(folder: Path, names: Sequence[str]) -> Iterator[LabelledPhoto]:
+    """The photos of a folder, with the labels of the folder beside it."""
+    photos = find_photos(folder)
+    labels = _labels_of(folder)
+    known = {labels / photo.relative_to(folder).with_suffix(".txt") for photo in photos}
+    for path in sorted(labels.rglob("*.txt")):
+        if path not in known and path.name != CLASSES:
+            raise ValueError(f"{path}: there is no photo for it in {folder}")
+    if not photos:
+        raise ValueError(f"{folder}: there are no photos in it")
+    for photo in photos:
+        path = labels / photo.relative_to(folder).with_suffix(".txt")
+        yield _read_photo(photo, path, len(names))
+
+
+def _labels_of(images: Path) -> Path:
+    """The folder of the labels: `labels` in place of the last `images` of the path."""
+    parts = list(images.parts)
+    for index in range(len(parts) - 1, -1, -1):
+        if parts[index] == IMAGES:
+            return Path(*parts[:index], LABELS, *parts[index + 1 :])
+    return images
+
+
+def _read_photo(photo: Path, path: Path, count: int) -> LabelledPhoto:
+    size = photo_size(photo)
+    boxes, classes = [], []
+    lines = path.read_text(encoding="utf-8", errors="replace").splitlines() if path.exists() else []
+    for number, line in enumerate(lines, 1):
+        if not line.strip():
+            continue
+        try:
+            index, box = _object(line, size, count)
+            check_box(box, size)
+        except ValueError as error:
+            raise ValueError(f"{path}:{number}: {error}") from None
+        boxes.append(box)
+        classes.append(index)
+    return labelled_photo(photo, size, boxes, classes)
+
+
+def _object(line: str, size: Tuple[int, int], count: int) -> Tuple[int, List[float]]:
+    """Class and box of a line."""
+    number, *words = line.split()
+    if len(words) != 4 and (len(words) < 6 or len(words) % 2):
+        what = f"has {1 + len(words)} numbers, it must have 5 (class x y width height) or a polygon"
+        raise ValueError(what)
+    if not number.isdigit() or int(number) >= count:
+        raise ValueError(f"its class is {number}, it must be a whole number from 0 to {count - 1}")
+    try:
+        pixels = np.array(words, float).reshape(-1, 2) * size
+    except ValueError:
+        raise ValueError(f"'{line.strip()[:60]}' are not numbers") from None
+    if len(words) > 4:
+        return int(number), box_around(pixels)
+    middle, extent = pixels
+    return int(number), [*(middle - extent / 2), *(middle + extent / 2)]
+
+
+def write_yolo_folder(folder: Path, photos: LabelledPhotos, part: str = "train") -> None:
+    """Writes a new folder, with copies of the photos.
+
+    :param part: folder of the images: train or valid
+    :raises OSError: it cannot be written
+    :raises ValueError: two photos have the same name
+    """
+    names = unique_names(photos)
+    for name, photo in zip(names, photos.photos):
+        image, label = folder / part / IMAGES / name, (folder / part / LABELS / name).with_suffix(".txt")
+        for each in (image, label):
+            each.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(photo.path, image)
+        with atomic_file(label) as file:
+            file.writelines(f"{line}\n" for line in _lines(photo))
+    table = {
+        "path": ".",
+        "train": f"{part}/{IMAGES}",
+        "val": f"{part}/{IMAGES}",
+        "names": list(photos.classes),
+    }
+    with atomic_file(folder / DATA) as file:
+        yaml.safe_dump(table, file, sort_keys=False, allow_unicode=True)
+
+
+def _lines(photo: LabelledPhoto) -> Iterator[str]:
+    width, height = photo.size
+    for index, (left, top, right, bottom) in zip(photo.classes, photo.boxes):
+        x, y = (left + right) / 2 / width, (top + bottom) / 2 / height
+        yield f"{index} {x:.6f} {y:.6f} {(right - left) / width:.6f} {(bottom - top) / height:.6f}"
+
+
+def unique_names(photos: LabelledPhotos) -> List[str]:
+    """File names of the photos.
+
+    :raises ValueError: two are the same, but for their suffix
+    """
+    names = [photo.path.name for photo in photos.photos]
+    stems: Dict[str, Path] = {}
+    for photo in photos.photos:
+        other = stems.setdefault(photo.path.stem, photo.path)
+        if other != photo.path:
+            raise ValueError(f"{other} and {photo.path} have the same name: rename one of them")
+    return names

@@ -1,0 +1,77 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Collections of pictures whose differences are known."""
+
+import json
+
+import cv2
+import numpy as np
+import pytest
+from made_photos import picture
+
+from sextant.images.photo_depth import read_photo_depth
+from sextant.labels.picture_collection import CollectionParams, PictureCollection
+
+
+def view(seed, brightness=1.0, blur=0.0):
+    """A picture of its own view."""
+    image = cv2.cvtColor(picture(seed, (96, 72)), cv2.COLOR_GRAY2BGR)
+    image = np.clip(image * brightness, 0, 255).astype(np.uint8)
+    return cv2.GaussianBlur(image, (0, 0), blur) if blur else image
+
+
+def test_views_and_lights_that_differ_are_kept(tmp_path):
+    collection = PictureCollection(tmp_path / "a")
+    assert [collection.offer(str(i), view(i)) for i in range(4)] == [True] * 4
+    assert not collection.offer("again", view(2))
+    assert collection.offer("dim", view(2, 0.5))
+    assert collection.counts == {"kept": 5, "like another one": 1}
+    assert collection.summary() == [f"{tmp_path}/a: 5 pictures; dropped: 1 like another one"]
+
+
+def test_blurred_and_dark_pictures_are_dropped(tmp_path):
+    collection = PictureCollection(tmp_path)
+    for i in range(5):
+        collection.offer(str(i), view(i))
+    assert not collection.offer("blurred", view(9, blur=2.0))
+    assert not collection.offer("dark", np.full((72, 96, 3), 4, np.uint8))
+    assert collection.counts == {"kept": 5, "blurred": 1, "dark or white": 1}
+
+
+def test_pictures_are_spread_over_a_drive_of_any_length(tmp_path):
+    """A slow turn: neighbours are alike, and the later half is as well represented as the first one."""
+    wide = cv2.cvtColor(picture(3, (1200, 72)), cv2.COLOR_GRAY2BGR)
+    wide = cv2.GaussianBlur(wide, (0, 0), 6)
+    wide += np.random.default_rng(1).integers(0, 3, wide.shape, dtype=np.uint8)
+    collection = PictureCollection(tmp_path, CollectionParams(count=12, difference=2.0))
+    for i in range(0, 1100, 4):
+        collection.offer(f"{i:04d}", wide[:, i : i + 96])
+    numbers = [int(path.stem) for path in sorted(tmp_path.glob("*.jpg"))]
+    assert 6 <= len(numbers) == len(collection) <= 12
+    assert np.diff(numbers).min() >= 20 and sum(number > 550 for number in numbers) >= 3
+    counts = collection.counts
+    assert sum(counts.values()) == 275 and counts["kept"] == len(numbers) and counts["thinned out"] > 0
+
+
+def test_a_collection_is_continued(tmp_path):
+    first = PictureCollection(tmp_path)
+    first.offer("0", view(0)), first.offer("1", view(1, 0.1)), first.write_counts()
+    again = PictureCollection(tmp_path)
+    assert not again.offer("0", view(0)) and not again.offer("new", view(0)) and again.offer("2", view(2))
+    again.write_counts()
+    counts = json.loads((tmp_path / "collected.json").read_text())
+    assert counts["kept"] == len(again) == len(list(tmp_path.glob("*.jpg")))
+    (tmp_path / "collected.json").write_text("{")
+    with pytest.raises(ValueError, match="collected.json: is damaged, remove it"):
+        PictureCollection(tmp_path)
+
+
+def test_depth_is_beside_its_picture_and_goes_with_it(tmp_path):
+    collection = PictureCollection(tmp_path, CollectionParams(count=1))
+    collection.offer("0", view(0))
+    collection.add_depth("0", np.full((72, 96), 1.5, np.float32))
+    assert read_photo_depth(tmp_path / "0.jpg")[0, 0] == pytest.approx(1.5)
+    for i in range(1, 4):
+        collection.offer(str(i), view(i))
+    assert len(collection) == 1 and collection.has("0")
+    assert len(list(tmp_path.glob("*.jpg"))) == 1
