@@ -10,10 +10,10 @@ from matplotlib.axes import Axes
 from pictures import Panel, save_picture
 from tables import Table
 
+from sextant.detection_scores.average_precision import DetectorScore
+from sextant.detection_scores.detector_scores import plot_confusion
 from sextant.evaluation.ball_score import STOP, STOP_ERROR
 from sextant.objects.yolo_detector import YoloParams
-from sextant.training.average_precision import DetectorScore
-from sextant.training.detector_scores import plot_confusion
 from sextant.training.object_images import CLASSES
 
 

@@ -17,12 +17,12 @@ from onnx import shape_inference
 from tables import Row, Table, Value
 
 from sextant.base.onnx_model import BACKENDS
+from sextant.detection_scores.average_precision import DetectorScore, detector_score, recall_and_precision
+from sextant.detection_scores.detector_scores import MIN_SCORE
 from sextant.objects.colour_detector import ColourDetector, ColourParams
 from sextant.objects.detections import Detections
 from sextant.objects.shipped_model import shipped_model
 from sextant.objects.yolo_detector import YoloDetector, YoloParams
-from sextant.training.average_precision import DetectorScore, detector_score, recall_and_precision
-from sextant.training.detector_scores import MIN_SCORE
 from sextant.training.object_images import CLASSES, ImageSet, image_set
 
 FIRST, IMAGES, QUICK_IMAGES = (

@@ -15,11 +15,11 @@ import numpy as np
 from tables import Row, Table, Value
 
 import sextant
+from sextant.detection_scores.average_precision import MIN_OVERLAP, overlaps
 from sextant.objects.object_kinds import BALL, KINDS
 from sextant.objects.object_locator import ObjectLocator, ObjectLocatorParams
 from sextant.simulation.ball_simulation import BallSimulation, BallSimulationParams
 from sextant.simulation.ball_world import random_world
-from sextant.training.average_precision import MIN_OVERLAP, overlaps
 
 WORLDS, SHOTS, QUICK_WORLDS = 100, 6, 4
 RANGES = ((0.5, 1.0), (1.0, 2.0), (2.0, 3.0), (0.5, 3.0))  # metres

@@ -6,8 +6,8 @@ import csv
 from pathlib import Path
 from typing import Dict, List, NamedTuple, Optional, Sequence
 
-from sextant.place_maps.exif_map import corners_around, exif_map, positions_of
 from sextant.images.photo_file import find_photos
+from sextant.place_maps.exif_map import corners_around, exif_map, positions_of
 from sextant.place_maps.place_map import Overview, Photo, PlaceMap
 from sextant.places.place_queries import Query, leave_one_out_queries, queries_of_table
 

@@ -1,29 +1,45 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Trains a small network to detect balls and pillars in simulated images, and prints its scores.
+"""Trains a network to detect objects in labelled photos, or balls and pillars in simulated images.
 
-train_object_detector detector/                      half an hour on one core; resumes after an interruption
-train_object_detector detector/ --quick              few images and steps, to check the installation
+train_object_detector cones/ --data dataset/              your own objects, from scratch
+train_object_detector cones/ --data dataset/ --start other/checkpoint.pt         from another training
+train_object_detector cones/ --data dataset/ --images 2000                       mixed with simulated images
+train_object_detector detector/                           the shipped network: half an hour on one core
+train_object_detector detector/ --quick                   few images and steps, to check the installation
 
-Writes objects.onnx (for object_detector), confusion.png (confusion matrix) and checkpoint.pt into the folder.
-Needs PyTorch: apt install python3-torch
+An interrupted training resumes. Writes objects.onnx (for object_detector), confusion.png (confusion matrix)
+and checkpoint.pt into the folder, and prints scores. Needs PyTorch: apt install python3-torch
 """
 
 import argparse
 from pathlib import Path
-from typing import List, Optional, Sequence
+from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 from sextant.commands.command_line import Answer, CommandParser, run
+from sextant.detection_scores.average_precision import DetectorScore, recall_and_precision
+from sextant.detection_scores.detector_scores import plot_confusion, scored
+from sextant.labels.label_formats import label_parts, read_labels
+from sextant.labels.labelled_photos import LabelledPhotos
 from sextant.objects.yolo_detector import YoloParams
 from sextant.objects.yolo_model import MULTIPLE
-from sextant.training.average_precision import DetectorScore, recall_and_precision
-from sextant.training.detector_scores import plot_confusion, scored
-from sextant.training.object_images import CLASSES, image_set
+from sextant.training.labelled_images import joined_sets, labelled_image_set, with_class_indices
+from sextant.training.object_images import CLASSES, ImageSet, image_set
 
 VALIDATION = 1_000_000  # first seed of the validation images
 QUICK = {"images": 64, "validation": 16, "epochs": 2}
+IMAGES, EPOCHS, DATA_EPOCHS = 6000, 15, 150  # defaults without data; passes over the photos with data
+HOLD_OUT = 10  # every how manieth photo is for validation, if there is no part for it
 CHECKPOINT, MODEL, CONFUSION = "checkpoint.pt", "objects.onnx", "confusion.png"
 NO_TORCH = "PyTorch is missing: apt install python3-torch"
+
+
+class Sets(NamedTuple):
+    """What a network is trained and scored with."""
+
+    classes: List[str]  # names
+    training: ImageSet  # images to learn from
+    validation: ImageSet  # images that are not in it
 
 
 def main(arguments: Optional[Sequence[str]] = None) -> int:
@@ -35,18 +51,21 @@ def _parser() -> CommandParser:
     parser = CommandParser(prog="train_object_detector", description=__doc__)
     add, default = parser.add_argument, "(default: %(default)s)"
     add("folder", type=Path, metavar="FOLDER", help="output folder; an interrupted training in it is resumed")
+    add("--data", type=Path, metavar="LABELS", help="YOLO folder, or JSON file of COCO or Label Studio")
+    add("--start", type=Path, metavar="CHECKPOINT", help="checkpoint.pt of another training to start from")
+    add("--network", choices=["small", "large"], default="small", help=f"its size {default}")
     add("--size", type=int, default=160, metavar="PIXELS", help=f"side of the network's input {default}")
-    add("--images", type=int, default=6000, metavar="N", help=f"training images {default}")
-    add("--validation", type=int, default=600, metavar="N", help=f"validation images {default}")
-    add("--epochs", type=int, default=15, metavar="N", help=f"passes over all training images {default}")
+    text = f"simulated training images (default: {IMAGES}; with --data 0)"
+    add("--images", type=int, metavar="N", help=text)
+    text = "simulated validation images without --data (default: 600)"
+    add("--validation", type=int, default=600, metavar="N", help=text)
+    text = f"maximum passes over all training images (default: {EPOCHS}; with --data {DATA_EPOCHS})"
+    add("--epochs", type=int, metavar="N", help=text)
+    text = "with --data: epochs without a better score after which training ends (default: 30)"
+    add("--patience", type=int, default=30, metavar="N", help=text)
     add("--seed", type=int, default=0, metavar="N", help="of images and training")
-    add(
-        "--jobs",
-        type=int,
-        default=1,
-        metavar="N",
-        help="parallel processes that render, and threads that train",
-    )
+    text = "parallel processes that read or render, and threads that train"
+    add("--jobs", type=int, default=1, metavar="N", help=text)
     add("--quick", action="store_true", help="few images and steps")
     return parser
 
@@ -61,37 +80,89 @@ def _train(options: argparse.Namespace) -> Answer:
 
     _check(options)
     torch.set_num_threads(options.jobs)
+    sets = _data_sets(options) if options.data else _simulated_sets(options)
     options.folder.mkdir(parents=True, exist_ok=True)
-    first = options.seed * VALIDATION * 2
-    images = image_set(range(first, first + options.images), options.size, options.jobs, "images")
-    params = TrainingParams(epochs=options.epochs, seed=options.seed)
-    network = train(images, len(CLASSES), params, options.folder / CHECKPOINT, "training")
-    export(network, options.folder / MODEL, options.size, CLASSES)
-    seeds = range(first + VALIDATION, first + VALIDATION + options.validation)
-    validation = image_set(seeds, options.size, options.jobs, "validation")
+    params = TrainingParams(
+        epochs=options.epochs, seed=options.seed, network=options.network, patience=options.patience,
+        mosaic=0.5 if options.data else 0.0,
+    )  # fmt: skip
+    validation = sets.validation if options.data else None
+    checkpoint = options.folder / CHECKPOINT
+    network = train(
+        sets.training, len(sets.classes), params, checkpoint, "training", validation, options.start
+    )
+    export(network, options.folder / MODEL, options.size, sets.classes)
     model = YoloParams(model=str(options.folder / MODEL))
-    score = scored(validation.images, validation.truths(), model)
-    plot_confusion(options.folder / CONFUSION, score, CLASSES)
-    return Answer(_table(score, options))
+    score = scored(sets.validation.images, sets.validation.truths(), model)
+    plot_confusion(options.folder / CONFUSION, score, sets.classes)
+    return Answer(_table(score, sets, options))
 
 
 def _check(options: argparse.Namespace) -> None:
     if options.quick:
-        vars(options).update(QUICK)
-    for name in ("images", "validation", "epochs", "jobs"):
-        if getattr(options, name) < 1:
-            raise ValueError(f"--{name} is {getattr(options, name)}, must be a whole number from 1 on")
+        vars(options).update({"epochs": QUICK["epochs"]} if options.data else QUICK)
+    for name, usual, with_data in (("images", IMAGES, 0), ("epochs", EPOCHS, DATA_EPOCHS)):
+        if getattr(options, name) is None:
+            setattr(options, name, with_data if options.data else usual)
+    _check_numbers(options)
     if options.size < MULTIPLE or options.size % MULTIPLE:
         raise ValueError(f"--size is {options.size}, must be a multiple of {MULTIPLE}")
     if not 0 <= options.seed < 1000 or options.images > VALIDATION or options.validation > VALIDATION:
         raise ValueError(f"--seed must be within [0, 1000), --images and --validation at most {VALIDATION}")
 
 
-def _table(score: DetectorScore, options: argparse.Namespace) -> List[str]:
+def _check_numbers(options: argparse.Namespace) -> None:
+    least = {"images": 0 if options.data else 1, "validation": 1, "epochs": 1, "jobs": 1, "patience": 1}
+    for name, smallest in least.items():
+        if getattr(options, name) < smallest:
+            raise ValueError(
+                f"--{name} is {getattr(options, name)}, must be a whole number from {smallest} on"
+            )
+
+
+def _simulated(options: argparse.Namespace) -> ImageSet:
+    first = options.seed * VALIDATION * 2
+    return image_set(range(first, first + options.images), options.size, options.jobs, "images")
+
+
+def _simulated_sets(options: argparse.Namespace) -> Sets:
+    first = options.seed * VALIDATION * 2 + VALIDATION
+    training, seeds = _simulated(options), range(first, first + options.validation)
+    return Sets(CLASSES, training, image_set(seeds, options.size, options.jobs, "validation"))
+
+
+def _data_sets(options: argparse.Namespace) -> Sets:
+    parts = _parts(options.data)
+    training, validation = (
+        labelled_image_set(each, options.size, options.jobs, what)
+        for each, what in zip(parts, ("photos", "validation"))
+    )
+    classes = list(parts[0].classes)
+    if options.images:
+        if not set(classes) & set(CLASSES):
+            raise ValueError(f"--images: simulated are {', '.join(CLASSES)}; the data have none of them")
+        simulated = with_class_indices(_simulated(options), CLASSES, classes)
+        training = joined_sets([training, simulated])
+    return Sets(classes, training, validation)
+
+
+def _parts(data: Path) -> Tuple[LabelledPhotos, LabelledPhotos]:
+    """Photos for training and for validation."""
+    if {"train", "valid"} <= set(label_parts(data)):
+        return read_labels(data, "train"), read_labels(data, "valid")
+    photos = read_labels(data)
+    held_out = photos._replace(photos=photos.photos[::HOLD_OUT])
+    kept = [photo for number, photo in enumerate(photos.photos) if number % HOLD_OUT]
+    if not kept:
+        raise ValueError(f"{data}: has {len(photos.photos)} photos, training needs more")
+    return photos._replace(photos=tuple(kept)), held_out
+
+
+def _table(score: DetectorScore, sets: Sets, options: argparse.Namespace) -> List[str]:
     recall, precision = recall_and_precision(score.table)
-    lines = [f"{options.validation} validation images, threshold {score.threshold:g}"]
+    lines = [f"{len(sets.validation.images)} validation images, threshold {score.threshold:g}"]
     lines.append(f"{'':14}{'AP50':>8}{'recall':>9}{'precision':>11}")
-    rows = zip(CLASSES, score.precision, recall, precision)
+    rows = zip(sets.classes, score.precision, recall, precision)
     lines += [f"{name:14}{ap:8.3f}{found:9.3f}{right:11.3f}" for name, ap, found, right in rows]
     lines.append(f"{'mean (mAP50)':14}{score.mean:8.3f}")
     lines.append(f"{options.folder / MODEL}, {options.folder / CONFUSION}")

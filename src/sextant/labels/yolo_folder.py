@@ -35,7 +35,7 @@ def read_yolo_folder(path: Path, split: str = "") -> LabelledPhotos:
     :raises OSError: a file cannot be read
     :raises ValueError: "file:line: reason", or a photo cannot be used
     """
-    data = path / DATA if path.is_dir() else path
+    data = _data_of(path)
     if path.is_dir() and not data.exists():
         return _read_plain(path, split)
     table = _table(data)
@@ -45,6 +45,22 @@ def read_yolo_folder(path: Path, split: str = "") -> LabelledPhotos:
     for folder in _folders(table, data, root if root.is_dir() else data.parent, split):
         photos += _read_folder(folder, names)
     return LabelledPhotos(names, tuple(photos))
+
+
+def yolo_parts(path: Path) -> Tuple[str, ...]:
+    """Names in SPLITS of the parts of a folder; empty: it has no data.yaml.
+
+    :raises OSError, ValueError: data.yaml cannot be read
+    """
+    data = _data_of(path)
+    if not data.exists():
+        return ()
+    table = _table(data)
+    return tuple(split for split, names in SPLITS.items() if any(map(table.get, names)))
+
+
+def _data_of(path: Path) -> Path:
+    return path / DATA if path.is_dir() else path
 
 
 def _read_plain(path: Path, split: str) -> LabelledPhotos:

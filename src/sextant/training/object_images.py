@@ -9,6 +9,7 @@ import numpy as np
 
 import sextant
 from sextant.base.jobs import run_jobs
+from sextant.detection_scores.average_precision import TrueObjects
 from sextant.objects.letter_box import letter_box, letterboxed
 from sextant.objects.object_kinds import BALL, KINDS
 from sextant.simulation.ball_simulation import (
@@ -20,7 +21,6 @@ from sextant.simulation.ball_simulation import (
 )
 from sextant.simulation.ball_world import TASKS, random_world
 from sextant.simulation.camera import camera_calibration, camera_mount
-from sextant.training.average_precision import TrueObjects
 
 CLASSES = list(KINDS)
 WIDTH, HEIGHT = 640, 480  # pixels of the camera's image
@@ -191,14 +191,19 @@ def image_set(seeds: Sequence[int], size: int, jobs: int, progress: str = "") ->
     :param jobs: number of parallel processes
     :param progress: title of the progress bar, as in run_jobs()
     """
-    drawn = list(run_jobs(functools.partial(_letterboxed_image, size=size), seeds, jobs, progress=progress))
-    most = max([1, *(len(each.truth.classes) for each in drawn)])
+    draw = functools.partial(_letterboxed_image, size=size)
+    return stacked_images(list(run_jobs(draw, seeds, jobs, progress=progress)))
+
+
+def stacked_images(images: Sequence[ObjectImage]) -> ImageSet:
+    """A set of letterboxed images of the same size."""
+    most = max([1, *(len(each.truth.classes) for each in images)])
     return ImageSet(
-        images=np.array([each.image for each in drawn]),
-        boxes=_filled([each.truth.boxes for each in drawn], most),
-        classes=_filled([each.truth.classes for each in drawn], most),
-        exists=_filled([np.ones(len(each.truth.classes), bool) for each in drawn], most),
-        is_counted=_filled([each.truth.is_counted for each in drawn], most),
+        images=np.array([each.image for each in images]),
+        boxes=_filled([each.truth.boxes for each in images], most),
+        classes=_filled([each.truth.classes for each in images], most),
+        exists=_filled([np.ones(len(each.truth.classes), bool) for each in images], most),
+        is_counted=_filled([each.truth.is_counted for each in images], most),
     )
 
 

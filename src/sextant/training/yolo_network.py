@@ -15,8 +15,8 @@ from torch import Tensor, nn
 
 from sextant.objects.yolo_output import BINS
 
-WIDTHS = (24, 48, 72, 80, 80)  # number of channels after each halving of the image
-HEAD = 48  # number of channels in the heads
+# Number of channels after each halving of the image, and in the heads
+WIDTHS = {"small": ((24, 48, 72, 80, 80), 48), "large": ((32, 64, 112, 144, 144), 64)}
 PRIOR_SCORE = 0.01  # initial score of a class
 
 
@@ -69,14 +69,14 @@ class Pooling(nn.Module):
 class Head(nn.Module):
     """Box distributions and class scores of one grid: (n, 4 * BINS + classes, height, width)."""
 
-    def __init__(self, channels_in: int, classes: int):
+    def __init__(self, channels_in: int, head: int, classes: int):
         super().__init__()
         self.box = nn.Sequential(
-            Conv(channels_in, HEAD, 3), Conv(HEAD, HEAD, 3), nn.Conv2d(HEAD, 4 * BINS, 1)
+            Conv(channels_in, head, 3), Conv(head, head, 3), nn.Conv2d(head, 4 * BINS, 1)
         )
         self.scores = nn.Sequential(
-            Conv(channels_in, channels_in, 3, groups=channels_in), Conv(channels_in, HEAD),
-            Conv(HEAD, HEAD, 3, groups=HEAD), Conv(HEAD, HEAD), nn.Conv2d(HEAD, classes, 1),
+            Conv(channels_in, channels_in, 3, groups=channels_in), Conv(channels_in, head),
+            Conv(head, head, 3, groups=head), Conv(head, head), nn.Conv2d(head, classes, 1),
         )  # fmt: skip
         nn.init.constant_(self.scores[-1].bias, math.log(PRIOR_SCORE / (1.0 - PRIOR_SCORE)))
         with torch.no_grad():
@@ -89,9 +89,10 @@ class Head(nn.Module):
 class YoloNetwork(nn.Module):
     """Maps RGB (n, 3, height, width) in [0, 1] to (n, 4 * BINS + classes, predictions), finest grid first."""
 
-    def __init__(self, classes: int):
+    def __init__(self, classes: int, kind: str = "small"):
+        """:param kind: a name in WIDTHS"""
         super().__init__()
-        a, b, c, d, e = WIDTHS
+        (a, b, c, d, e), head = WIDTHS[kind]
         self.stem = nn.Sequential(Conv(3, a, 3, 2), Conv(a, b, 3, 2), Block(b, b))
         self.fine = nn.Sequential(Conv(b, c, 3, 2), Block(c, c, 2))
         self.middle = nn.Sequential(Conv(c, d, 3, 2), Block(d, d, 2))
@@ -100,7 +101,7 @@ class YoloNetwork(nn.Module):
         self.down_middle, self.down_fine = Block(e + d, d), Block(d + c, c)
         self.halve_fine, self.halve_middle = Conv(c, c, 3, 2), Conv(d, d, 3, 2)
         self.up_middle, self.up_coarse = Block(c + d, d), Block(d + e, e)
-        self.heads = nn.ModuleList(Head(width, classes) for width in (c, d, e))
+        self.heads = nn.ModuleList(Head(width, head, classes) for width in (c, d, e))
 
     def forward(self, x: Tensor) -> Tensor:
         grids = self._grids(x)

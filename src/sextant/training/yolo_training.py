@@ -6,7 +6,7 @@ import copy
 import math
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import List, Tuple
+from typing import Any, Dict, List, Optional, Tuple
 
 import numpy as np
 import torch
@@ -14,11 +14,12 @@ from torch import Tensor, nn
 from tqdm import tqdm
 
 from sextant.base.atomic_file import atomic_file
-from sextant.base.strict_params import StrictParams, param, within
+from sextant.base.strict_params import StrictParams, one_of, param, within
 from sextant.objects.letter_box import GREY
+from sextant.training.network_score import network_score
 from sextant.training.object_images import ImageSet
 from sextant.training.yolo_loss import Targets, YoloLoss
-from sextant.training.yolo_network import YoloNetwork
+from sextant.training.yolo_network import WIDTHS, YoloNetwork
 
 MIN_SIDE = 3.0  # minimum side of a box, pixels; smaller objects do not count
 WARM_UP, FINAL_RATE = 300, 0.02  # batches; final learning rate as a fraction of the maximum
@@ -40,28 +41,46 @@ class TrainingParams(StrictParams):
     light: float = param(0.35, "maximum relative change of brightness and contrast", within(0, 1))
     tint: float = param(0.08, "maximum relative change of a colour channel", within(0, 1))
     noise: float = param(0.03, "maximum standard deviation of the noise, fraction of the range", within(0, 1))
+    mosaic: float = param(0.0, "fraction of the images that are joined of four", within(0, 1))
     seed: int = param(0, "random seed of initial weights, order and augmentation", within(0, 2**31 - 1))
+    network: str = param("small", "size of the network", one_of(*WIDTHS))
+    patience: int = param(
+        30, "epochs without a better score after which training ends, with a validation set", within(1, 10000)
+    )
 
 
 def train(
-    pictures: ImageSet, classes: int, params: TrainingParams, checkpoint: Path, progress: str = ""
+    pictures: ImageSet,
+    classes: int,
+    params: TrainingParams,
+    checkpoint: Path,
+    progress: str = "",
+    validation: Optional[ImageSet] = None,
+    start: Optional[Path] = None,
 ) -> YoloNetwork:
     """Trains a network; returns the average of its weights, in evaluation mode.
 
     :param checkpoint: written after each epoch; if it exists, training resumes from it
     :param progress: title of the progress bar; empty: none
-    :raises OSError: the checkpoint cannot be read or written
-    :raises ValueError: a parameter is out of range, or the checkpoint is from another training
+    :param validation: with it training ends early, with the weights of the epoch with the best score
+    :param start: checkpoint of another training, whose weights are the initial ones
+    :raises OSError: a checkpoint cannot be read or written
+    :raises ValueError: a parameter is out of range, or a checkpoint is from another training
     """
     torch.manual_seed(params.seed)
     state = _State(pictures, classes, params)
-    state.load(checkpoint)
-    for epoch in range(state.epoch, params.epochs):
-        loss = state.train_epoch(epoch, progress)
+    if checkpoint.exists():
+        state.load(checkpoint)
+    elif start:
+        state.start_from(start)
+    while state.epoch < params.epochs and state.epoch - state.best_epoch < params.patience:
+        loss = state.train_epoch(state.epoch, progress)
+        score = state.score(validation) if validation else 0.0
         state.save(checkpoint)
         if progress:
-            print(f"epoch {epoch + 1} of {params.epochs}: loss {loss:.3f}", flush=True)
-    return state.kept.eval()
+            scored = f", mAP50 {score:.3f}, best {state.best_score:.3f}" if validation else ""
+            print(f"epoch {state.epoch} of {params.epochs}: loss {loss:.3f}{scored}", flush=True)
+    return state.result()
 
 
 class _State:
@@ -69,9 +88,12 @@ class _State:
 
     def __init__(self, pictures: ImageSet, classes: int, params: TrainingParams):
         self._pictures, self._params = pictures, params
-        self._network = YoloNetwork(classes).to(memory_format=torch.channels_last)
+        self._classes = classes
+        self._network = YoloNetwork(classes, params.network).to(memory_format=torch.channels_last)
         self._loss = YoloLoss(pictures.images.shape[1], classes)
         self.kept = copy.deepcopy(self._network).requires_grad_(False)  # moving average
+        self._best = copy.deepcopy(self.kept)  # of the epoch with the best score
+        self.best_epoch, self.best_score = 0, 0.0
         self._optimizer = torch.optim.AdamW(_groups(self._network, params.decay), params.rate)
         self._steps = math.ceil(len(pictures.images) / params.batch)
         self.epoch = 0
@@ -86,9 +108,33 @@ class _State:
         self._network.train()
         for step in tqdm(range(self._steps), disable=None if progress else True, desc=progress):
             chosen = _selected(self._pictures, order[step * batch :][:batch])
+            if self._params.mosaic and random.random() < self._params.mosaic:
+                chosen = mosaic(self._pictures, len(chosen.images), random)
             losses.append(self._train_batch(chosen, random, epoch * self._steps + step))
         self.epoch = epoch + 1
         return float(np.mean(losses))
+
+    def score(self, validation: ImageSet) -> float:
+        """Scores the averaged weights, and remembers the best ones. :returns: mAP50"""
+        score = network_score(self.kept.eval(), validation, self._classes).mean
+        if score > self.best_score:
+            self.best_epoch, self.best_score = self.epoch, score
+            self._best = copy.deepcopy(self.kept)
+        return score
+
+    def result(self) -> YoloNetwork:
+        """The weights with the best score; without scores the last ones."""
+        return (self._best if self.best_score else self.kept).eval()
+
+    def start_from(self, path: Path) -> None:
+        """Takes the weights of another training; those of classes only if their number is the same."""
+        saved = _loaded(path)["kept"]
+        own = self._network.state_dict()
+        fitting = {name: each for name, each in saved.items() if own.get(name, each[:0]).shape == each.shape}
+        if len(fitting) < len(own) // 2:
+            raise ValueError(f"{path}: is of a network of another size")
+        for network in (self._network, self.kept):
+            network.load_state_dict({**own, **fitting})
 
     def _train_batch(self, pictures: ImageSet, random: np.random.Generator, step: int) -> float:
         """Trains with one batch; returns its loss."""
@@ -123,6 +169,8 @@ class _State:
         saved = {
             "network": self._network.state_dict(),
             "kept": self.kept.state_dict(),
+            "best": self._best.state_dict(),
+            "scores": torch.tensor([self.best_epoch, self.best_score]),
             "moments": self._optimizer.state_dict()["state"],
             "epoch": self.epoch,
             "about": self._about,
@@ -131,24 +179,32 @@ class _State:
             torch.save(saved, file)
 
     def load(self, path: Path) -> None:
-        """Resumes from a checkpoint if the file exists, without executing code from it."""
-        if not path.exists():
-            return
+        """Resumes from a checkpoint."""
+        saved = _loaded(path)
         try:
-            saved = torch.load(path, weights_only=True)
             other = [name for name, value in self._about.items() if saved["about"][name] != value]
             self._network.load_state_dict(saved["network"])
             self.kept.load_state_dict(saved["kept"])
+            self._best.load_state_dict(saved["best"])
+            self.best_epoch, self.best_score = int(saved["scores"][0]), float(saved["scores"][1])
             self._optimizer.load_state_dict({**self._optimizer.state_dict(), "state": saved["moments"]})
             self.epoch = int(saved["epoch"])
-        except OSError:
-            raise
         except Exception as error:  # an invalid file may raise any exception
             raise ValueError(f"{path}: is not a checkpoint of this training, remove it: {error}") from None
         if other:
             raise ValueError(
                 f"{path}: is of a training with another {', '.join(other)}: choose another folder"
             )
+
+
+def _loaded(path: Path) -> Dict[str, Any]:
+    """Reads a checkpoint, without executing code from it."""
+    try:
+        return torch.load(path, weights_only=True)
+    except OSError:
+        raise
+    except Exception as error:  # an invalid file may raise any exception
+        raise ValueError(f"{path}: is not a checkpoint: {error}") from None
 
 
 def _groups(network: nn.Module, decay: float) -> List[dict]:
@@ -179,6 +235,23 @@ def augmented(
         torch.from_numpy(pictures.is_counted & _is_large_enough(boxes, inside)),
     )  # fmt: skip
     return _relit(images, params, random), targets
+
+
+def mosaic(pictures: ImageSet, count: int, random: np.random.Generator) -> ImageSet:
+    """Images that are each joined of four random ones of half the size (Bochkovskiy 2020, "YOLOv4")."""
+    size, most = pictures.images.shape[1], pictures.boxes.shape[1]
+    half = size // 2
+    images = np.full((count, size, size, 3), GREY, np.uint8)
+    chosen = random.integers(len(pictures.images), size=(count, 4))
+    for quarter in range(4):
+        top, left = half * (quarter // 2), half * (quarter % 2)
+        parts = pictures.images[chosen[:, quarter], : 2 * half, : 2 * half].astype(np.uint16)
+        small = parts.reshape(count, half, 2, half, 2, 3).sum(axis=(2, 4)) // 4
+        images[:, top : top + half, left : left + half] = small
+    boxes = pictures.boxes[chosen] * 0.5
+    boxes += np.array([[0, 0], [half, 0], [0, half], [half, half]]).repeat(2, axis=0).reshape(4, 4)[:, None]
+    rows = (each[chosen].reshape(count, 4 * most) for each in pictures[2:])
+    return ImageSet(images, boxes.reshape(count, 4 * most, 4), *rows)
 
 
 def _transformed(images: Tensor, zoom: np.ndarray, mirror: np.ndarray, shift: np.ndarray) -> Tensor:

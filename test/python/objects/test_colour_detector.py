@@ -8,11 +8,11 @@ import cv2
 import numpy as np
 import pytest
 
+from sextant.detection_scores.average_precision import overlaps
 from sextant.objects.colour_detector import RANGES, ColourDetector, ColourParams, ColourRange, ranges_of
 from sextant.objects.object_kinds import KINDS
 from sextant.simulation.ball_simulation import BallSimulation, BallSimulationParams
 from sextant.simulation.ball_world import TASKS, random_world
-from sextant.training.average_precision import overlaps
 
 PICTURES = 48
 SEEN_FROM, SEEN_WIDTH = 3.0, 12  # metres, pixels

@@ -7,13 +7,13 @@ import importlib.util
 import numpy as np
 import pytest
 
+from sextant.detection_scores.average_precision import overlaps
 from sextant.objects.object_kinds import KINDS
 from sextant.objects.shipped_model import shipped_model
 from sextant.objects.yolo_detector import YoloDetector, YoloParams
 from sextant.simulation.ball_ground import Pillar
 from sextant.simulation.ball_simulation import BallSimulation, BallSimulationParams
 from sextant.simulation.ball_world import BallWorld
-from sextant.training.average_precision import overlaps
 
 pytestmark = pytest.mark.skipif(not shipped_model().exists(), reason="no model is shipped")
 needs_onnxruntime = pytest.mark.skipif(

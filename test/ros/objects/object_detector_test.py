@@ -16,11 +16,11 @@ from sensor_msgs.msg import Image
 from start_up import assert_refused
 from std_msgs.msg import Header
 
+from sextant.detection_scores.average_precision import overlaps
 from sextant.msg import Objects
 from sextant.simulation.ball_ground import Pillar
 from sextant.simulation.ball_simulation import BallSimulation, BallSimulationParams
 from sextant.simulation.ball_world import BallWorld
-from sextant.training.average_precision import overlaps
 
 try:
     from vision_msgs.msg import Detection2DArray, VisionInfo

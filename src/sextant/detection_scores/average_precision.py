@@ -10,6 +10,7 @@ import numpy as np
 from sextant.objects.detections import Detections
 
 MIN_OVERLAP = 0.5  # minimum intersection over union of a box that matches an object
+OVERLAPS = np.arange(0.5, 0.96, 0.05)  # minimum overlaps of COCO's mAP50-95
 
 
 class TrueObjects(NamedTuple):
@@ -31,7 +32,7 @@ class DetectorScore:
     @property
     def mean(self) -> float:
         """Mean average precision at an overlap of 0.5 (mAP50)."""
-        return float(np.nanmean(self.precision))
+        return mean_precision(self.precision)
 
 
 def detector_score(
@@ -47,11 +48,25 @@ def detector_score(
     :param classes: number of classes
     :param threshold: minimum score of the detections in the table
     """
-    precision = np.array([_average_precision(found, known, each) for each in range(classes)])
+    precision = average_precisions(found, known, classes, MIN_OVERLAP)
     table = np.zeros((classes + 1, classes + 1), int)
     for detections, objects in zip(found, known):
         _count(table, detections.of(detections.scores >= threshold), objects)
     return DetectorScore(precision, table, threshold)
+
+
+def average_precisions(
+    found: Sequence[Detections], known: Sequence[TrueObjects], classes: int, min_overlap: float
+) -> np.ndarray:
+    """Average precision (classes,) as in detector_score(); NaN: no object of the class."""
+    each_class = range(classes)
+    return np.array([_average_precision(found, known, each, min_overlap) for each in each_class])
+
+
+def mean_precision(precision: np.ndarray) -> float:
+    """Mean of average precisions (classes,), without classes that have no object; NaN: no class has any."""
+    known = precision[np.isfinite(precision)]
+    return float(known.mean()) if len(known) else float("nan")
 
 
 def overlaps(first: np.ndarray, second: np.ndarray) -> np.ndarray:
@@ -63,7 +78,9 @@ def overlaps(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     return common / np.maximum(areas[0][:, np.newaxis] + areas[1] - common, 1e-9)
 
 
-def _average_precision(found: Sequence[Detections], known: Sequence[TrueObjects], class_index: int) -> float:
+def _average_precision(
+    found: Sequence[Detections], known: Sequence[TrueObjects], class_index: int, min_overlap: float
+) -> float:
     """Area under the monotone precision-recall curve (Everingham et al. 2010, "PASCAL VOC")."""
     scores: List[float] = []
     hits: List[bool] = []
@@ -72,7 +89,7 @@ def _average_precision(found: Sequence[Detections], known: Sequence[TrueObjects]
         detected = detections.of(detections.classes == class_index)
         is_of_class = objects.classes == class_index
         is_counted = objects.is_counted[is_of_class]
-        matches = _matches(detected.boxes, objects.boxes[is_of_class], is_counted)
+        matches = matched_objects(detected.boxes, objects.boxes[is_of_class], is_counted, min_overlap)
         for score, match in zip(detected.scores, matches):
             if match < 0 or is_counted[match]:
                 scores.append(score)
@@ -87,7 +104,9 @@ def _average_precision(found: Sequence[Detections], known: Sequence[TrueObjects]
     return float(np.sum(np.diff(recall, prepend=0.0) * falling))
 
 
-def _matches(boxes: np.ndarray, true: np.ndarray, once: np.ndarray) -> List[int]:
+def matched_objects(
+    boxes: np.ndarray, true: np.ndarray, once: np.ndarray, min_overlap: float = MIN_OVERLAP
+) -> List[int]:
     """Index of the object that each box matches; -1: none.
 
     :param boxes: (n, 4), the box with the highest score first
@@ -97,7 +116,7 @@ def _matches(boxes: np.ndarray, true: np.ndarray, once: np.ndarray) -> List[int]
     remaining, matches = overlaps(boxes, true), []
     for row in remaining:
         best = int(np.argmax(row)) if len(true) else -1
-        matches.append(best if best >= 0 and row[best] >= MIN_OVERLAP else -1)
+        matches.append(best if best >= 0 and row[best] >= min_overlap else -1)
         if matches[-1] >= 0 and once[best]:
             remaining[:, best] = -1.0
     return matches
@@ -108,7 +127,7 @@ def _count(table: np.ndarray, found: Detections, objects: TrueObjects) -> None:
     background = len(table) - 1
     detected_as = np.full(len(objects.boxes), background)
     for detected, match in zip(
-        found.classes, _matches(found.boxes, objects.boxes, np.ones(len(detected_as), bool))
+        found.classes, matched_objects(found.boxes, objects.boxes, np.ones(len(detected_as), bool))
     ):
         if match < 0:
             table[background, detected] += 1

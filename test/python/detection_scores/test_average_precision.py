@@ -5,8 +5,13 @@
 import numpy as np
 import pytest
 
+from sextant.detection_scores.average_precision import (
+    TrueObjects,
+    detector_score,
+    overlaps,
+    recall_and_precision,
+)
 from sextant.objects.detections import NO_DETECTIONS, Detections
-from sextant.training.average_precision import TrueObjects, detector_score, overlaps, recall_and_precision
 
 BOXES = np.array([[0.0, 0, 10, 10], [20, 0, 30, 10], [40, 0, 50, 10]])
 

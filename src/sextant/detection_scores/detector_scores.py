@@ -10,8 +10,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from sextant.base.atomic_file import atomic_file
+from sextant.detection_scores.average_precision import DetectorScore, TrueObjects, detector_score
 from sextant.objects.yolo_detector import YoloDetector, YoloParams
-from sextant.training.average_precision import DetectorScore, TrueObjects, detector_score
 
 MIN_SCORE = 0.01  # minimum score of the detections that count in the average precision
 
