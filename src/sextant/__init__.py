@@ -3,7 +3,8 @@
 """Sextant without ROS: what its nodes compute, on arrays, files and bags.
 
 The C++ core is one compiled module for each room, sextant._core.ROOM. Its classes and functions are found
-here; a room's module and libraries are loaded when one of its names is first used.
+here, and some functions of the Python library; a room's module and libraries are loaded when one of its names
+is first used.
 """
 
 import importlib
@@ -22,8 +23,15 @@ _ROOMS = (
     "simulation",
 )
 
+_FUNCTIONS = {
+    "detect_objects": "sextant.objects.object_functions",
+    "locate_objects": "sextant.objects.object_functions",
+}  # of the Python library, by module
+
 
 def __getattr__(name: str) -> Any:
+    if name in _FUNCTIONS:
+        return globals().setdefault(name, getattr(importlib.import_module(_FUNCTIONS[name]), name))
     absent = []
     for room in () if name.startswith("_") else _ROOMS:
         try:
@@ -39,4 +47,5 @@ def __getattr__(name: str) -> Any:
 
 def __dir__() -> List[str]:
     cores = [importlib.import_module(f"sextant._core.{room}") for room in _ROOMS]
-    return sorted({*globals(), *(name for core in cores for name in dir(core) if not name.startswith("_"))})
+    names = (name for core in cores for name in dir(core) if not name.startswith("_"))
+    return sorted({*globals(), *_FUNCTIONS, *names})
