@@ -34,8 +34,10 @@ def write_photos(folder, count=3, size=SIZE, seed=1):
 
 def assert_same_labels(found, expected, tolerance=0.01):
     assert found.classes == expected.classes
-    assert [photo.path.name for photo in found.photos] == [photo.path.name for photo in expected.photos]
-    for one, other in zip(found.photos, expected.photos):
+    pairs = list(zip(*(sorted(each.photos, key=lambda photo: photo.path.name) for each in (found, expected))))
+    assert len(pairs) == len(found.photos) == len(expected.photos)
+    for one, other in pairs:
+        assert one.path.name == other.path.name
         assert one.size == other.size and one.path.read_bytes() == other.path.read_bytes()
         np.testing.assert_allclose(one.boxes, other.boxes, atol=tolerance)
         np.testing.assert_array_equal(one.classes, other.classes)

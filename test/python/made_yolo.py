@@ -156,12 +156,12 @@ class ConvolvedDetector:
 class ExportedHeads:
     """Heads that predict the same in every cell, named as in exports, before operators that OpenCV lacks."""
 
-    def __init__(self, classes, boxes, scores, angle=None, prefix=""):
+    def __init__(self, classes, boxes, scores, angle=None, prefix="", channels=3, strides=STRIDES):
         """:param boxes: (4 * bins,) and scores (classes,) before the sigmoid
 
-        :param prefix: of the heads' names
+        :param prefix: of the heads' names. :param channels: before the last layers
         """
-        self.classes, self._prefix = list(classes), prefix
+        self.classes, self._prefix, self._channels, self._strides = list(classes), prefix, channels, strides
         parts = {"2": boxes, "3": scores, **({} if angle is None else {"4": [angle]})}
         self._biases = {kind: np.array(values, np.float32) for kind, values in parts.items()}
 
@@ -169,16 +169,18 @@ class ExportedHeads:
         """:param taken: shape of the input. :param half: whether all is in half precision"""
         number = np.float16 if half else np.float32
         nodes, weights, ends = [], {}, []
-        for grid, stride in enumerate(STRIDES):
+        weights["stem"] = np.zeros((self._channels, 3, 1, 1), number)
+        nodes.append(helper.make_node("Conv", ["images", "stem"], ["features"], kernel_shape=[1, 1]))
+        for grid, stride in enumerate(self._strides):
             pooled = f"pooled{grid}"
             nodes.append(
                 helper.make_node(
-                    "AveragePool", ["images"], [pooled], kernel_shape=[stride] * 2, strides=[stride] * 2
+                    "AveragePool", ["features"], [pooled], kernel_shape=[stride] * 2, strides=[stride] * 2
                 )
             )
             for kind, biases in self._biases.items():
                 name = f"model.22.{self._prefix}cv{kind}.{grid}.2"
-                weights[f"{name}.weight"] = np.zeros((len(biases), 3, 1, 1), number)
+                weights[f"{name}.weight"] = np.zeros((len(biases), self._channels, 1, 1), number)
                 weights[f"{name}.bias"] = biases.astype(number)
                 inputs = [pooled, f"{name}.weight", f"{name}.bias"]
                 nodes.append(helper.make_node("Conv", inputs, [name], kernel_shape=[1, 1]))

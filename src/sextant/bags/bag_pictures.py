@@ -3,7 +3,7 @@
 """Pictures of recordings: colour images of a bag, with depth where there is some, or of a video."""
 
 from pathlib import Path
-from typing import Any, Callable, Dict, Iterator, NamedTuple, Sequence
+from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Sequence, Tuple
 
 import cv2
 import numpy as np
@@ -12,6 +12,7 @@ from sextant.bags.bag_cameras import one_info
 from sextant.bags.bag_file import BagFile
 from sextant.bags.camera_topics import COMPRESSED, IMAGE, choose_image_topic
 from sextant.bags.drive_depth import PhotoView, read_drive_depth
+from sextant.bags.drive_photos import photo_prefix
 from sextant.bags.stamps import Losses
 from sextant.bags.transforms import read_transforms
 from sextant.messages.camera_messages import camera_from_info
@@ -31,16 +32,19 @@ class RecordedPicture(NamedTuple):
     stamp: int = 0  # nanoseconds; 0: of a video
 
 
-def recorded_pictures(path: str, topic: str = "", every: int = 1) -> Iterator[RecordedPicture]:
+def recorded_pictures(
+    path: str, notes: List[str], topic: str = "", every: int = 1
+) -> Iterator[RecordedPicture]:
     """Pictures of a bag or a video, in order.
 
+    :param notes: gets notes on images that cannot be read, at the end
     :param topic: of the images of a bag; empty: that of the only camera
     :param every: every n-th one only
     :raises BagError, ValueError: the file cannot be read
     """
     if Path(path).suffix.lower() in VIDEOS:
         return _of_video(path, every)
-    return _of_bag(path, topic, every)
+    return _of_bag(path, notes, topic, every)
 
 
 def _of_video(path: str, every: int) -> Iterator[RecordedPicture]:
@@ -59,10 +63,10 @@ def _of_video(path: str, every: int) -> Iterator[RecordedPicture]:
         raise ValueError(f"{path}: no picture can be read; is it a video that OpenCV knows?")
 
 
-def _of_bag(path: str, topic: str, every: int) -> Iterator[RecordedPicture]:
+def _of_bag(path: str, notes: List[str], topic: str, every: int) -> Iterator[RecordedPicture]:
     with BagFile(path) as bag:
         camera, _ = choose_image_topic(bag, topic)
-        losses = Losses()
+        prefix, losses = photo_prefix(bag, camera), Losses()
         for number, recorded in enumerate(bag.messages([camera.topic])):
             if number % every:
                 continue
@@ -75,18 +79,21 @@ def _of_bag(path: str, topic: str, every: int) -> Iterator[RecordedPicture]:
             losses.used(camera.topic)
             stamp = message.header.stamp.to_nsec()
             colour = cv2.cvtColor(image, cv2.COLOR_GRAY2BGR) if image.ndim == 2 else image
-            yield RecordedPicture(f"{Path(path).stem}_{stamp / 1e9:.3f}", colour, stamp)
+            yield RecordedPicture(f"{prefix}_{(stamp or recorded.received) / 1e9:.3f}", colour, stamp)
         losses.check(bag, camera.topic)
+        notes += losses.notes()
 
 
-def depth_of_pictures(path: str, topic: str, depth: str, stamps: Sequence[int]) -> Dict[int, np.ndarray]:
-    """Depth in the view of pictures of a bag, by their stamps, as DepthRegistration.registered().
+def depth_of_pictures(
+    path: str, topic: str, depth: str, stamps: Sequence[int]
+) -> Tuple[Dict[int, bytes], List[str]]:
+    """Depth in the view of pictures of a bag, by their stamps, of encoded_depth(), and notes.
 
     :param depth: topic of depth images
     :raises BagError: a topic, a calibration or a transform cannot be used
     """
     if not stamps:
-        return {}
+        return {}, []
     with BagFile(path) as bag:
         camera, _ = choose_image_topic(bag, topic)
         info = one_info(bag, camera.info_topic)
@@ -95,4 +102,4 @@ def depth_of_pictures(path: str, topic: str, depth: str, stamps: Sequence[int]) 
         except ValueError as error:
             raise bag.error(f"{camera.info_topic}: {error}", "leave out --depth") from None
         frame = frame_name(bag.first(camera.topic, whole=True).header.frame_id)
-        return read_drive_depth(bag, depth, stamps, PhotoView(model, frame, read_transforms(bag)))[0]
+        return read_drive_depth(bag, depth, stamps, PhotoView(model, frame, read_transforms(bag)))

@@ -65,7 +65,7 @@ class DrivePhoto(NamedTuple):
     stamp: int  # nanoseconds
     T_map_camera: np.ndarray  # (4, 4) of the optical frame, metres
     jpeg: bytes  # encoded image
-    depth: Optional[np.ndarray] = None  # of DepthRegistration.registered(); None: unknown
+    depth: Optional[bytes] = None  # of encoded_depth(); None: unknown
 
     @property
     def position(self) -> Tuple[float, float]:
@@ -153,7 +153,7 @@ def _photos(
     bag: BagFile, topic: CameraTopic, poses: Dict[int, np.ndarray], params: PhotoParams
 ) -> Tuple[List[DrivePhoto], List[str]]:
     """The sharpest image of each pick by stamp, and notes on messages that cannot be read."""
-    stamps, name = list(poses), _name(bag, topic)
+    stamps, name = list(poses), photo_prefix(bag, topic)
     picks = keyframe_candidates(list(poses.values()), params.distance, params.turn)
     pick_of = {stamps[i]: number for number, pick in enumerate(picks) for i in pick}
     best: Dict[int, Tuple[float, DrivePhoto]] = {}
@@ -189,7 +189,7 @@ def _camera(bag: BagFile, topic: CameraTopic) -> Tuple[Optional[PhotoCamera], Li
     return PhotoCamera(camera.calibration, camera.rectified), []
 
 
-def _name(bag: BagFile, topic: CameraTopic) -> str:
+def photo_prefix(bag: BagFile, topic: CameraTopic) -> str:
     """Prefix of the file names of this bag and camera."""
     camera = topic.info_topic.split("/")[:-1]
     return "_".join([Path(bag.path).stem, *filter(None, camera)])

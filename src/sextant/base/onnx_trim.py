@@ -15,6 +15,7 @@ RESIZE_SETTINGS = ("mode", "coordinate_transformation_mode", "nearest_mode", "cu
 COPIES = ("Identity", "Cast")  # of a tensor that is not constant
 WRITTEN_AS = {
     "Split": "split", "Softmax": "softmax", "Resize": "resize", "Upsample": "resize",
+    "BatchNormalization": "normalization",
     **dict.fromkeys(["Reshape", "Squeeze", "Unsqueeze", "Flatten"], "reshape"),
     **dict.fromkeys(["ReduceMean", "ReduceSum", "ReduceMax"], "reduction"),
 }  # fmt: skip
@@ -119,6 +120,8 @@ class _Trimmer:
         """Outputs of a node; of one that is not constant only the shapes are right."""
         if node.op_type not in OPERATORS:
             raise ValueError(f"its operator {node.op_type} is not supported")
+        if node.op_type in SHAPE_ONLY and self._constant.issuperset(filter(None, inputs)):
+            raise ValueError(f"its operator {node.op_type} of a constant is not supported")
         given = [self.values[each] if each else None for each in inputs]
         try:
             return OPERATORS[node.op_type](given, settings, len(node.output))
@@ -153,6 +156,9 @@ class _Trimmer:
 
     def _as_softmax(self, _node: Any, inputs: List[str], settings: Dict[str, Any], shapes: list) -> _Node:
         return "Softmax", inputs, {"axis": settings.get("axis", -1) % len(shapes[0])}
+
+    def _as_normalization(self, _node: Any, inputs: List[str], settings: Dict[str, Any], _: list) -> _Node:
+        return "BatchNormalization", inputs, {"epsilon": settings.get("epsilon", 1e-5)}
 
     def _as_reduction(self, node: Any, inputs: List[str], settings: Dict[str, Any], _shapes: list) -> _Node:
         axes = _axes([self.values[each] for each in inputs], settings)
@@ -317,10 +323,16 @@ def _padded(inputs: Arrays, settings: Dict[str, Any], _: int) -> Arrays:
     return [_unknown([side + sum(more) for side, more in zip(inputs[0].shape, pads.tolist())])]
 
 
+# Whose outputs are only right in their shape
+SHAPE_ONLY = {
+    "Sigmoid", "Relu", "LeakyRelu", "HardSigmoid", "Softmax", "Elu", "Clip", "Exp", "Tanh", "Erf", "Softplus",
+    "BatchNormalization", "PRelu", "Conv", "ConvTranspose", "MaxPool", "AveragePool", "GlobalAveragePool",
+    "Resize", "Upsample", "MatMul", "ReduceMean", "ReduceSum", "ReduceMax", "Pad",
+}  # fmt: skip
 OPERATORS: Dict[str, Callable[[Arrays, Dict[str, Any], int], Arrays]] = {
     **dict.fromkeys(
-        ["Sigmoid", "Relu", "LeakyRelu", "HardSwish", "HardSigmoid", "Softmax", "Identity", "Elu", "Clip",
-         "Exp", "Tanh", "Erf", "Mish", "Softplus", "BatchNormalization", "Dropout", "PRelu"],
+        ["Sigmoid", "Relu", "LeakyRelu", "HardSigmoid", "Softmax", "Identity", "Elu", "Clip", "Exp", "Tanh",
+         "Erf", "Softplus", "BatchNormalization", "PRelu"],
         _same_shape,
     ),
     "Add": _elementwise(np.add), "Sub": _elementwise(np.subtract), "Mul": _elementwise(np.multiply),
@@ -329,7 +341,8 @@ OPERATORS: Dict[str, Callable[[Arrays, Dict[str, Any], int], Arrays]] = {
     "Equal": _elementwise(np.equal), "Where": _elementwise(np.where), "Max": _elementwise(np.maximum),
     "Min": _elementwise(np.minimum), "Range": _elementwise(np.arange),
     "Constant": _constant, "ConstantOfShape": _constant_of_shape, "Cast": _cast,
-    "Shape": lambda inputs, settings, _: [np.array(inputs[0].shape, np.int64)],
+    "Shape": lambda inputs, settings, _: [
+        np.array(inputs[0].shape[settings.get("start", 0) : settings.get("end")], np.int64)],
     "Gather": lambda inputs, settings, _: [np.take(inputs[0], inputs[1], settings.get("axis", 0))],
     "Concat": lambda inputs, settings, _: [np.concatenate(inputs, settings["axis"])],
     "Transpose": lambda inputs, settings, _: [np.transpose(inputs[0], settings.get("perm"))],

@@ -12,7 +12,7 @@ picture_collector collects from a topic.
 
 import argparse
 from pathlib import Path
-from typing import Dict, Optional, Sequence
+from typing import Dict, List, Optional, Sequence
 
 from tqdm import tqdm
 
@@ -49,23 +49,29 @@ def _collect(options: argparse.Namespace) -> Answer:
         raise ValueError(f"--every is {options.every}, must be a whole number from 1 on")
     params = CollectionParams(options.count, options.difference, options.sharpness)
     collection = PictureCollection(options.output, params)
+    notes: List[str] = []
     try:
         for path in options.recordings:
-            _collect_from(path, collection, options)
+            notes += _collect_from(path, collection, options)
     finally:
         collection.write_counts()
-    return Answer(collection.summary())
+    return Answer([*notes, *collection.summary()])
 
 
-def _collect_from(path: str, collection: PictureCollection, options: argparse.Namespace) -> None:
+def _collect_from(path: str, collection: PictureCollection, options: argparse.Namespace) -> List[str]:
+    """Returns notes on the recording."""
     stamps: Dict[str, int] = {}
-    pictures = recorded_pictures(path, options.image, options.every)
+    notes: List[str] = []
+    pictures = recorded_pictures(path, notes, options.image, options.every)
     for picture in tqdm(pictures, disable=None, desc=Path(path).name, unit=" pictures"):
-        if collection.offer(picture.name, picture.image):
+        collection.offer(picture.name, picture.image)
+        if picture.stamp and collection.has(picture.name):
             stamps[picture.name] = picture.stamp
-    stamps = {name: stamp for name, stamp in stamps.items() if stamp and collection.has(name)}
+    stamps = {name: stamp for name, stamp in stamps.items() if collection.has(name)}
     if options.depth:
-        depths = depth_of_pictures(path, options.image, options.depth, list(stamps.values()))
+        depths, more = depth_of_pictures(path, options.image, options.depth, list(stamps.values()))
+        notes += more
         for name, stamp in stamps.items():
             if stamp in depths:
                 collection.add_depth(name, depths[stamp])
+    return [f"{path}: {note}" for note in notes]

@@ -72,6 +72,8 @@ def _evaluate(options: argparse.Namespace) -> Answer:
         raise ValueError(f"--false-alarms is {options.false_alarms:g}, allowed is [0, 1000)")
     params = YoloParams(confidence=options.confidence, max_overlap=options.max_overlap)
     read = read_labels(options.data, options.part)
+    if not read.photos:
+        raise ValueError(f"{options.data}: has no labelled photo")
     detectors = _detectors(options, replace(params, confidence=MIN_SCORE, max_objects=300))
     photos = with_classes(read, detectors[0][1].classes, str(options.data))
     evaluations = [
@@ -93,10 +95,12 @@ def _evaluate(options: argparse.Namespace) -> Answer:
 def _detectors(options: argparse.Namespace, params: YoloParams) -> List[Tuple[str, YoloDetector]]:
     """Each network with each size, by name."""
     models = options.models or [str(shipped_model())]
+    stems = [Path(model).stem for model in models]
     found = []
-    for model in models:
+    for model, stem in zip(models, stems):
+        unique = stem if stems.count(stem) == 1 else str(Path(model).with_suffix(""))
         for size in options.sizes:
-            name = Path(model).stem + (f" {size}" if len(options.sizes) > 1 else "")
+            name = unique + (f" {size}" if len(options.sizes) > 1 else "")
             found.append((name, YoloDetector(replace(params, model=model, size=size), threads=1)))
     return found
 

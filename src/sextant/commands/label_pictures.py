@@ -25,7 +25,7 @@ from sextant.labels.label_formats import WRITERS, read_labels
 from sextant.labels.label_proposals import proposed_labels
 from sextant.labels.label_studio_file import write_label_studio_file
 from sextant.labels.labelled_photos import LabelledPhotos, check_names, with_classes
-from sextant.labels.yolo_folder import SPLITS
+from sextant.labels.yolo_folder import HOLD_OUT, SPLITS, write_yolo_folder
 from sextant.objects.yolo_detector import YoloDetector, YoloParams
 
 SHEET = "sheet"
@@ -47,7 +47,9 @@ def _parser() -> CommandParser:
     add("-o", "--output", type=Path, required=True, metavar="OUTPUT", help="file, or folder for yolo")
     text = "format of the output; sheet: HTML page"
     add("--to", choices=[*WRITERS, SHEET], required=True, help=text)
-    add("--force", action="store_true", help="overwrite existing files")
+    add("--force", action="store_true", help="overwrite existing files, add to an existing folder")
+    text = "of a YOLO folder: every how manieth picture is for validation; 0: none (default: %(default)s)"
+    add("--hold-out", type=int, default=HOLD_OUT, metavar="N", help=text)
     add("--part", choices=list(SPLITS), default="", help="part of a YOLO folder to read (default: all)")
     text = "class names in their order; without it, those of the input"
     add("--classes", nargs="+", default=[], metavar="NAME", help=text)
@@ -60,9 +62,9 @@ def _parser() -> CommandParser:
 
 def _label(options: argparse.Namespace) -> Answer:
     _check_output(options)
-    photos, scores = (
-        _proposals(options) if options.model else (read_labels(options.input, options.part), None)
-    )
+    if options.hold_out < 0:
+        raise ValueError(f"--hold-out is {options.hold_out}, must be a whole number from 0 on")
+    photos, scores = _proposals(options) if options.model else _labels(options)
     if options.classes:
         names = check_names(options.classes, "--classes")
         photos = with_classes(photos, names, str(options.input))
@@ -70,6 +72,8 @@ def _label(options: argparse.Namespace) -> Answer:
         write_contact_sheet(options.output, options.input.name, photos, scores)
     elif options.to == "label-studio":
         write_label_studio_file(options.output, photos, scores)
+    elif options.to == "yolo":
+        write_yolo_folder(options.output, photos, options.hold_out)
     else:
         WRITERS[options.to](options.output, photos)
     return Answer([f"{options.output}: {len(photos.photos)} pictures, {_listed(photos)}"])

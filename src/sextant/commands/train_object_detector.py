@@ -105,13 +105,13 @@ def _check(options: argparse.Namespace) -> None:
         if getattr(options, name) is None:
             setattr(options, name, with_data if options.data else usual)
     _check_numbers(options)
-    if options.size < MULTIPLE or options.size % MULTIPLE:
-        raise ValueError(f"--size is {options.size}, must be a multiple of {MULTIPLE}")
     if not 0 <= options.seed < 1000 or options.images > VALIDATION or options.validation > VALIDATION:
         raise ValueError(f"--seed must be within [0, 1000), --images and --validation at most {VALIDATION}")
 
 
 def _check_numbers(options: argparse.Namespace) -> None:
+    if options.size < MULTIPLE or options.size % MULTIPLE:
+        raise ValueError(f"--size is {options.size}, must be a multiple of {MULTIPLE}")
     least = {"images": 0 if options.data else 1, "validation": 1, "epochs": 1, "jobs": 1, "patience": 1}
     for name, smallest in least.items():
         if getattr(options, name) < smallest:

@@ -4,7 +4,7 @@
 
 import base64
 from pathlib import Path
-from typing import List, NamedTuple, Sequence
+from typing import List, NamedTuple, Sequence, Tuple
 
 import cv2
 import numpy as np
@@ -72,7 +72,8 @@ def _cells(each: ObjectEvaluation, false_alarms: float) -> List[str]:
     best = each.recommended(false_alarms)
     figures = [each.score.mean, each.map_50_95, each.confidence, each.matched.recall(each.confidence)]
     figures += [each.matched.precision(each.confidence)]
-    figures += [each.matched.false_alarms(each.confidence, each.photos), best, each.matched.recall(best)]
+    figures += [each.matched.false_alarms(each.confidence, each.photos), best]
+    figures += [each.matched.recall(best) if np.isfinite(best) else np.nan]
     times = np.percentile(each.milliseconds, [50, 95])
     texts = ["–" if np.isnan(value) else f"{value:.3f}" for value in figures]
     return [each.name, "×".join(map(str, each.size)), *texts, *(f"{value:.1f}" for value in times)]
@@ -87,11 +88,18 @@ def class_table(evaluations: Sequence[ObjectEvaluation]) -> Table:
     for index, name in enumerate(evaluations[0].classes):
         cells = [name, str(evaluations[0].score.table[index].sum())]
         for each in evaluations:
-            recall, precision = recall_and_precision(each.score.table)
-            values = each.score.precision[index], recall[index], precision[index]
-            cells += ["–" if np.isnan(value) else f"{value:.3f}" for value in values]
+            cells += ["–" if np.isnan(value) else f"{value:.3f}" for value in _of_class(each, name)]
         rows.append(Row(tuple(cells)))
     return Table(tuple(heads), rows)
+
+
+def _of_class(each: ObjectEvaluation, name: str) -> Tuple[float, float, float]:
+    """AP50, recall and precision of a class; NaN: unknown."""
+    if name not in each.classes:
+        return np.nan, np.nan, np.nan
+    index = each.classes.index(name)
+    recall, precision = recall_and_precision(each.score.table)
+    return each.score.precision[index], recall[index], precision[index]
 
 
 def verdict(evaluations: Sequence[ObjectEvaluation], false_alarms: float) -> str:
@@ -101,10 +109,9 @@ def verdict(evaluations: Sequence[ObjectEvaluation], false_alarms: float) -> str
     if np.isnan(confidence):
         return f"{best.name} has more than {false_alarms:g} false alarms per photo at every confidence."
     recall = best.matched.recall(confidence)
-    return (
-        f"{best.name} with confidence {confidence:.2f} finds {recall:.1%} of the objects, with at most "
-        f"{false_alarms:g} false alarms per photo."
-    )
+    finds = "" if np.isnan(recall) else f"finds {recall:.1%} of the objects, with at most "
+    what = finds or "has at most "
+    return f"{best.name} with confidence {confidence:.2f} {what}{false_alarms:g} false alarms per photo."
 
 
 def write_evaluation_page(

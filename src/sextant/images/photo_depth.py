@@ -31,8 +31,18 @@ def read_photo_depth(photo: Path) -> Optional[np.ndarray]:
     path = depth_path(photo)
     if not path.exists():
         return None
-    content = np.frombuffer(path.read_bytes(), np.uint8)
-    image = cv2.imdecode(content, cv2.IMREAD_UNCHANGED) if len(content) else None
+    try:
+        return decoded_depth(path.read_bytes())
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}; write it again") from None
+
+
+def decoded_depth(content: bytes) -> np.ndarray:
+    """The inverse of encoded_depth().
+
+    :raises ValueError: it is not a PNG image of 16-bit grey
+    """
+    image = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_UNCHANGED) if content else None
     if image is None or image.ndim != 2 or image.dtype != np.uint16:
-        raise ValueError(f"{path}: is not a PNG image of 16-bit grey (depth in mm); make the map again")
+        raise ValueError("is not a PNG image of 16-bit grey (depth in mm)")
     return image.astype(np.float32) * np.float32(1e-3)

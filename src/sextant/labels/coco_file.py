@@ -40,6 +40,9 @@ def _photos(table: Any, path: Path) -> LabelledPhotos:
         for i, each in enumerate(field(table, "categories", list))
     ]
     names = check_names([name for _, name in categories], "categories")
+    numbers = [number for number, _ in categories]
+    if len(set(numbers)) < len(numbers):
+        raise ValueError("categories: an id is there twice")
     index_of = {number: index for index, (number, _) in enumerate(categories)}
     images: Dict[int, Tuple[Path, Tuple[int, int]]] = {}
     for i, each in enumerate(field(table, "images", list)):
@@ -47,6 +50,8 @@ def _photos(table: Any, path: Path) -> LabelledPhotos:
         if number in images:
             raise ValueError(f"image {i}: its id {number} is there twice")
         images[number] = _image(i, each, path.parent)
+    if not images:
+        raise ValueError("there are no images in it")
     objects = _objects(table, images, index_of)
     photos = [_photo(*images[number], *objects[number]) for number in images]
     return LabelledPhotos(names, tuple(photos))

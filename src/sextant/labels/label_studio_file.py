@@ -9,6 +9,7 @@ the JSON file.
 import json
 import math
 import os
+import re
 from pathlib import Path
 from typing import Any, Dict, List, Optional, Sequence, Tuple
 from urllib.parse import quote, unquote
@@ -28,6 +29,8 @@ from sextant.labels.labelled_photos import (
 
 LOCAL = "/data/local-files/?d="
 SIDES = ("x", "y", "width", "height")
+RECTANGLES = "rectanglelabels"
+_UPLOADED = re.compile(r"^[0-9a-f]{8}-")
 
 
 def read_label_studio_file(path: Path) -> LabelledPhotos:
@@ -76,28 +79,33 @@ def _photo(task: Any, folder: Path, names: List[str]) -> Optional[LabelledPhoto]
 
 def _results(task: Any) -> Optional[List[Dict[str, Any]]]:
     """The rectangles of the newest annotation of a task; None: it has no annotation."""
-    annotations = task.get("annotations", []) if isinstance(task, dict) else []
+    if not isinstance(task, dict):
+        raise ValueError("must be a table with the fields data and annotations")
+    annotations = task.get("annotations", [])
     if not isinstance(annotations, list):
         raise ValueError("its annotations must be a list")
     done = [each for each in annotations if isinstance(each, dict) and not each.get("was_cancelled")]
     if not done:
         return None
-    results = field(done[-1], "result", list)
-    return [each for each in results if isinstance(each, dict) and each.get("type") == "rectanglelabels"]
+    return _rectangles([each for each in field(done[-1], "result", list) if isinstance(each, dict)])
+
+
+def _rectangles(results: List[Dict[str, Any]]) -> List[Dict[str, Any]]:
+    """The rectangles among regions."""
+    others = {str(each.get("type")) for each in results} - {RECTANGLES}
+    unread = sorted(kind for kind in others if kind.endswith("labels"))
+    if unread:
+        raise ValueError(f"has {unread[0]}, only {RECTANGLES} can be read: label with rectangles")
+    return [each for each in results if each.get("type") == RECTANGLES]
 
 
 def _path(image: str, folder: Path) -> Path:
     """The photo of a task; Label Studio puts a digest and a dash before the names of uploaded files."""
     name = unquote(image[len(LOCAL) :] if image.startswith(LOCAL) else image)
     base = name.rpartition("/")[2]
-    for each in (
-        name.lstrip("/"),
-        base,
-        f"images/{base}",
-        base.partition("-")[2],
-        f"images/{base.partition('-')[2]}",
-    ):
-        if each and (folder / each).is_file():
+    original = _UPLOADED.sub("", base)
+    for each in (name.lstrip("/"), base, f"images/{base}", original, f"images/{original}"):
+        if (folder / each).is_file():
             return folder / each
     raise ValueError(f"there is no photo {folder / name.lstrip('/')}")
 
@@ -155,7 +163,7 @@ def _result(name: str, box: np.ndarray, size: Tuple[int, int], number: str) -> D
     left, top, right, bottom = (box / [*size, *size] * 100).tolist()
     numbers = (left, top, right - left, bottom - top)
     return {
-        "id": number, "type": "rectanglelabels", "from_name": "label", "to_name": "image",
+        "id": number, "type": RECTANGLES, "from_name": "label", "to_name": "image",
         "original_width": size[0], "original_height": size[1], "image_rotation": 0,
         "value": {
             **{side: round(value, 4) for side, value in zip(SIDES, numbers)},

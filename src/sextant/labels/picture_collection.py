@@ -13,7 +13,7 @@ import numpy as np
 
 from sextant.base.atomic_file import atomic_file
 from sextant.base.strict_params import StrictParams, param, within
-from sextant.images.photo_depth import depth_path, encoded_depth
+from sextant.images.photo_depth import depth_path
 from sextant.images.photo_file import find_photos, read_rgb
 from sextant.images.sharpness import sharpness
 
@@ -22,6 +22,7 @@ JPEG_QUALITY = 95
 REPORT = "collected.json"  # numbers of pictures, kept and dropped
 RECENT = 50  # pictures whose median sharpness is the usual one
 KEPT, BLURRED, DARK, ALIKE, THINNED = "kept", "blurred", "dark or white", "like another one", "thinned out"
+ALREADY = "already there"
 
 
 @dataclass(frozen=True)
@@ -42,13 +43,15 @@ class CollectionParams(StrictParams):
 class _Picture(NamedTuple):
     path: Path
     thumbnail: np.ndarray  # float32 (height * width * 3,)
+    is_new: bool = False  # whether this collection wrote it
 
 
 class PictureCollection:
     """A folder of pictures, which may have some from an earlier collection. Not thread-safe.
 
-    When there are too many, the required difference grows, and pictures that are too similar are deleted: the
-    others are spread over all views and lights of the drive, however long it will be.
+    When there are too many, the required difference grows, and new pictures that are too similar are deleted:
+    the others are spread over all views and lights of the drive, however long it is. Pictures that were in
+    the folder before are only compared with.
     """
 
     def __init__(self, folder: Path, params: Optional[CollectionParams] = None):
@@ -57,7 +60,9 @@ class PictureCollection:
         self._folder, self._difference = folder, self._params.difference
         folder.mkdir(parents=True, exist_ok=True)
         self._pictures = [
-            _Picture(path, _thumbnail(read_rgb(path)[:, :, ::-1])) for path in find_photos(folder)
+            _Picture(path, _thumbnail(read_rgb(path)[:, :, ::-1]))
+            for path in find_photos(folder)
+            if path.parent == folder
         ]
         self._sharpness: List[float] = []
         self.counts: Dict[str, int] = Counter(_read_counts(folder / REPORT))  # of pictures, by outcome
@@ -74,6 +79,7 @@ class PictureCollection:
         """
         path = self._folder / f"{name}.jpg"
         if path.exists():
+            self.counts[ALREADY] += 1
             return False
         thumbnail = _thumbnail(image)
         reason = self._reason(image, thumbnail)
@@ -81,7 +87,7 @@ class PictureCollection:
         if reason != KEPT:
             return False
         _write(path, cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])[1].tobytes())
-        self._pictures.append(_Picture(path, thumbnail))
+        self._pictures.append(_Picture(path, thumbnail, True))
         self._thin_out()
         return path.exists()
 
@@ -89,13 +95,13 @@ class PictureCollection:
         """Whether there is a picture of this name."""
         return (self._folder / f"{name}.jpg").exists()
 
-    def add_depth(self, name: str, depth: np.ndarray) -> None:
+    def add_depth(self, name: str, depth: bytes) -> None:
         """Writes the depth of a picture beside it.
 
-        :param depth: float32 of DepthRegistration.registered(), metres, 0: none
+        :param depth: of encoded_depth()
         :raises OSError: it cannot be written
         """
-        _write(depth_path(self._folder / f"{name}.jpg"), encoded_depth(depth))
+        _write(depth_path(self._folder / f"{name}.jpg"), depth)
 
     def write_counts(self) -> None:
         """Writes the numbers of pictures beside them, so that a later collection continues them."""
@@ -112,7 +118,7 @@ class PictureCollection:
         return [f"{self._folder}: {len(self)} pictures{dropped}"]
 
     def _reason(self, image: np.ndarray, thumbnail: np.ndarray) -> str:
-        if image.std() < self._params.min_contrast:
+        if image.std() <= self._params.min_contrast:
             return DARK
         sharp = sharpness(image) / float(np.var(image))  # which does not depend on the light
         usual = float(np.median(self._sharpness)) if self._sharpness else 0.0
@@ -130,10 +136,10 @@ class PictureCollection:
 
     def _thin_out(self) -> None:
         """Keeps at most as many pictures as wanted, with a difference that just suffices."""
-        while len(self._pictures) > self._params.count:
+        while len(self._pictures) > self._params.count and any(each.is_new for each in self._pictures):
             self._difference = max(1.1 * self._difference, 1e-3)
-            kept: List[_Picture] = []
-            for each in self._pictures:
+            kept = [each for each in self._pictures if not each.is_new]
+            for each in (each for each in self._pictures if each.is_new):
                 if self._nearest(each.thumbnail, kept) >= self._difference:
                     kept.append(each)
                 else:

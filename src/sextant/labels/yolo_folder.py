@@ -14,6 +14,7 @@ import numpy as np
 import yaml
 
 from sextant.base.atomic_file import atomic_file
+from sextant.images.photo_depth import depth_path
 from sextant.images.photo_file import find_photos, photo_size
 from sextant.labels.labelled_photos import (
     LabelledPhoto,
@@ -25,6 +26,7 @@ from sextant.labels.labelled_photos import (
 )
 
 DATA, CLASSES, IMAGES, LABELS = "data.yaml", "classes.txt", "images", "labels"
+HOLD_OUT = 10  # every how manieth photo is for validation
 SPLITS = {"train": ("train",), "valid": ("val", "valid"), "test": ("test",)}  # names in data.yaml
 
 
@@ -85,7 +87,7 @@ def _table(data: Path) -> Dict[str, Any]:
 
 def _listed(names: Any, data: Path) -> List[Any]:
     """Names in the order of their indices."""
-    if isinstance(names, dict) and sorted(names) == list(range(len(names))):
+    if isinstance(names, dict) and set(names) == set(range(len(names))):
         return [names[index] for index in range(len(names))]
     if isinstance(names, list):
         return names
@@ -102,17 +104,25 @@ def _folders(table: Dict[str, Any], data: Path, root: Path, split: str) -> List[
         names += map(str, part if isinstance(part, list) else [part])
     if not names:
         raise ValueError(f"{data}: has no part {' or '.join(wanted)}")
-    folders = [root / name for name in dict.fromkeys(names)]
+    folders = [_existing(root, name) for name in dict.fromkeys(names)]
     for folder in folders:
         if not folder.is_dir():
             raise ValueError(f"{data}: there is no folder {folder}")
     return folders
 
 
+def _existing(root: Path, name: str) -> Path:
+    """A folder of images; like Ultralytics' software, looks for ../train/images in the folder itself, too."""
+    beside, inside = root / name, root / name.replace("../", "", 1)
+    return inside if name.startswith("../") and not beside.is_dir() and inside.is_dir() else beside
+
+
 def _read_folder(folder: Path, names: Sequence[str]) -> Iterator[LabelledPhoto]:
     """The photos of a folder, with the labels of the folder beside it."""
     photos = find_photos(folder)
     labels = _labels_of(folder)
+    if not labels.is_dir():
+        raise ValueError(f"{folder}: there is no folder {labels} with its labels")
     known = {labels / photo.relative_to(folder).with_suffix(".txt") for photo in photos}
     for path in sorted(labels.rglob("*.txt")):
         if path not in known and path.name != CLASSES:
@@ -168,29 +178,46 @@ def _object(line: str, size: Tuple[int, int], count: int) -> Tuple[int, List[flo
     return int(number), [*(middle - extent / 2), *(middle + extent / 2)]
 
 
-def write_yolo_folder(folder: Path, photos: LabelledPhotos, part: str = "train") -> None:
-    """Writes a new folder, with copies of the photos.
+def write_yolo_folder(folder: Path, photos: LabelledPhotos, hold_out: int = HOLD_OUT) -> None:
+    """Writes a folder with copies of the photos and their depth, or adds them to one with the same classes.
 
-    :param part: folder of the images: train or valid
+    :param hold_out: every how manieth photo is for validation; 0: none
     :raises OSError: it cannot be written
-    :raises ValueError: two photos have the same name
+    :raises ValueError: two photos have the same name, or the folder has other classes or another such photo
     """
-    names = unique_names(photos)
-    for name, photo in zip(names, photos.photos):
-        image, label = folder / part / IMAGES / name, (folder / part / LABELS / name).with_suffix(".txt")
-        for each in (image, label):
-            each.parent.mkdir(parents=True, exist_ok=True)
-        shutil.copyfile(photo.path, image)
-        with atomic_file(label) as file:
-            file.writelines(f"{line}\n" for line in _lines(photo))
-    table = {
-        "path": ".",
-        "train": f"{part}/{IMAGES}",
-        "val": f"{part}/{IMAGES}",
-        "names": list(photos.classes),
-    }
-    with atomic_file(folder / DATA) as file:
-        yaml.safe_dump(table, file, sort_keys=False, allow_unicode=True)
+    data = folder / DATA
+    if data.exists() and check_names(_listed(_table(data).get("names"), data), str(data)) != photos.classes:
+        raise ValueError(f"{data}: has other classes, or in another order: name them by --classes")
+    targets = [
+        folder / _part(number, hold_out) / IMAGES / name for number, name in enumerate(unique_names(photos))
+    ]
+    for photo, target in zip(photos.photos, targets):
+        if target.exists() and target.read_bytes() != photo.path.read_bytes():
+            raise ValueError(f"{target}: is another photo than {photo.path}: rename one of them")
+    for photo, target in zip(photos.photos, targets):
+        _write_photo(photo, target)
+    table = {"train": f"train/{IMAGES}"}
+    if (folder / "valid" / IMAGES).is_dir():
+        table["val"] = f"valid/{IMAGES}"
+    with atomic_file(data) as file:
+        yaml.safe_dump({**table, "names": list(photos.classes)}, file, sort_keys=False, allow_unicode=True)
+
+
+def _part(number: int, hold_out: int) -> str:
+    """Folder of the part of a photo."""
+    return "valid" if hold_out and number % hold_out == hold_out - 1 else "train"
+
+
+def _write_photo(photo: LabelledPhoto, target: Path) -> None:
+    """Writes a photo, its depth and its labels."""
+    label = (target.parents[1] / LABELS / target.name).with_suffix(".txt")
+    for each in (target, label):
+        each.parent.mkdir(parents=True, exist_ok=True)
+    shutil.copyfile(photo.path, target)
+    if depth_path(photo.path).exists():
+        shutil.copyfile(depth_path(photo.path), depth_path(target))
+    with atomic_file(label) as file:
+        file.writelines(f"{line}\n" for line in _lines(photo))
 
 
 def _lines(photo: LabelledPhoto) -> Iterator[str]:
@@ -208,7 +235,8 @@ def unique_names(photos: LabelledPhotos) -> List[str]:
     names = [photo.path.name for photo in photos.photos]
     stems: Dict[str, Path] = {}
     for photo in photos.photos:
-        other = stems.setdefault(photo.path.stem, photo.path)
-        if other != photo.path:
-            raise ValueError(f"{other} and {photo.path} have the same name: rename one of them")
+        if photo.path.stem in stems:
+            other = stems[photo.path.stem]
+            raise ValueError(f"{other} and {photo.path} have the same name: rename one, or leave it out")
+        stems[photo.path.stem] = photo.path
     return names

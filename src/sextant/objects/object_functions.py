@@ -3,6 +3,8 @@
 """Detection and localization of objects in single images, without ROS; also sextant.detect_objects() and
 sextant.locate_objects()."""
 
+import os
+import threading
 from functools import lru_cache
 from typing import Dict, List, NamedTuple, Optional
 
@@ -16,6 +18,7 @@ from sextant.objects.shipped_model import shipped_model
 from sextant.objects.yolo_detector import YoloDetector, YoloParams
 
 LOADED = 4  # networks that stay in memory
+_LOCK = threading.Lock()  # of the networks, which are not thread-safe
 
 
 class FoundObject(NamedTuple):
@@ -29,7 +32,7 @@ class FoundObject(NamedTuple):
 
 
 def detect_objects(image: np.ndarray, model: str = "", **settings) -> List[FoundObject]:
-    """Objects in a colour image, the one with the highest score first.
+    """Objects in a colour image, the one with the highest score first. May be called from any thread.
 
     :param image: uint8 (height, width, 3), RGB
     :param model: ONNX file; empty: the network that comes with Sextant
@@ -37,8 +40,15 @@ def detect_objects(image: np.ndarray, model: str = "", **settings) -> List[Found
     :raises OSError: the model cannot be read
     :raises ValueError: it cannot be used, or the image is not uint8 (height, width, 3)
     """
-    detector = _detector(YoloParams(model=str(model or shipped_model()), **settings))
-    found = detector.detect(image)
+    path = str(model or shipped_model())
+    settings = {name: tuple(each) if isinstance(each, list) else each for name, each in settings.items()}
+    try:
+        params = YoloParams(model=path, **settings)
+    except TypeError as error:
+        raise ValueError(f"settings: {error}") from None
+    with _LOCK:
+        detector = _detector(params, os.stat(path).st_mtime_ns)
+        found = detector.detect(image)
     names = (detector.classes[number] for number in found.classes)
     return [FoundObject(*each) for each in zip(names, found.scores.tolist(), found.boxes)]
 
@@ -69,10 +79,7 @@ def locate_objects(
     """
     found = detect_objects(image, model, **settings)
     known = KINDS if kinds is None else kinds
-    size = (image.shape[1], image.shape[0])
-    if size != camera.size:
-        sizes = f"{size[0]} × {size[1]} pixels, its camera {camera.size[0]} × {camera.size[1]}"
-        raise ValueError(f"the image has {sizes}")
+    _check_size(image, camera)
     T = np.eye(4) if T_camera_depth is None else T_camera_depth
     locator = ObjectLocator(ObjectLocatorParams(), camera, depth_camera or camera, T)
     which = [number for number, each in enumerate(found) if each.class_name in known]
@@ -86,6 +93,15 @@ def locate_objects(
     return found
 
 
+def _check_size(image: np.ndarray, camera: "sextant.CameraModel") -> None:
+    size = (image.shape[1], image.shape[0])
+    if size != camera.size:
+        sizes = f"{size[0]} × {size[1]} pixels, its camera {camera.size[0]} × {camera.size[1]}"
+        raise ValueError(f"the image has {sizes}")
+
+
 @lru_cache(maxsize=LOADED)
-def _detector(params: YoloParams) -> YoloDetector:
+def _detector(params: YoloParams, changed: int) -> YoloDetector:
+    """A detector of the content of the model's file at the time of its last change, nanoseconds."""
+    del changed  # a part of the key
     return YoloDetector(params)

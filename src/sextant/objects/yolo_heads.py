@@ -9,7 +9,7 @@ the decoding of boxes, selection or suppression), but their heads have the same 
 
 import ast
 import re
-from typing import Any, Dict, List, NamedTuple, Optional, Tuple
+from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -30,6 +30,7 @@ class HeadOutputs(NamedTuple):
     angles: List[str]  # one channel; empty: boxes are not oriented
     bins: int  # of the distance distributions; 1: distances
     classes: int  # number of classes
+    is_one_to_one: bool = False  # whether an object has one prediction
 
 
 def find_heads(model: Any, task: str = "") -> Optional[HeadOutputs]:
@@ -41,9 +42,18 @@ def find_heads(model: Any, task: str = "") -> Optional[HeadOutputs]:
     found = _last_convolutions(model.graph, sizes)
     boxes, scores = _of_kind(found, BOXES), _of_kind(found, SCORES)
     angles = _of_kind(found, ANGLES) if task == "obb" else _Head([], 1)
-    if not (boxes and scores and angles) or boxes.channels % 4:
+    if not (boxes and scores and angles) or boxes.channels % 4 or angles.channels != 1:
         return None
-    return HeadOutputs(boxes.names, scores.names, angles.names, boxes.channels // 4, scores.channels)
+    is_one_to_one = _is_one_to_one(model.graph, boxes.names)
+    return HeadOutputs(
+        boxes.names, scores.names, angles.names, boxes.channels // 4, scores.channels, is_one_to_one
+    )
+
+
+def _is_one_to_one(graph: Any, boxes: Sequence[str]) -> bool:
+    """Whether the weights of these convolutions are those of an end-to-end head."""
+    weights_of = {node.output[0]: node.input[1] for node in graph.node if node.op_type == "Conv"}
+    return any("one2one" in weights_of[name] for name in boxes)
 
 
 class _Head(NamedTuple):
@@ -52,7 +62,9 @@ class _Head(NamedTuple):
 
 
 def _of_kind(found: Dict[Tuple[str, int], Tuple[str, int]], kind: str) -> Optional[_Head]:
-    """The head of a kind; None: a grid is missing, or has another number of channels."""
+    """The head of a kind; None: a grid is missing or too many, or has another number of channels."""
+    if {grid for each, grid in found if each == kind} != set(range(len(STRIDES))):
+        return None
     grids = [found.get((kind, grid), ("", 0)) for grid in range(len(STRIDES))]
     channels = {each for _, each in grids}
     if len(channels) > 1 or 0 in channels:
@@ -69,15 +81,18 @@ def _last_convolutions(graph: Any, sizes: Dict[str, tuple]) -> Dict[Tuple[str, i
         if tensor in seen or tensor not in made:
             continue
         seen.add(tensor)
-        node = made[tensor]
-        weight = _source(node.input[1], made) if node.op_type == "Conv" else ""
-        if sizes.get(weight, DISTRIBUTION) == DISTRIBUTION:
-            todo += node.input
-            continue
+        weight = _weight_of(made[tensor], made)
         name = _HEAD.search(weight)
-        if name:
+        if name and weight in sizes:
             found[name.group(1), int(name.group(2))] = tensor, sizes[weight][0]
+        elif sizes.get(weight, DISTRIBUTION) == DISTRIBUTION:
+            todo += made[tensor].input
     return found
+
+
+def _weight_of(node: Any, made: Dict[str, Any]) -> str:
+    """The weights of a convolution; empty: it is none."""
+    return _source(node.input[1], made) if node.op_type == "Conv" else ""
 
 
 def _source(tensor: str, made: Dict[str, Any]) -> str:

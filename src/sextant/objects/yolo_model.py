@@ -41,6 +41,10 @@ class YoloModel:
         self.classes = self._class_names(classes)  # in the order of the network's scores
         self.size = self._input_size(info.input, size)  # width and height of the input, pixels
         heads = find_heads(model, task)
+        if heads and heads.classes != len(self.classes):
+            self._refuse_classes(heads, classes)
+            heads = None
+        self._one_to_one = bool(heads and heads.is_one_to_one)
         self._layout = heads and self._head_layout(heads)
         content = self._cut(model, heads) if heads else None
         self._network = open_network(path, backend, threads, content)
@@ -48,7 +52,7 @@ class YoloModel:
     @property
     def is_end_to_end(self) -> bool:
         """Whether the network predicts each object once, so that suppression would only remove neighbours."""
-        return bool(metadata_value(self._metadata, "end2end"))
+        return self._one_to_one or bool(metadata_value(self._metadata, "end2end"))
 
     @property
     def is_interpolated(self) -> bool:
@@ -74,10 +78,15 @@ class YoloModel:
         except ValueError as error:
             raise ValueError(f"{self._path}: {error}") from None
 
+    def _refuse_classes(self, heads: HeadOutputs, given: Sequence[str]) -> None:
+        """Heads with more outputs than classes may be of an open vocabulary: the network is run whole."""
+        count = len(self.classes)
+        if given or heads.classes < count:
+            what = f"detects {heads.classes} classes, there are {count} class names"
+            raise ValueError(f"{self._path}: {what}")
+        self.notes.append(f"the network is run as a whole: its heads have {heads.classes} outputs")
+
     def _head_layout(self, heads: HeadOutputs) -> HeadLayout:
-        if heads.classes != len(self.classes):
-            count = len(self.classes)
-            raise ValueError(f"{self._path}: detects {heads.classes} classes, but has {count} class names")
         angles = heads.angles and ("radians" if self._metadata.get("head") == "OBB26" else "logits")
         return HeadLayout(heads.bins, heads.classes, angles or "", self.is_end_to_end)
 

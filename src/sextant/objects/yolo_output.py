@@ -156,6 +156,8 @@ def _of_rows(rows: np.ndarray, classes: int, threshold: float) -> Detections:
     _check_final(rows[:, 4])
     found = rows[rows[:, 4] >= threshold].astype(np.float64)
     found = found[np.argsort(-found[:, 4], kind="stable")]
+    if np.any(found[:, 2:4] < found[:, :2]):
+        raise ValueError("outputs rows whose right is left of left; export the network by a newer program")
     numbers = found[:, 5].astype(int)
     if np.any((numbers < 0) | (numbers >= classes)):
         raise ValueError(f"outputs class {numbers.max()}, there are {classes} classes")

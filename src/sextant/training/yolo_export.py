@@ -11,6 +11,7 @@ import onnx
 import torch
 
 from sextant.base.atomic_file import atomic_file
+from sextant.base.onnx_trim import trimmed
 from sextant.training.yolo_network import YoloNetwork
 
 
@@ -26,7 +27,8 @@ def export(network: YoloNetwork, path: Path, size: int, names: List[str]) -> Non
         torch.onnx.export(
             network.eval(), image, exported, opset_version=12, input_names=["images"], output_names=["output"]
         )
-    model = onnx.load_from_string(exported.getvalue())
+    # Without copies of equal weights, which OpenCV 4.6 does not read.
+    model = trimmed(onnx.load_from_string(exported.getvalue()), ["output"], (1, 3, size, size))
     entry = model.metadata_props.add()
     entry.key, entry.value = "names", repr(dict(enumerate(names)))
     with atomic_file(path, "wb") as file:

@@ -73,7 +73,7 @@ def train(
         state.load(checkpoint)
     elif start:
         state.start_from(start)
-    while state.epoch < params.epochs and state.epoch - state.best_epoch < params.patience:
+    while state.epoch < params.epochs and not state.is_stuck(params.patience):
         loss = state.train_epoch(state.epoch, progress)
         score = state.score(validation) if validation else 0.0
         state.save(checkpoint)
@@ -122,17 +122,23 @@ class _State:
             self._best = copy.deepcopy(self.kept)
         return score
 
+    def is_stuck(self, patience: int) -> bool:
+        """Whether there were scores, but no better one for so many epochs."""
+        return self.best_score > 0 and self.epoch - self.best_epoch >= patience
+
     def result(self) -> YoloNetwork:
         """The weights with the best score; without scores the last ones."""
         return (self._best if self.best_score else self.kept).eval()
 
     def start_from(self, path: Path) -> None:
         """Takes the weights of another training; those of classes only if their number is the same."""
-        saved = _loaded(path)["kept"]
+        saved = _loaded(path).get("kept", {})
         own = self._network.state_dict()
-        fitting = {name: each for name, each in saved.items() if own.get(name, each[:0]).shape == each.shape}
+        fitting = {
+            name: each for name, each in saved.items() if name in own and own[name].shape == each.shape
+        }
         if len(fitting) < len(own) // 2:
-            raise ValueError(f"{path}: is of a network of another size")
+            raise ValueError(f"{path}: is not of a network of this size")
         for network in (self._network, self.kept):
             network.load_state_dict({**own, **fitting})
 
@@ -200,7 +206,7 @@ class _State:
 def _loaded(path: Path) -> Dict[str, Any]:
     """Reads a checkpoint, without executing code from it."""
     try:
-        return torch.load(path, weights_only=True)
+        return dict(torch.load(path, weights_only=True))
     except OSError:
         raise
     except Exception as error:  # an invalid file may raise any exception

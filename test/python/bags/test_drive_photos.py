@@ -12,6 +12,7 @@ from written_bags import SMALL, START, WrittenBag, header
 
 from sextant.bags.bag_file import BagError
 from sextant.bags.drive_photos import PhotoParams, read_drive_photos
+from sextant.images.photo_depth import decoded_depth
 from sextant.messages.pose_messages import pose_to_message
 
 OPTIONS = PhotoParams(distance=0.999)  # so that rounding does not decide
@@ -196,7 +197,7 @@ def test_photos_have_the_depth_recorded_with_them(tmp_path, frame, metres):
     read = read_drive_photos(path, PhotoParams(image="/front/image_raw", depth="/depth/image_raw"))
     assert len(read.photos) == 3 and read.warnings == ()
     for photo in read.photos:
-        depth = photo.depth[5:-5, 5:-5]
+        depth = decoded_depth(photo.depth)[5:-5, 5:-5]
         assert (depth > 0).mean() > 0.8
         np.testing.assert_allclose(depth[depth > 0], metres, atol=1e-3)
 

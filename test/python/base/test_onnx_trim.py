@@ -141,6 +141,25 @@ def test_nodes_beyond_the_outputs_do_not_matter():
     np.testing.assert_allclose(run(made), 1 / (1 + np.exp(-IMAGE)), atol=1e-6)
 
 
+def test_constants_whose_value_would_be_wrong_are_refused():
+    made = model([node("Relu", "given", "positive"), node("Mul", "images positive", "y")],
+                 weights={"given": np.array([-1.0], np.float32)})  # fmt: skip
+    with pytest.raises(ValueError, match="its operator Relu of a constant is not supported"):
+        trimmed(made, ["y"], IMAGE.shape)
+
+
+def test_a_part_of_a_shape():
+    made = model(
+        [
+            helper.make_node("Shape", ["images"], ["sides"], start=2, end=4),
+            node("Concat", "first sides", "target", axis=0),
+            node("Reshape", "images target", "y"),
+        ],
+        weights={"first": np.array([3, 1])},
+    )
+    np.testing.assert_array_equal(run(made), IMAGE.reshape(3, 1, 8, 12))
+
+
 def test_an_operator_that_is_not_supported_is_named():
     made = model([node("TopK", "images k", "values y", axis=1)], weights={"k": np.array([2])})
     with pytest.raises(ValueError, match="its operator TopK is not supported"):

@@ -16,7 +16,10 @@ def test_pictures_of_a_drive_with_depth(tmp_path, capsys):
     assert main([bag, "-o", str(folder), *options]) == 0
     assert capsys.readouterr().out == f"{folder}: 9 pictures\n"
     pictures = sorted(folder.glob("*.jpg"))
-    assert len(pictures) == 9 and pictures[0].name.startswith("hall_16")
+    assert len(pictures) == 9 and pictures[0].name.startswith("hall_front_16")
+    for path in folder.glob("*.depth"):
+        path.unlink()
+    assert main([bag, "-o", str(folder), *options]) == 0  # as after an interruption
     for path in pictures:
         depth = read_photo_depth(path)
         np.testing.assert_allclose(depth[depth > 0], 2.0, atol=1e-3)
@@ -28,7 +31,8 @@ def test_a_second_recording_adds_what_is_new(tmp_path, capsys):
         assert main([bag, "-o", str(tmp_path / "pictures"), "--count", "100"]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert [line.partition(": ")[2] for line in lines] == [
-        "9 pictures", "9 pictures", "13 pictures; dropped: 9 like another one",
+        "9 pictures", "9 pictures; dropped: 9 already there",
+        "13 pictures; dropped: 9 already there, 9 like another one",
     ]  # fmt: skip
 
 

@@ -7,9 +7,12 @@ import sys
 
 import numpy as np
 import pytest
+from made_labels import write_photos
 from PIL import Image
 
 from sextant.commands.train_object_detector import main
+from sextant.labels.coco_file import write_coco_file
+from sextant.labels.yolo_folder import write_yolo_folder
 from sextant.objects.object_kinds import KINDS
 from sextant.objects.yolo_detector import YoloDetector, YoloParams
 
@@ -36,6 +39,25 @@ def test_a_quick_training_makes_a_network_and_goes_on_where_it_was(tmp_path, cap
     assert (
         "checkpoint.pt: is of a training with another seed: choose another folder" in capsys.readouterr().err
     )
+
+
+@needs_torch
+def test_a_network_of_own_photos(tmp_path, capsys):
+    write_yolo_folder(tmp_path / "data", write_photos(tmp_path / "photos", 20))
+    arguments = [str(tmp_path / "net"), "--data", str(tmp_path / "data"), "--size", "64"]
+    assert main([*arguments, "--epochs", "2"]) == 0
+    output = capsys.readouterr().out
+    assert "2 validation images" in output and "epoch 2 of 2" in output and "mAP50" in output
+    assert YoloDetector(YoloParams(model=str(tmp_path / "net/objects.onnx"))).classes == ["ball", "goal"]
+    more = [str(tmp_path / "more"), *arguments[1:], "--epochs", "1", "--images", "4"]
+    assert main([*more, "--start", str(tmp_path / "net/checkpoint.pt")]) == 0
+    capsys.readouterr()
+    write_coco_file(tmp_path / "labels.json", write_photos(tmp_path / "photos", 12))
+    assert (
+        main([str(tmp_path / "coco"), "--data", str(tmp_path / "labels.json"), "--quick", "--size", "64"])
+        == 0
+    )
+    assert "2 validation images" in capsys.readouterr().out  # every tenth
 
 
 @needs_torch

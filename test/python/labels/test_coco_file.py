@@ -68,6 +68,8 @@ def changed(*keys, to):
         (changed("annotations", 0, "bbox", to=[1, 2, 0, 4]), "annotation 3: its box has 0 × 4 pixels"),
         (changed("annotations", 0, "bbox", to=[60, 2, 30, 4]), "leaves the photo"),
         (changed("categories", to=[]), "at least one"),
+        (changed("images", to=[]), "there are no images in it"),
+        (changed("categories", 1, "id", to=2), "categories: an id is there twice"),
         (changed("categories", 1, "name", to="goal"), "goal is there twice"),
     ],
 )

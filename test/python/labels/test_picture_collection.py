@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from made_photos import picture
 
-from sextant.images.photo_depth import read_photo_depth
+from sextant.images.photo_depth import encoded_depth, read_photo_depth
 from sextant.labels.picture_collection import CollectionParams, PictureCollection
 
 
@@ -61,17 +61,36 @@ def test_a_collection_is_continued(tmp_path):
     again.write_counts()
     counts = json.loads((tmp_path / "collected.json").read_text())
     assert counts["kept"] == len(again) == len(list(tmp_path.glob("*.jpg")))
+    assert counts["already there"] == 1
     (tmp_path / "collected.json").write_text("{")
     with pytest.raises(ValueError, match="collected.json: is damaged, remove it"):
         PictureCollection(tmp_path)
 
 
-def test_depth_is_beside_its_picture_and_goes_with_it(tmp_path):
-    collection = PictureCollection(tmp_path, CollectionParams(count=1))
-    collection.offer("0", view(0))
-    collection.add_depth("0", np.full((72, 96), 1.5, np.float32))
-    assert read_photo_depth(tmp_path / "0.jpg")[0, 0] == pytest.approx(1.5)
-    for i in range(1, 4):
-        collection.offer(str(i), view(i))
-    assert len(collection) == 1 and collection.has("0")
-    assert len(list(tmp_path.glob("*.jpg"))) == 1
+def test_depth_goes_with_a_picture_that_is_deleted(tmp_path):
+    collection = PictureCollection(tmp_path, CollectionParams(count=2, difference=0.5))
+    depth = np.full((72, 96), 1.5, np.float32)
+    for number in range(6):  # slowly brighter: neighbours are the most similar ones
+        image = np.clip(view(0) * (0.5 + 0.06 * number), 0, 255).astype(np.uint8)
+        if collection.offer(str(number), image):
+            collection.add_depth(str(number), encoded_depth(depth))
+    pictures = {path.name for path in tmp_path.glob("*.jpg")}
+    assert len(pictures) == len(collection) <= 2 and collection.counts["thinned out"] > 0
+    assert {path.name for path in tmp_path.glob("*.depth")} == {f"{name}.depth" for name in pictures}
+    assert read_photo_depth(tmp_path / sorted(pictures)[0])[0, 0] == pytest.approx(1.5)
+
+
+def test_pictures_that_were_there_are_never_deleted(tmp_path):
+    (tmp_path / "holiday").mkdir()
+    for number in range(4):
+        cv2.imwrite(str(tmp_path / f"mine{number}.png"), view(number))
+        cv2.imwrite(str(tmp_path / f"holiday/{number}.png"), view(10 + number))
+    collection = PictureCollection(tmp_path, CollectionParams(count=3))
+    for number in range(20, 24):
+        collection.offer(str(number), view(number))
+    assert len(list(tmp_path.rglob("*.png"))) == 8 and not list(tmp_path.glob("*.jpg"))
+
+
+def test_a_black_picture_is_dropped(tmp_path):
+    collection = PictureCollection(tmp_path, CollectionParams(min_contrast=0.0))
+    assert not collection.offer("black", np.zeros((72, 96, 3), np.uint8))

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from made_labels import NAMES, write_photos
 
-from sextant.labels.yolo_folder import read_yolo_folder, write_yolo_folder
+from sextant.images.photo_depth import depth_path, encoded_depth
+from sextant.labels.yolo_folder import read_yolo_folder, write_yolo_folder, yolo_parts
 
 BLIMP = Path(__file__).resolve().parents[4] / "shared/data/objects/blimp"
 
@@ -71,6 +72,7 @@ def test_wrong_lines_are_refused_with_their_number(folder, text, reason):
         ("- a", "must have the fields names, train and val"),
         ("train: train/images", "names must be a list"),
         ("train: train/images\nnames: {1: ball}", "names must be a list"),
+        ("train: train/images\nnames: {0: ball, goal: 1}", "names must be a list"),
         ("train: train/images\nnames: [ball, ball]", "ball is there twice"),
         ("names: [ball]", "has no part train"),
         ("train: elsewhere\nnames: [ball]", "there is no folder .*elsewhere"),
@@ -90,6 +92,7 @@ def test_labels_without_a_photo_are_refused(folder):
 
 def test_a_folder_with_classes_txt(tmp_path):
     photos = write_photos(tmp_path / "images", 2)
+    (tmp_path / "labels").mkdir()
     (tmp_path / "classes.txt").write_text("ball\ngoal\n")
     found = read_yolo_folder(tmp_path)
     assert found.classes == NAMES and len(found.photos) == len(photos.photos)
@@ -104,6 +107,45 @@ def test_photos_of_the_same_name_are_not_written(tmp_path):
     one, other = write_photos(tmp_path / "a", 2), write_photos(tmp_path / "b", 2)
     with pytest.raises(ValueError, match="have the same name"):
         write_yolo_folder(tmp_path / "out", one._replace(photos=one.photos + other.photos))
+
+
+def test_every_tenth_photo_is_for_validation(tmp_path):
+    photos = write_photos(tmp_path / "photos", 25)
+    write_yolo_folder(tmp_path / "data", photos)
+    assert yolo_parts(tmp_path / "data") == ("train", "valid")
+    parts = [read_yolo_folder(tmp_path / "data", part) for part in ("train", "valid")]
+    assert [len(part.photos) for part in parts] == [23, 2]
+    write_yolo_folder(tmp_path / "whole", photos, hold_out=0)
+    assert yolo_parts(tmp_path / "whole") == ("train",)
+
+
+def test_a_folder_is_added_to_with_the_same_classes_only(tmp_path):
+    one, other = write_photos(tmp_path / "a", 3), write_photos(tmp_path / "b", 3, seed=5)
+    write_yolo_folder(tmp_path / "data", one, 0)
+    with pytest.raises(ValueError, match="data.yaml: has other classes, or in another order"):
+        write_yolo_folder(tmp_path / "data", one._replace(classes=one.classes[::-1]), 0)
+    with pytest.raises(ValueError, match="2.png: is another photo than"):
+        write_yolo_folder(tmp_path / "data", other._replace(photos=other.photos[2:]), 0)
+    renamed = []
+    for photo in other.photos:
+        path = photo.path.with_name(f"more{photo.path.name}")
+        photo.path.rename(path)
+        renamed.append(photo._replace(path=path))
+    depth_path(renamed[0].path).write_bytes(encoded_depth(np.ones((4, 4), np.float32)))
+    write_yolo_folder(tmp_path / "data", other._replace(photos=tuple(renamed)), 0)
+    assert len(read_yolo_folder(tmp_path / "data").photos) == 6
+    assert depth_path(tmp_path / "data/train/images/more0.png").exists()
+
+
+def test_a_folder_without_labels_is_refused(folder):
+    (folder / "train/labels").rmdir()
+    with pytest.raises(ValueError, match="train/images: there is no folder .*train/labels with its labels"):
+        read_yolo_folder(folder)
+
+
+def test_paths_of_roboflow(folder):
+    (folder / "data.yaml").write_text("train: ../train/images\nnames: [ball, goal]\n")
+    assert len(read_yolo_folder(folder).photos) == 1
 
 
 @pytest.mark.skipif(not BLIMP.is_dir(), reason="external test data")

@@ -61,5 +61,7 @@ def test_images_that_do_not_fit_are_refused(taken):
         sextant.locate_objects(images.colour[:-1], images.depth, colour, camera.T_base_colour)
     with pytest.raises(ValueError, match="uint8"):
         sextant.detect_objects(images.colour[:, :, 0])
+    with pytest.raises(ValueError, match="settings: .*confidense"):
+        sextant.detect_objects(images.colour, confidense=0.5)
     with pytest.raises(OSError, match="nowhere.onnx"):
         sextant.detect_objects(images.colour, "nowhere.onnx")

@@ -41,5 +41,9 @@ def test_other_networks_have_no_heads(tmp_path):
         ExportedHeads(NAMES, BOXES[:6], SCORES).write(tmp_path / "six.onnx"),
     ]
     assert [find_heads(onnx.load(each)) for each in others] == [None] * 3
+    wide = ExportedHeads(NAMES, BOXES, SCORES, angle=0.25, channels=16)
+    assert find_heads(onnx.load(wide.write(tmp_path / "nano.onnx")), "obb").angles[0] == "model.22.cv4.0.2"
+    four = ExportedHeads(NAMES, BOXES, SCORES, strides=(8, 16, 32, 64))
+    assert find_heads(onnx.load(four.write(tmp_path / "four.onnx", taken=(1, 3, 64, 64)))) is None
     without_angles = onnx.load(ExportedHeads(NAMES, BOXES, SCORES).write(tmp_path / "upright.onnx"))
     assert find_heads(without_angles, "obb") is None

@@ -53,7 +53,7 @@ def test_boxes_by_distances_and_by_distributions(tmp_path, boxes, half):
 
 def test_an_end_to_end_network_has_a_prediction_for_each_class(tmp_path):
     made = ExportedHeads(NAMES, DISTANCES, [1.5, 1.0], prefix="one2one_")
-    model = opened(made.write(tmp_path / "net.onnx", end2end=True))
+    model = opened(made.write(tmp_path / "net.onnx"))
     found = detections(model)
     assert model.is_end_to_end and len(found.boxes) == 2 * 84
     np.testing.assert_array_equal(found.classes, np.repeat([0, 1], 84))
@@ -82,6 +82,6 @@ def test_an_open_size_is_that_of_the_export_unless_it_is_set(tmp_path):
 
 
 def test_another_number_of_names_is_refused(tmp_path):
-    path = ExportedHeads(["ball"], DISTANCES, SCORES).write(tmp_path / "net.onnx")
-    with pytest.raises(ValueError, match="net.onnx: detects 2 classes, but has 1 class names"):
+    path = ExportedHeads(["a", "b", "c"], DISTANCES, SCORES).write(tmp_path / "net.onnx")
+    with pytest.raises(ValueError, match="net.onnx: detects 2 classes, there are 3 class names"):
         opened(path)

@@ -153,3 +153,5 @@ def test_rows_of_an_end_to_end_export():
     assert found.classes.tolist() == [0, 2] and found.scores == pytest.approx([0.9, 0.7])
     with pytest.raises(ValueError, match="outputs class 2, there are 2 classes"):
         decoded([rows], SIZE, 2, 0.4)
+    with pytest.raises(ValueError, match="right is left of left"):  # of YOLOv5: x, y, width, height
+        decoded([np.array([[[40.0, 30, 10, 8, 0.9, 0]]])], SIZE, 2, 0.4)

@@ -27,7 +27,7 @@ from sextant.bags.drive_photos import DrivePhoto, DrivePhotos, PhotoParams, read
 from sextant.commands.bag_options import add_job_options, add_mount_options, read_bags, read_mounts
 from sextant.commands.command_line import Answer, CommandParser
 from sextant.commands.places.place_map_output import add_output_options, existing_map, write_map
-from sextant.images.photo_depth import depth_path, encoded_depth
+from sextant.images.photo_depth import depth_path
 from sextant.place_maps.overview import draw_paths
 from sextant.place_maps.overview_image import OverviewImage, drawn_overview, overview_from_map_server
 from sextant.place_maps.photo_poses import PhotoPoses, PosedPhoto, poses_path, read_photo_poses
@@ -173,7 +173,7 @@ def _files(photos: Iterable[DrivePhoto]) -> Iterator[Tuple[str, bytes]]:
     for photo in photos:
         yield photo.name, photo.jpeg
         if photo.depth is not None:
-            yield depth_path(Path(photo.name)).name, encoded_depth(photo.depth)
+            yield depth_path(Path(photo.name)).name, photo.depth
 
 
 def _poses(options: argparse.Namespace, place_map: PlaceMap, drives: Sequence[DrivePhotos]) -> PhotoPoses:

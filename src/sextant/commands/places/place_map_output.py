@@ -8,6 +8,7 @@ from typing import Dict, Optional, Sequence
 
 from sextant.base.atomic_file import atomic_files
 from sextant.commands.command_line import Answer, check_output
+from sextant.images.photo_depth import depth_path
 from sextant.place_maps.photo_poses import PhotoPoses, poses_path, write_photo_poses
 from sextant.place_maps.place_map import PlaceMap
 from sextant.place_maps.place_map_file import read_place_map, write_place_map
@@ -63,12 +64,21 @@ def write_map(
     with atomic_files(folder) as temporary:
         for name, content in new.items():
             (temporary / name).write_bytes(content)
+    _remove_old_depth(folder, files)
     if poses or is_new:
         _write_poses(poses_path(options.output), poses)
     write_place_map(options.output, place_map)
     summary = _summary(place_map, len(left_out))
     summary += f"; {len(poses.photos)} with poses" if poses and poses.photos else ""
     return Answer([*notes, *left_out, f"{options.output}: {summary}"])
+
+
+def _remove_old_depth(folder: Path, files: Dict[str, bytes]) -> None:
+    """Removes depth images of an earlier map beside photos that are written without."""
+    for name in files:
+        old = depth_path(folder / name)
+        if old.name not in files and old.exists():
+            old.unlink()
 
 
 def _write_poses(path: Path, poses: Optional[PhotoPoses]) -> None:

@@ -56,7 +56,8 @@ class PictureCollector:
             return
         colour = cv2.cvtColor(image, cv2.COLOR_GRAY2BGR) if image.ndim == 2 else image
         try:
-            self._collection.offer(f"{message.header.stamp.to_nsec() / 1e9:.3f}", colour)
+            stamp = message.header.stamp if message.header.stamp else rospy.Time.now()
+            self._collection.offer(f"{stamp.to_nsec() / 1e9:.3f}", colour)
         except OSError as error:
             rospy.logerr_throttle(10.0, f"a picture cannot be written: {error}")
 

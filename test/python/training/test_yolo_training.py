@@ -1,0 +1,60 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Training on a few images."""
+
+import numpy as np
+import pytest
+from made_labels import COLOURS, write_photos
+
+torch = pytest.importorskip("torch", reason="PyTorch is optional: apt install python3-torch")
+
+from sextant.training.labelled_images import labelled_image_set  # noqa: E402
+from sextant.training.network_score import network_score  # noqa: E402
+from sextant.training.yolo_training import TrainingParams, mosaic, train  # noqa: E402
+
+
+@pytest.fixture(scope="module")
+def pictures(tmp_path_factory):
+    return labelled_image_set(write_photos(tmp_path_factory.mktemp("photos"), 8), 64, 1)
+
+
+def test_a_mosaic_has_the_objects_of_four_images(pictures):
+    found = mosaic(pictures, 5, np.random.default_rng(1))
+    assert found.images.shape == (5, 64, 64, 3) and found.exists.sum() > 20
+    for image, truth in zip(found.images, found.truths()):
+        for box, each in zip(truth.boxes, truth.classes):
+            x, y = (0.5 * (box[:2] + box[2:])).astype(int)
+            assert np.abs(image[y, x].astype(int) - COLOURS[each]).max() < 40
+
+
+@pytest.mark.slow
+def test_training_learns_ends_early_and_keeps_the_best(pictures, tmp_path, capsys):
+    params = TrainingParams(epochs=200, batch=2, patience=15, mosaic=0.2, average=0.9, seed=1)
+    network = train(pictures, 2, params, tmp_path / "checkpoint.pt", "training", pictures)
+    lines = [line for line in capsys.readouterr().out.splitlines() if line.startswith("epoch")]
+    scores = [float(line.split("mAP50 ")[1].split(",")[0]) for line in lines]
+    assert max(scores) > 0.3 and len(lines) < 200
+    assert network_score(network, pictures, 2).mean == pytest.approx(max(scores), abs=1e-3)
+    assert len(lines) == 1 + int(np.argmax(scores)) + 15
+
+
+def test_without_validation_all_epochs_are_trained(pictures, tmp_path, capsys):
+    params = TrainingParams(epochs=3, batch=8, patience=1)
+    train(pictures, 2, params, tmp_path / "checkpoint.pt", "training")
+    assert "epoch 3 of 3" in capsys.readouterr().out
+
+
+def test_a_training_starts_from_another_one(pictures, tmp_path):
+    first = train(pictures, 2, TrainingParams(epochs=2, batch=8), tmp_path / "first.pt")
+    params = TrainingParams(epochs=1, batch=8, rate=1e-9, decay=0.0)
+    second = train(pictures, 2, params, tmp_path / "second.pt", start=tmp_path / "first.pt")
+    for one, other in zip(first.parameters(), second.parameters()):
+        np.testing.assert_allclose(one.numpy(), other.numpy(), atol=1e-4)
+    three = train(pictures, 3, params, tmp_path / "three.pt", start=tmp_path / "first.pt")
+    stem = [next(each.parameters()).numpy() for each in (first, three)]
+    np.testing.assert_allclose(*stem, atol=1e-4)
+    with pytest.raises(ValueError, match="first.pt: is not of a network of this size"):
+        train(pictures, 2, TrainingParams(network="large"), tmp_path / "l.pt", start=tmp_path / "first.pt")
+    torch.save({"weights": torch.zeros(3)}, tmp_path / "other.pt")
+    with pytest.raises(ValueError, match="other.pt: is not of a network of this size"):
+        train(pictures, 2, params, tmp_path / "fourth.pt", start=tmp_path / "other.pt")
