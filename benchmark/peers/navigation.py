@@ -136,6 +136,8 @@ class Robot:
         rospy.Subscriber("move_base/status", status, self._on_status, queue_size=10)
         self._command = rospy.Publisher("cmd_vel", Twist, queue_size=1)
         self._goals = rospy.Publisher("move_base_simple/goal", PoseStamped, queue_size=1)
+        self._goal_id = get_message_class("actionlib_msgs/GoalID")
+        self._cancel = rospy.Publisher("move_base/cancel", self._goal_id, queue_size=1)
 
     def _on_truth(self, message: Odometry) -> None:
         self._truth = planar(pose_from_message(message.pose.pose))
@@ -148,7 +150,7 @@ class Robot:
 
     def wait(self) -> None:
         """Wait for the nodes, and stop the simulator's random motion."""
-        for publisher in (self._command, self._goals):
+        for publisher in (self._command, self._goals, self._cancel):
             wait_for(publisher.name, publisher.get_num_connections, START)
         self._command.publish(Twist())
         wait_for("move_base", lambda: self._is_ready, START)
@@ -175,6 +177,9 @@ class Robot:
         try:
             wait_for("the goal", lambda: self._results, PATIENCE)
         except TimeoutError:
+            # Its result must not be taken for that of the next goal.
+            self._cancel.publish(self._goal_id())
+            wait_for("the end of a goal", lambda: self._results, PATIENCE)
             return np.nan
         return float(np.hypot(*(self._truth - goal)[:2])) if self._results[0] == SUCCEEDED else np.nan
 
