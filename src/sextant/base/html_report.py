@@ -14,6 +14,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import List, Mapping, NamedTuple, Tuple, Union
 
+import cv2
+import numpy as np
 from jinja2 import DictLoader, Environment, StrictUndefined
 
 from sextant.base.atomic_file import atomic_file
@@ -42,6 +44,8 @@ td:not(.text), td:first-child { white-space: nowrap; }
 tr.highlighted td { background: #fdebdc; }
 p.note { color: #555; max-width: 60rem; }
 summary { cursor: pointer; margin: 0.5rem 0; }
+.photos { display: flex; flex-wrap: wrap; gap: 0.7rem; }
+.photos figure { margin: 0; }
 </style>
 </head>
 <body>
@@ -64,7 +68,16 @@ MACROS = """\
 {%- endfor %}
 </table>
 {%- endmacro %}
+{%- macro gallery(photos) %}
+<div class="photos">
+{%- for photo in photos %}
+<figure><img src="{{ photo.source }}" alt="{{ photo.name }}">
+<figcaption>{{ photo.name }}</figcaption></figure>
+{%- endfor %}
+</div>
+{%- endmacro %}
 """
+JPEG_QUALITY = 85
 
 
 @dataclass(frozen=True)
@@ -85,10 +98,10 @@ class Table:
 
 
 class PagePlot(NamedTuple):
-    """A plot of a report."""
+    """A plot or a photo of a report."""
 
-    name: str  # for readers without images
-    source: str  # src of an img element, see embedded()
+    name: str  # below a photo, and for readers without images
+    source: str  # src of an img element, see embedded() and embedded_photo()
 
 
 def write_report(path: Union[str, Path], template: str, content: Mapping[str, object]) -> None:
@@ -109,3 +122,9 @@ def write_report(path: Union[str, Path], template: str, content: Mapping[str, ob
 def embedded(png: bytes) -> str:
     """Returns the bytes of a PNG image as the src of an img element."""
     return f"data:image/png;base64,{base64.b64encode(png).decode()}"
+
+
+def embedded_photo(image: np.ndarray) -> str:
+    """Returns an image, uint8 (height, width, 3) RGB, as the src of an img element, compressed."""
+    jpeg = cv2.imencode(".jpg", image[:, :, ::-1], [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])[1]
+    return f"data:image/jpeg;base64,{base64.b64encode(jpeg.tobytes()).decode()}"

@@ -2,14 +2,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Tables and the page of evaluations of detectors."""
 
-import base64
 from pathlib import Path
-from typing import List, NamedTuple, Sequence, Tuple
+from typing import List, Sequence, Tuple
 
 import cv2
 import numpy as np
 
-from sextant.base.html_report import PagePlot, Row, Table, embedded, write_report
+from sextant.base.html_report import PagePlot, Row, Table, embedded, embedded_photo, write_report
 from sextant.detection_scores.average_precision import recall_and_precision
 from sextant.detection_scores.object_evaluation import ObjectEvaluation
 from sextant.images.photo_file import read_rgb
@@ -21,7 +20,7 @@ WORST = 24  # photos on the page
 SIDE = 260  # longer side of a photo on the page, pixels
 
 _TEMPLATE = """{% extends "report" %}
-{% from "macros" import table %}
+{% from "macros" import gallery, table %}
 {% block content %}
 <h1>{{ title }}</h1>
 <p class="verdict">{{ verdict }}</p>
@@ -38,21 +37,9 @@ it overlaps an object of its class by at least 0.5 (intersection over union). mA
 <p class="note">Numbers in the reliability diagram: detections. Below the line, scores promise too much.</p>
 <h2>Photos with most mistakes of {{ first }}</h2>
 <p class="note">Left: labels. Right: detections.</p>
-<div style="display: flex; flex-wrap: wrap; gap: 0.8rem;">
-{%- for photo in worst %}
-<figure style="margin: 0;"><img src="{{ photo.source }}" alt="{{ photo.name }}">
-<figcaption>{{ photo.name }}</figcaption></figure>
-{%- endfor %}
-</div>
+{{ gallery(worst) }}
 {% endblock %}
 """
-
-
-class WorstPhoto(NamedTuple):
-    """A photo with its labels and its detections."""
-
-    name: str  # of the file
-    source: str  # src of an img element
 
 
 def figure_table(evaluations: Sequence[ObjectEvaluation], false_alarms: float) -> Table:
@@ -142,7 +129,7 @@ def write_evaluation_page(
     write_report(path, _TEMPLATE, content)
 
 
-def _worst_photo(photos: LabelledPhotos, index: int, detector: Detector, confidence: float) -> WorstPhoto:
+def _worst_photo(photos: LabelledPhotos, index: int, detector: Detector, confidence: float) -> PagePlot:
     photo = photos.photos[index]
     image = read_rgb(photo.path)
     found = detector.detect(image)
@@ -156,5 +143,4 @@ def _worst_photo(photos: LabelledPhotos, index: int, detector: Detector, confide
         for each, with_scores in ((labels, False), (found, True))
     ]
     both = np.hstack([drawn[0], np.full((size[1], 6, 3), 255, np.uint8), drawn[1]])
-    jpeg = cv2.imencode(".jpg", both[:, :, ::-1], [cv2.IMWRITE_JPEG_QUALITY, 85])[1].tobytes()
-    return WorstPhoto(photo.path.name, f"data:image/jpeg;base64,{base64.b64encode(jpeg).decode()}")
+    return PagePlot(photo.path.name, embedded_photo(both))

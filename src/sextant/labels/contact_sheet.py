@@ -2,25 +2,23 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A page of small photos with their labels drawn in, to check labels by eye."""
 
-import base64
 from pathlib import Path
-from typing import Dict, List, NamedTuple, Optional, Sequence
+from typing import Dict, List, Optional, Sequence
 
 import cv2
 import numpy as np
 
-from sextant.base.html_report import Row, Table, write_report
+from sextant.base.html_report import PagePlot, Row, Table, embedded_photo, write_report
 from sextant.images.photo_file import read_rgb
 from sextant.labels.labelled_photos import LabelledPhoto, LabelledPhotos
 from sextant.objects.detection_image import detection_image
 from sextant.objects.detections import Detections
 
 SIDE = 320  # longer side of a photo on the page, pixels
-JPEG_QUALITY = 80
 SMALL = 0.005  # fraction of the photo's area, below which a box is pointed out
 
 _TEMPLATE = """{% extends "report" %}
-{% from "macros" import table %}
+{% from "macros" import gallery, table %}
 {% block content %}
 <h1>{{ title }}</h1>
 <p>{{ summary }}</p>
@@ -34,21 +32,9 @@ _TEMPLATE = """{% extends "report" %}
 </ul>
 {%- endif %}
 <h2>Photos</h2>
-<div style="display: flex; flex-wrap: wrap; gap: 0.6rem;">
-{%- for photo in photos %}
-<figure style="margin: 0; width: {{ side }}px;"><img src="{{ photo.source }}" alt="{{ photo.name }}">
-<figcaption>{{ photo.name }}</figcaption></figure>
-{%- endfor %}
-</div>
+{{ gallery(photos) }}
 {% endblock %}
 """
-
-
-class SheetPhoto(NamedTuple):
-    """A photo on the page."""
-
-    name: str  # below the photo
-    source: str  # src of an img element
 
 
 def write_contact_sheet(
@@ -64,7 +50,7 @@ def write_contact_sheet(
     rows = [Row((name, str(count))) for name, count in zip(photos.classes, counts)]
     empty = sum(not len(photo.boxes) for photo in photos.photos)
     shown = [
-        SheetPhoto(photo.path.name, _drawn(photo, photos.classes, None if scores is None else scores[i]))
+        PagePlot(photo.path.name, _drawn(photo, photos.classes, None if scores is None else scores[i]))
         for i, photo in enumerate(photos.photos)
     ]
     content: Dict[str, object] = {
@@ -73,7 +59,6 @@ def write_contact_sheet(
         "classes": Table(("class", "objects"), rows),
         "remarks": remarks(photos),
         "photos": shown,
-        "side": SIDE,
     }
     write_report(path, _TEMPLATE, content)
 
@@ -99,5 +84,4 @@ def _drawn(photo: LabelledPhoto, classes: Sequence[str], scores: Optional[np.nda
     known = np.ones(len(photo.boxes)) if scores is None else scores
     found = Detections(photo.boxes * scale, known, photo.classes)
     drawn = detection_image(small, found, classes, with_scores=scores is not None)
-    _, jpeg = cv2.imencode(".jpg", drawn[:, :, ::-1], [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])
-    return f"data:image/jpeg;base64,{base64.b64encode(jpeg.tobytes()).decode()}"
+    return embedded_photo(drawn)
