@@ -60,7 +60,7 @@ def _needed(graph: Any, outputs: Sequence[str]) -> List[Any]:
     return nodes[::-1]
 
 
-def weights(graph: Any) -> Dict[str, np.ndarray]:
+def _weights(graph: Any) -> Dict[str, np.ndarray]:
     """Initializers by name, in single instead of half precision."""
     from onnx import numpy_helper
 
@@ -82,7 +82,7 @@ class _Trimmer:
     """Computes constants, and shapes of the other tensors, and writes the nodes that remain."""
 
     def __init__(self, graph: Any, shape: Tuple[int, ...]):
-        self.values: Dict[str, np.ndarray] = weights(
+        self.values: Dict[str, np.ndarray] = _weights(
             graph
         )  # of tensors that are not constant, only the shape
         self._constant = set(self.values)

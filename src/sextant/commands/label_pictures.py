@@ -23,9 +23,8 @@ from sextant.images.photo_file import find_photos
 from sextant.labels.contact_sheet import write_contact_sheet
 from sextant.labels.label_formats import WRITERS, read_labels
 from sextant.labels.label_proposals import proposed_labels
-from sextant.labels.label_studio_file import write_label_studio_file
 from sextant.labels.labelled_photos import LabelledPhotos, check_names, with_classes
-from sextant.labels.yolo_folder import HOLD_OUT, SPLITS, write_yolo_folder
+from sextant.labels.yolo_folder import HOLD_OUT, SPLITS
 from sextant.objects.yolo_detector import YoloDetector, YoloParams
 
 SHEET = "sheet"
@@ -70,12 +69,9 @@ def _label(options: argparse.Namespace) -> Answer:
         photos = with_classes(photos, names, str(options.input))
     if options.to == SHEET:
         write_contact_sheet(options.output, options.input.name, photos, scores)
-    elif options.to == "label-studio":
-        write_label_studio_file(options.output, photos, scores)
-    elif options.to == "yolo":
-        write_yolo_folder(options.output, photos, options.hold_out)
     else:
-        WRITERS[options.to](options.output, photos)
+        extra = {"yolo": [options.hold_out], "label-studio": [scores]}.get(options.to, [])
+        WRITERS[options.to](options.output, photos, *extra)
     return Answer([f"{options.output}: {len(photos.photos)} pictures, {_listed(photos)}"])
 
 

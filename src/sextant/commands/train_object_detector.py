@@ -21,6 +21,7 @@ from sextant.detection_scores.average_precision import DetectorScore, recall_and
 from sextant.detection_scores.detector_scores import plot_confusion, scored
 from sextant.labels.label_formats import label_parts, read_labels
 from sextant.labels.labelled_photos import LabelledPhotos
+from sextant.labels.yolo_folder import HOLD_OUT
 from sextant.objects.yolo_detector import YoloParams
 from sextant.objects.yolo_model import MULTIPLE
 from sextant.training.labelled_images import joined_sets, labelled_image_set, with_class_indices
@@ -29,7 +30,6 @@ from sextant.training.object_images import CLASSES, ImageSet, image_set
 VALIDATION = 1_000_000  # first seed of the validation images
 QUICK = {"images": 64, "validation": 16, "epochs": 2}
 IMAGES, EPOCHS, DATA_EPOCHS = 6000, 15, 150  # defaults without data; passes over the photos with data
-HOLD_OUT = 10  # every how manieth photo is for validation, if there is no part for it
 CHECKPOINT, MODEL, CONFUSION = "checkpoint.pt", "objects.onnx", "confusion.png"
 NO_TORCH = "PyTorch is missing: apt install python3-torch"
 

@@ -4,7 +4,7 @@
 
 import time
 from dataclasses import dataclass
-from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Callable, Dict, List, NamedTuple, Sequence, Tuple
 
 import numpy as np
 from tqdm import tqdm
@@ -196,7 +196,7 @@ def _split(
         return []
     limits = np.quantile(values[known], np.linspace(0, 1, PARTS + 1))
     part = np.clip(np.digitize(values, limits[1:-1]), 0, PARTS - 1)
-    groups: List[Optional[Group]] = []
+    groups: List[Group] = []
     for number, name in enumerate(names):
         which = known & (part == number)
         if which.any():

@@ -8,7 +8,7 @@ the photo; or the class and a polygon x y x y ..., whose box is used. Photos wit
 
 import shutil
 from pathlib import Path
-from typing import Any, Dict, Iterator, List, Sequence, Tuple
+from typing import Any, Dict, Iterator, List, Sequence, Set, Tuple
 
 import numpy as np
 import yaml
@@ -188,24 +188,36 @@ def write_yolo_folder(folder: Path, photos: LabelledPhotos, hold_out: int = HOLD
     data = folder / DATA
     if data.exists() and check_names(_listed(_table(data).get("names"), data), str(data)) != photos.classes:
         raise ValueError(f"{data}: has other classes, or in another order: name them by --classes")
-    targets = [
-        folder / _part(number, hold_out) / IMAGES / name for number, name in enumerate(unique_names(photos))
-    ]
+    names = enumerate(unique_names(photos))
+    targets = [folder / _part(folder, name, number, hold_out) / IMAGES / name for number, name in names]
+    table = _with_parts(data, {target.parents[1].name for target in targets})
     for photo, target in zip(photos.photos, targets):
         if target.exists() and target.read_bytes() != photo.path.read_bytes():
             raise ValueError(f"{target}: is another photo than {photo.path}: rename one of them")
     for photo, target in zip(photos.photos, targets):
         _write_photo(photo, target)
-    table = {"train": f"train/{IMAGES}"}
-    if (folder / "valid" / IMAGES).is_dir():
-        table["val"] = f"valid/{IMAGES}"
     with atomic_file(data) as file:
         yaml.safe_dump({**table, "names": list(photos.classes)}, file, sort_keys=False, allow_unicode=True)
 
 
-def _part(number: int, hold_out: int) -> str:
-    """Folder of the part of a photo."""
+def _part(folder: Path, name: str, number: int, hold_out: int) -> str:
+    """Part of a photo: the one where it is already, or one by its number."""
+    for part in ("train", "valid"):
+        if (folder / part / IMAGES / name).exists():
+            return part
     return "valid" if hold_out and number % hold_out == hold_out - 1 else "train"
+
+
+def _with_parts(data: Path, parts: Set[str]) -> Dict[str, Any]:
+    """The table of a folder, with the parts that photos are written to."""
+    table = _table(data) if data.exists() else {}
+    for part in sorted(parts):
+        written = f"{part}/{IMAGES}"
+        name = next(filter(table.get, SPLITS[part]), SPLITS[part][0])
+        found = table.setdefault(name, written)
+        if str(table.get("path", ".")) != "." or found not in (written, f"../{written}"):
+            raise ValueError(f"{data}: photos can be added to a folder with {name}: {written} only")
+    return table
 
 
 def _write_photo(photo: LabelledPhoto, target: Path) -> None:

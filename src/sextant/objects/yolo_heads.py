@@ -13,7 +13,7 @@ from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
-from sextant.base.onnx_trim import trimmed, weights
+from sextant.base.onnx_trim import trimmed
 from sextant.objects.yolo_output import STRIDES, prediction_count
 
 # cv2.0.2.weight: last layer (2) of the box head of the finest grid (0); one2one_cv2: of an end-to-end head
@@ -38,7 +38,7 @@ def find_heads(model: Any, task: str = "") -> Optional[HeadOutputs]:
 
     :param task: of the metadata; `obb`: the boxes are oriented
     """
-    sizes = {name: each.shape for name, each in weights(model.graph).items()}
+    sizes = {each.name: tuple(each.dims) for each in model.graph.initializer}
     found = _last_convolutions(model.graph, sizes)
     boxes, scores = _of_kind(found, BOXES), _of_kind(found, SCORES)
     angles = _of_kind(found, ANGLES) if task == "obb" else _Head([], 1)

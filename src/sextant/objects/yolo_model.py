@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""A YOLO network in an ONNX file, with what its metadata say of it."""
+"""A YOLO network in an ONNX file, with its metadata."""
 
 from typing import Any, List, Optional, Sequence, Tuple
 

@@ -137,6 +137,19 @@ def test_a_folder_is_added_to_with_the_same_classes_only(tmp_path):
     assert depth_path(tmp_path / "data/train/images/more0.png").exists()
 
 
+def test_a_photo_that_is_added_again_stays_in_its_part(tmp_path):
+    photos = write_photos(tmp_path / "photos", 10)
+    out = tmp_path / "data"
+    write_yolo_folder(out, photos)
+    (out / "data.yaml").write_text((out / "data.yaml").read_text() + "test: test/images\n")
+    write_yolo_folder(out, photos._replace(photos=photos.photos[::-1]))
+    assert [len(read_yolo_folder(out, part).photos) for part in ("train", "valid")] == [9, 1]
+    assert "test" in yolo_parts(out)
+    (out / "data.yaml").write_text("train: elsewhere\nnames: [ball, goal]\n")
+    with pytest.raises(ValueError, match="a folder with train: train/images only"):
+        write_yolo_folder(out, photos)
+
+
 def test_a_folder_without_labels_is_refused(folder):
     (folder / "train/labels").rmdir()
     with pytest.raises(ValueError, match="train/images: there is no folder .*train/labels with its labels"):
