@@ -13,17 +13,17 @@ from tables import Row, Table, Value
 import sextant
 from places.place_seasons import FEW, MAP_STEP, SIZE, SMALL, walk
 from places.place_walk import Size
+from sextant.geometry.poses import R_BODY_OPTICAL
 from sextant.images.photo_file import read_grey
 from sextant.place_maps.photo_poses import PhotoCamera, PhotoPoses, PosedPhoto, poses_path, write_photo_poses
 from sextant.place_maps.place_map import Photo, PlaceMap
 from sextant.place_points.place_points_file import points_of_map
-from sextant.place_points.point_localizer import R_BODY_OPTICAL
 from sextant.places.index_params import IndexParams
 from sextant.places.place_estimate import PlaceEstimate
 from sextant.places.place_index_update import PlaceIndexer
 from sextant.places.place_localizer import PlaceLocalizer, Status
 from sextant.simulation.camera import camera_calibration
-from sextant.simulation.street_camera import CAMERAS
+from sextant.streets.street_camera import CAMERAS
 
 SEEDS = (11, 12, 13)  # of the streets; the constants of the method were chosen on 5, 6 and 7
 QUERY_STEP = 2.0  # distance between queries, metres

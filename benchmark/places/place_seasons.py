@@ -17,8 +17,8 @@ from sextant.place_maps.place_map import MetricFrame, Overview, Photo, PlaceMap
 from sextant.places.place_evaluation import PlaceEvaluation
 from sextant.places.place_queries import Query, default_tolerance, queries_of_map
 from sextant.places.rough_pose import RoughPose
-from sextant.simulation.street import LENGTH, WIDTH, Street
-from sextant.simulation.street_conditions import CONDITIONS, at_hour
+from sextant.streets.street import LENGTH, WIDTH, Street
+from sextant.streets.street_conditions import CONDITIONS, at_hour
 
 SEED = 1
 MAP_STEP, QUERY_STEP = 3.0, 4.0  # distance between photos, metres

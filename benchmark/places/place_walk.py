@@ -13,10 +13,10 @@ import numpy as np
 from sextant.base.jobs import run_jobs
 from sextant.place_maps.place_map import Overview, Photo, PlaceMap
 from sextant.place_maps.place_map_file import write_place_map
-from sextant.simulation.street import Street
-from sextant.simulation.street_camera import CAMERAS
-from sextant.simulation.street_conditions import CONDITIONS, StreetConditions
-from sextant.simulation.street_view import street_view
+from sextant.streets.street import Street
+from sextant.streets.street_camera import CAMERAS
+from sextant.streets.street_conditions import CONDITIONS, StreetConditions
+from sextant.streets.street_view import street_view
 
 QUALITY = 90  # of the JPEG files
 WORTH = 50  # number of photos from which another process, which builds the street again, saves time

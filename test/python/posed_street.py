@@ -8,14 +8,14 @@ import cv2
 import numpy as np
 
 import sextant
+from sextant.geometry.poses import R_BODY_OPTICAL
 from sextant.place_maps.photo_poses import PhotoCamera, PhotoPoses, PosedPhoto, poses_path, write_photo_poses
 from sextant.place_maps.place_map import MetricFrame, Overview, Photo, PlaceMap
 from sextant.place_maps.place_map_file import write_place_map
-from sextant.place_points.point_localizer import R_BODY_OPTICAL
 from sextant.simulation.camera import camera_calibration
-from sextant.simulation.street import Street
-from sextant.simulation.street_camera import CAMERAS
-from sextant.simulation.street_view import street_view
+from sextant.streets.street import Street
+from sextant.streets.street_camera import CAMERAS
+from sextant.streets.street_view import street_view
 
 SIZE, STEP, COUNT = (480, 360), 3.0, 6
 CAMERA = PhotoCamera(camera_calibration(*SIZE))

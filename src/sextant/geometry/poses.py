@@ -9,6 +9,9 @@ from scipy.spatial.transform import Rotation
 
 import sextant
 
+# Takes the optical frame (z forward, x right, y down) to the axes of a robot or a mount (x forward,
+# y left, z up); REP-103.
+R_BODY_OPTICAL = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
 MAX_GAP = 0.5  # seconds between two poses, up to which a robot's motion is interpolated
 
 

@@ -7,6 +7,7 @@ from typing import NamedTuple, Optional
 import numpy as np
 
 import sextant
+from sextant.geometry.poses import R_BODY_OPTICAL
 from sextant.place_points.camera_pose_fit import MAX_ERROR, PointMatches, fit_camera_pose
 from sextant.place_points.place_points import PlacePoints
 from sextant.place_points.point_keypoints import PointKeypointExtractor, PointKeypoints
@@ -19,10 +20,6 @@ MIN_PHOTO_INLIERS = 3  # of them in each of at least two photos
 # Inliers that are false matches; fitted on simulated streets in another season. One of n inliers, with an
 # error of up to MAX_ERROR standard deviations, adds up to MAX_ERROR^2 / n of the variance.
 FALSE_INLIERS = 2
-
-
-# Takes the optical frame (z forward, x right, y down) to the axes of a robot (x forward, y left, z up).
-R_BODY_OPTICAL = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
 
 
 class MetricPose(NamedTuple):

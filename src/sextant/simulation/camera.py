@@ -7,11 +7,9 @@ from typing import Sequence
 import numpy as np
 
 import sextant
+from sextant.geometry.poses import R_BODY_OPTICAL
 
 HORIZONTAL_FOV = np.deg2rad(62.0)  # of a usual webcam, radians
-
-# Takes the optical frame (z forward, x right, y down) to the mount (x forward, y left, z up); REP-103.
-R_MOUNT_OPTICAL = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
 
 
 def camera_calibration(
@@ -75,7 +73,7 @@ def resized_calibration(
 def camera_mount(xyz: Sequence[float], rpy: Sequence[float]) -> np.ndarray:
     """T_base_camera (4, 4) of a camera at xyz (metres) that faces along the x axis rotated by rpy."""
     T_mount_optical = np.eye(4)
-    T_mount_optical[:3, :3] = R_MOUNT_OPTICAL
+    T_mount_optical[:3, :3] = R_BODY_OPTICAL
     return sextant.pose_from_xyz_rpy(xyz, rpy) @ T_mount_optical
 
 

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.stats import chi2
 
 import sextant
-from sextant.place_points.point_localizer import R_BODY_OPTICAL
+from sextant.geometry.poses import R_BODY_OPTICAL
 from sextant.place_points.point_triangulation import (
     DEPTH_SCALE_SIGMA,
     DEPTH_SIGMA,

@@ -21,8 +21,8 @@ from sextant.nodes.base.init_node import init_node
 from sextant.nodes.base.params import read_params
 from sextant.nodes.base.subscriber_wait import wait_for_subscriber
 from sextant.nodes.simulation.simulator_messages import motion_to_message, reading_to_message
-from sextant.simulation.street_map import FRAME, StreetMap, has_street_map, write_street_map
-from sextant.simulation.street_walk import StreetWalk, WalkFrame, WalkParams, known_conditions
+from sextant.streets.street_map import FRAME, StreetMap, has_street_map, write_street_map
+from sextant.streets.street_walk import StreetWalk, WalkFrame, WalkParams, known_conditions
 
 
 @dataclass(frozen=True)

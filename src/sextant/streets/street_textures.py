@@ -10,8 +10,8 @@ from typing import List, Tuple
 import cv2
 import numpy as np
 
-from sextant.simulation import street_snow
-from sextant.simulation.street_surface import TEXELS, Texture, rough_noise, smooth_noise
+from sextant.streets import street_snow
+from sextant.streets.street_surface import TEXELS, Texture, rough_noise, smooth_noise
 
 BAR = int(0.08 * TEXELS)  # width of the frame of a window, texels
 LIGHTS = {"bare": 0.4, "snow": 0.4}  # fraction of the windows that are lit from inside, on dark days

@@ -5,7 +5,7 @@
 import numpy as np
 import pytest
 
-from sextant.simulation.street_flare import DISC, GHOSTS, RADIUS, add_flare, add_sun, visible_sun
+from sextant.streets.street_flare import DISC, GHOSTS, RADIUS, add_flare, add_sun, visible_sun
 
 F, SHAPE = 500.0, (480, 640)
 

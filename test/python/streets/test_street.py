@@ -10,10 +10,10 @@ import cv2
 import numpy as np
 import pytest
 
-from sextant.simulation.street import LENGTH, WIDTH, Street, Upright
-from sextant.simulation.street_camera import CAMERAS, StreetCamera
-from sextant.simulation.street_conditions import CONDITIONS, StreetConditions, at_hour, sun_at
-from sextant.simulation.street_view import street_view
+from sextant.streets.street import LENGTH, WIDTH, Street, Upright
+from sextant.streets.street_camera import CAMERAS, StreetCamera
+from sextant.streets.street_conditions import CONDITIONS, StreetConditions, at_hour, sun_at
+from sextant.streets.street_view import street_view
 
 STILL = replace(CONDITIONS["summer"], noise=0.0)
 SIZE = (320, 240)

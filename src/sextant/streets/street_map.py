@@ -16,10 +16,10 @@ from sextant.place_maps.place_clusters import clustered
 from sextant.place_maps.place_map import MetricFrame, Overview, PlaceMap
 from sextant.place_maps.place_map_addition import NewPhoto, add_photos
 from sextant.place_maps.place_map_file import write_place_map
-from sextant.simulation.street import Street
-from sextant.simulation.street_conditions import CONDITIONS
-from sextant.simulation.street_overview import AerialImage, aerial_image
-from sextant.simulation.street_view import street_view
+from sextant.streets.street import Street
+from sextant.streets.street_conditions import CONDITIONS
+from sextant.streets.street_overview import AerialImage, aerial_image
+from sextant.streets.street_view import street_view
 
 MAP, CLUSTERS, OVERVIEW = "map.txt", "clusters.txt", "overview.jpg"
 RECORD = "street.json"  # file with the parameters of the map

@@ -7,7 +7,7 @@ from typing import List, Sequence, Tuple
 import cv2
 import numpy as np
 
-from sextant.simulation.street_surface import SNOW, TEXELS, rough_noise, smooth_noise
+from sextant.streets.street_surface import SNOW, TEXELS, rough_noise, smooth_noise
 
 DEPTH = {"winter": 3, "snow": 8}  # of the snow on branches, texels
 ROOF = {"winter": 1.8, "snow": 4.0}  # mean cover of roofs; 1: fully covered, less the random part

@@ -7,13 +7,13 @@ from typing import NamedTuple, Optional, Tuple
 import cv2
 import numpy as np
 
-from sextant.simulation.street import COARSER, Street, Upright
-from sextant.simulation.street_camera import CAMERAS, StreetCamera, exposed
-from sextant.simulation.street_conditions import StreetConditions
-from sextant.simulation.street_flare import add_flare, add_sun, visible_sun
-from sextant.simulation.street_raindrops import add_raindrops
-from sextant.simulation.street_sky import SIDE
-from sextant.simulation.street_sky import TEXELS as SKY_TEXELS
+from sextant.streets.street import COARSER, Street, Upright
+from sextant.streets.street_camera import CAMERAS, StreetCamera, exposed
+from sextant.streets.street_conditions import StreetConditions
+from sextant.streets.street_flare import add_flare, add_sun, visible_sun
+from sextant.streets.street_raindrops import add_raindrops
+from sextant.streets.street_sky import SIDE
+from sextant.streets.street_sky import TEXELS as SKY_TEXELS
 
 NEAR, FAR = 0.5, 70.0  # clipping distances, metres
 HAZE = 120.0  # distance at which uprights are fully hazed, metres

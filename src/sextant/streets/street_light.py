@@ -7,9 +7,9 @@ from typing import List, Sequence
 import cv2
 import numpy as np
 
-from sextant.simulation.street_conditions import StreetConditions
-from sextant.simulation.street_shadows import Caster, Sun, upright_shadow
-from sextant.simulation.street_surface import TEXELS, Texture, smooth_noise
+from sextant.streets.street_conditions import StreetConditions
+from sextant.streets.street_shadows import Caster, Sun, upright_shadow
+from sextant.streets.street_surface import TEXELS, Texture, smooth_noise
 
 GAIN = 1.6  # brightness of a surface that faces the sun, relative to one in diffuse light
 ROUND = 0.6  # light on round objects (plants, people), relative to a surface that faces the sun

@@ -10,8 +10,8 @@ from typing import List, NamedTuple, Sequence, Tuple
 import cv2
 import numpy as np
 
-from sextant.simulation import street_snow
-from sextant.simulation.street_surface import TEXELS, Texture, rough_noise, smooth_noise
+from sextant.streets import street_snow
+from sextant.streets.street_surface import TEXELS, Texture, rough_noise, smooth_noise
 
 LEAVES = {"summer": (1.0, 84.0), "autumn": (0.1, 140.0), "snow": (-0.5, 218.0)}  # density, tone; or of snow
 LEAF = 0.05  # size of a leaf, metres

@@ -8,7 +8,7 @@ A cylindrical panorama at infinity; rows are linear in the tangent of the elevat
 import cv2
 import numpy as np
 
-from sextant.simulation.street_surface import repeating_noise, rough_noise
+from sextant.streets.street_surface import repeating_noise, rough_noise
 
 SIDE = 8192  # texels in 360 degrees
 TOP = 0.6  # tangent of the elevation at the upper edge

@@ -10,7 +10,7 @@ from typing import List, NamedTuple, Optional, Sequence, Tuple
 import cv2
 import numpy as np
 
-from sextant.simulation.street_surface import TEXELS, Texture
+from sextant.streets.street_surface import TEXELS, Texture
 
 SHADOW_TEXELS = 24.0  # of outlines and of shadows on uprights, per metre
 SOFT = 0.06  # standard deviation of the blur of an edge, metres

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sextant.simulation.street_camera import CAMERAS, METERED, StreetCamera, exposed, tone_curve
+from sextant.streets.street_camera import CAMERAS, METERED, StreetCamera, exposed, tone_curve
 
 RAMP = np.tile(np.linspace(0, 600, 64, dtype=np.float32), (48, 1))
 

@@ -5,7 +5,7 @@
 import numpy as np
 import pytest
 
-from sextant.simulation.street_raindrops import RADIUS, add_raindrops
+from sextant.streets.street_raindrops import RADIUS, add_raindrops
 
 BRIGHT_ABOVE = np.full((480, 640), 200, np.float32)
 BRIGHT_ABOVE[240:] = 40

@@ -5,7 +5,7 @@
 import numpy as np
 import pytest
 
-from sextant.simulation.street_shadows import (
+from sextant.streets.street_shadows import (
     SHADOW_TEXELS,
     SOFT,
     Sun,
@@ -13,7 +13,7 @@ from sextant.simulation.street_shadows import (
     ground_shadow,
     upright_shadow,
 )
-from sextant.simulation.street_surface import TEXELS, Texture
+from sextant.streets.street_surface import TEXELS, Texture
 
 TEXEL = 1 / SHADOW_TEXELS
 EDGE = 2 * SOFT + TEXEL  # metres

@@ -10,8 +10,8 @@ from typing import List, NamedTuple, Optional, Sequence, Tuple
 import cv2
 import numpy as np
 
-from sextant.simulation.street_shadows import Caster, Sun, ground_shadow
-from sextant.simulation.street_surface import SNOW, repeating_noise, rough_noise, smooth_noise
+from sextant.streets.street_shadows import Caster, Sun, ground_shadow
+from sextant.streets.street_surface import SNOW, repeating_noise, rough_noise, smooth_noise
 
 ORIGIN, EXTENT = np.array([-25.0, -25.0]), (170.0, 120.0)  # of the layout, metres
 LAYOUT_TEXELS, PUDDLE_TEXELS = 20.0, 10.0  # per metre

@@ -11,9 +11,9 @@ from sextant.base.strict_params import Check, StrictParams, each, not_empty, one
 from sextant.geometry.plane_poses import wrapped
 from sextant.simulation.motion import Motion
 from sextant.simulation.odometry import OdometryNoise, OdometryReading, WheelOdometry
-from sextant.simulation.street import Street
-from sextant.simulation.street_conditions import CONDITIONS
-from sextant.simulation.street_view import street_view
+from sextant.streets.street import Street
+from sextant.streets.street_conditions import CONDITIONS
+from sextant.streets.street_view import street_view
 
 NOISE_SEED = 1_000_000  # of the first image's noise; far from the seeds of photos in maps
 WAVE = 23.0  # wavelength of the lateral motion, metres

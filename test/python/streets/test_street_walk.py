@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 from sextant.place_maps.place_map_file import read_place_map
-from sextant.simulation.street import LENGTH, WIDTH, Street
-from sextant.simulation.street_conditions import CONDITIONS
-from sextant.simulation.street_map import CLUSTERS, MAP, StreetMap, has_street_map, write_street_map
-from sextant.simulation.street_overview import LOW, aerial_image
-from sextant.simulation.street_view import street_view
-from sextant.simulation.street_walk import StreetWalk, WalkParams
+from sextant.streets.street import LENGTH, WIDTH, Street
+from sextant.streets.street_conditions import CONDITIONS
+from sextant.streets.street_map import CLUSTERS, MAP, StreetMap, has_street_map, write_street_map
+from sextant.streets.street_overview import LOW, aerial_image
+from sextant.streets.street_view import street_view
+from sextant.streets.street_walk import StreetWalk, WalkParams
 
 SIZE = (64, 48)
 

@@ -5,10 +5,10 @@
 import numpy as np
 import pytest
 
-from sextant.simulation.street_conditions import StreetConditions
-from sextant.simulation.street_light import GAIN, RELIEF, SOAKED, lit
-from sextant.simulation.street_shadows import caster
-from sextant.simulation.street_surface import TEXELS, Texture
+from sextant.streets.street_conditions import StreetConditions
+from sextant.streets.street_light import GAIN, RELIEF, SOAKED, lit
+from sextant.streets.street_shadows import caster
+from sextant.streets.street_surface import TEXELS, Texture
 
 WALL = np.array([-2.0, 0.0]), np.array([2.0, 0.0])  # faces -y
 PLAIN = Texture(np.full((2 * TEXELS, 4 * TEXELS), 100.0, np.float32), None, 4.0, 2.0)

@@ -10,15 +10,15 @@ from typing import List, NamedTuple, Optional, Sequence, Tuple
 import cv2
 import numpy as np
 
-from sextant.simulation.street_conditions import CONDITIONS, StreetConditions
-from sextant.simulation.street_ground import cast_light, darkened_feet, ground, rough_light
-from sextant.simulation.street_light import lit, rough_ground_shadows, roughly_lit, sun_of
-from sextant.simulation.street_plants import bush, tree
-from sextant.simulation.street_shadows import Caster, caster
-from sextant.simulation.street_sky import panorama
-from sextant.simulation.street_surface import Texture
-from sextant.simulation.street_textures import facade
-from sextant.simulation.street_traffic import car, person, van
+from sextant.streets.street_conditions import CONDITIONS, StreetConditions
+from sextant.streets.street_ground import cast_light, darkened_feet, ground, rough_light
+from sextant.streets.street_light import lit, rough_ground_shadows, roughly_lit, sun_of
+from sextant.streets.street_plants import bush, tree
+from sextant.streets.street_shadows import Caster, caster
+from sextant.streets.street_sky import panorama
+from sextant.streets.street_surface import Texture
+from sextant.streets.street_textures import facade
+from sextant.streets.street_traffic import car, person, van
 
 LENGTH, WIDTH, CORNER = 120.0, 70.0, 12.0  # of the block, and radius of its corners, metres
 PARKING, VANS = 5.5, 0.5  # length of a parking space, metres; fraction of vans among the further cars

@@ -5,8 +5,8 @@
 import cv2
 import numpy as np
 
-from sextant.simulation import street_snow
-from sextant.simulation.street_surface import TEXELS, Texture, rough_noise
+from sextant.streets import street_snow
+from sextant.streets.street_surface import TEXELS, Texture, rough_noise
 
 CAR_SNOW = 0.12  # depth of the snow on cars, metres
 

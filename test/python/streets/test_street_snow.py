@@ -5,8 +5,8 @@
 import numpy as np
 import pytest
 
-from sextant.simulation import street_snow
-from sextant.simulation.street_surface import SNOW, TEXELS
+from sextant.streets import street_snow
+from sextant.streets.street_surface import SNOW, TEXELS
 
 
 def dark(rows=200, columns=400):

@@ -3,13 +3,13 @@
 """Cameras of a simulated street: field of view, mount, exposure, tone curve and vignetting."""
 
 from dataclasses import dataclass
-from functools import lru_cache
 
 import cv2
 import numpy as np
 
 from sextant.base.strict_params import StrictParams, param, within
 from sextant.simulation.camera import HORIZONTAL_FOV
+from sextant.simulation.camera_effects import fall_off
 
 WHITE = 255.0  # brightness that saturates the image
 METERED = 110.0  # mean brightness that metering aims at
@@ -48,7 +48,7 @@ def exposed(light: np.ndarray, camera: StreetCamera, rng: np.random.Generator) -
     """
     gain = camera.exposure * 2 ** (camera.exposure_error * rng.standard_normal())
     gain *= (METERED / max(float(light.mean()), 1.0)) ** camera.metering
-    collected = light * (np.float32(gain) * _fall_off(light.shape, camera.vignetting))
+    collected = light * (np.float32(gain) * fall_off(light.shape, camera.vignetting))
     return tone_curve(collected, camera.gamma)
 
 
@@ -56,11 +56,3 @@ def tone_curve(collected: np.ndarray, gamma: float) -> np.ndarray:
     """Grey levels, float32, of collected light: saturated at WHITE, which every curve keeps."""
     fraction = np.clip(collected, 0, WHITE) * np.float32(1 / WHITE)
     return np.float32(WHITE) * cv2.pow(fraction, gamma)
-
-
-@lru_cache(maxsize=4)
-def _fall_off(shape, vignetting: float) -> np.ndarray:
-    """Share of the light that arrives, float32 (rows, columns): falls with the squared radius."""
-    y, x = (np.linspace(-1, 1, side, dtype=np.float32) for side in shape)
-    aspect = np.float32([shape[0], shape[1]]) / np.float32(np.hypot(*shape))
-    return 1 - np.float32(vignetting) * ((y[:, None] * aspect[0]) ** 2 + (x * aspect[1]) ** 2)
