@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Plots of the ball task: confusion matrix of the network, and time and position at the end of each run."""
+"""Plots of the ball task: time and position at the end of each run."""
 
 from functools import partial
 from pathlib import Path
@@ -10,19 +10,11 @@ from matplotlib.axes import Axes
 from pictures import Panel, save_picture
 from tables import Table
 
-from sextant.detection_scores.average_precision import DetectorScore
-from sextant.detection_scores.detector_scores import plot_confusion
 from sextant.evaluation.ball_score import STOP, STOP_ERROR
-from sextant.objects.yolo_detector import YoloParams
-from sextant.training.object_images import CLASSES
 
 
 def plot(folder: Path, results: Dict[str, List[Table]]) -> None:
-    """Writes folder/detector.png and folder/task.png."""
-    if "detector" in results:
-        samples = results["detector"][0].samples
-        score = DetectorScore(samples["precision"], samples["table"], YoloParams.confidence)
-        plot_confusion(folder / "detector.png", score, CLASSES)
+    """Writes folder/task.png."""
     if "task" in results:
         (table,) = results["task"]
         save_picture(folder / "task.png", [Panel(table.title, partial(_draw_ends, table))], columns=1)

@@ -20,8 +20,11 @@ from sextant.objects.object_kinds import BALL, KINDS
 from sextant.objects.object_locator import ObjectLocator, ObjectLocatorParams
 from sextant.simulation.ball_simulation import BallSimulation, BallSimulationParams
 from sextant.simulation.ball_world import random_world
+from sextant.simulation.rgbd_camera import RgbdParams
 
 WORLDS, SHOTS, QUICK_WORLDS = 100, 6, 4
+USUAL = RgbdParams()
+FAULTY = RgbdParams(depth_noise=0.012, holes=0.2, bleeding=3)  # a poor depth camera
 RANGES = ((0.5, 1.0), (1.0, 2.0), (2.0, 3.0), (0.5, 3.0))  # metres
 ERROR, NEES = 3.0, (0.3, 1.3)  # % at the 95th percentile; bounds of the mean NEES over its dimension
 COLUMNS = ["objects", "located, %", "error at 95 %, %", "median, %", "NEES"]
@@ -36,15 +39,18 @@ class Judged(NamedTuple):
     nees: float  # of the position, 2 degrees of freedom; NaN: not located
 
 
-def place_tables(quick: bool, detector: Optional[Any] = None) -> List[Table]:
+def place_tables(quick: bool, detector: Optional[Any] = None, camera: RgbdParams = USUAL) -> List[Table]:
     """One table.
 
     :param detector: a Detector; None: jittered true boxes
     """
     worlds = QUICK_WORLDS if quick else WORLDS
-    judged = np.array(list(judged_objects(worlds, detector)), float)
+    judged = np.array(list(judged_objects(worlds, detector, camera)), float)
     boxes = "true boxes, jittered" if detector is None else "a detector's boxes"
     title = f"Places of objects: {worlds} worlds, {SHOTS} images each, {boxes}"
+    if camera != USUAL:
+        title += f"; depth noise {camera.depth_noise:g} m, {camera.holes:.0%} holes"
+        title += f", edges bleed {camera.bleeding} px"
     rows = [_row(judged, False, each, quick) for each in RANGES] + [_row(judged, True, RANGES[-1], True)]
     return [Table(title, COLUMNS, rows)]
 
@@ -63,13 +69,13 @@ def _row(judged: np.ndarray, is_ball: bool, ranges: Tuple[float, float], quick: 
     ]
 
 
-def judged_objects(worlds: int, detector: Optional[Any] = None) -> Iterator[Judged]:
+def judged_objects(worlds: int, detector: Optional[Any] = None, rgbd: RgbdParams = USUAL) -> Iterator[Judged]:
     """Evaluates all objects in the images."""
     for seed in range(worlds):
-        simulation = BallSimulation(random_world(3, seed), BallSimulationParams(seed=seed))
+        simulation = BallSimulation(random_world(3, seed), BallSimulationParams(seed=seed, camera=rgbd))
         random = np.random.default_rng([seed, 3])
         camera = simulation.camera
-        params = ObjectLocatorParams(depth_scale=1.04)
+        params = ObjectLocatorParams(depth_scale=1.04, depth_sigma=rgbd.depth_noise)
         T_colour_depth = np.linalg.inv(camera.T_base_colour) @ camera.T_base_depth
         models = map(sextant.CameraModel, (camera.colour, camera.depth))
         locator = ObjectLocator(params, *models, T_colour_depth)

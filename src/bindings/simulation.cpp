@@ -76,24 +76,44 @@ py::array takeDepth(DepthCamera& camera, const ArenaScene& scene, const Pose& T_
   return arrayFromMatrix(image);
 }
 
+void setTexture(ArenaScene& scene, int surface, const ImageArray& photo, double width) {
+  if (photo.ndim() != 3 || photo.shape(2) != 3) throw py::value_error("a photo must be (height, width, 3)");
+  // Not changed: the scene resizes it to a copy.
+  auto* const pixels = const_cast<uint8_t*>(photo.data());  // NOLINT(cppcoreguidelines-pro-type-const-cast)
+  scene.setTexture(
+      surface, {static_cast<int>(photo.shape(0)), static_cast<int>(photo.shape(1)), CV_8UC3, pixels}, width);
+}
+
 void bindArenaScene(py::module_& module) {
-  py::class_<ArenaObject> object(module, "ArenaObject", "An upright pillar or a ball.");
+  py::class_<ArenaObject> object(module, "ArenaObject", "An upright pillar, a ball or an upright box.");
   py::enum_<ArenaObject::Shape>(object, "Shape")
       .value("pillar", ArenaObject::Shape::pillar)
-      .value("ball", ArenaObject::Shape::ball);
+      .value("ball", ArenaObject::Shape::ball)
+      .value("box", ArenaObject::Shape::box);
   object.def(py::init<>())
       .def_readwrite("shape", &ArenaObject::shape, "ArenaObject.Shape")
-      .def_readwrite("position", &ArenaObject::position, "(3,) foot of a pillar, centre of a ball, metres")
-      .def_readwrite("radius", &ArenaObject::radius, "metres, (0, 10]")
-      .def_readwrite("height", &ArenaObject::height, "of a pillar, metres, (0, 10]")
-      .def_readwrite("colour", &ArenaObject::colour, "(3,) reflectance for red, green and blue, [0, 1]");
+      .def_readwrite("position", &ArenaObject::position,
+                     "(3,) foot of a pillar, centre of a ball or of a box's bottom, metres")
+      .def_readwrite("radius", &ArenaObject::radius, "of a pillar or ball, metres, (0, 10]")
+      .def_readwrite("height", &ArenaObject::height, "of a pillar or box, metres, (0, 10]")
+      .def_readwrite("sides", &ArenaObject::sides, "(2,) of a box, metres, (0, 10]")
+      .def_readwrite("yaw", &ArenaObject::yaw, "from the map's x axis to a box's first side, radians")
+      .def_readwrite("colour", &ArenaObject::colour, "(3,) reflectance for red, green and blue, [0, 1]")
+      .def_readwrite("dirt", &ArenaObject::dirt, "fraction of the light lost in the darkest smudges, [0, 1]")
+      .def_property_readonly("reach", &ArenaObject::reach, "largest distance from its vertical axis, metres");
   bindParams<ArenaLight>(module, "ArenaLight", "Lighting of the arena.");
   bindParams<ArenaSceneParams>(module, "ArenaSceneParams", "Geometry of an ArenaScene.");
   py::class_<ArenaScene>(module, "ArenaScene", "A room with a patterned floor and walls, and objects in it.")
       .def(py::init<const ArenaSceneParams&>(), "params"_a)
       .def("set_objects", &ArenaScene::setObjects, "objects"_a,
            "Replaces all objects by a list of ArenaObject. ValueError for a value out of range.")
-      .def("set_light", &ArenaScene::setLight, "light"_a, "Sets the ArenaLight.");
+      .def("set_light", &ArenaScene::setLight, "light"_a, "Sets the ArenaLight.")
+      .def("set_texture", &setTexture, "surface"_a, "photo"_a, "width"_a,
+           "Covers a surface of the room (0 floor, 1 to 4 walls at -x, x, -y and y, 5 ceiling) with copies "
+           "of a "
+           "photo, uint8 (height, width, 3) RGB, width metres wide, [0.1, 20]; of reflectance (level / "
+           "255)^2.2. "
+           "ValueError for another surface, photo or width.");
 }
 
 void bindArenaParams(py::module_& module) {
@@ -114,7 +134,10 @@ void bindArena(py::module_& module) {
       .def(py::init<const ArenaCameraParams&, const CameraModel&>(), "params"_a, "camera"_a)
       .def("take", &take, "scene"_a, "T_map_camera"_a, "frame"_a,
            "Renders an image. Returns (image, objects): uint8 (height, width, 3) RGB, and a list of "
-           "VisibleObject. frame: seed of the noise. ValueError for a camera outside the arena.");
+           "VisibleObject. frame: seed of the noise. ValueError for a camera outside the arena.")
+      .def(
+          "mask", [](const ArenaCamera& camera) { return arrayFromImage(camera.mask()); },
+          "Pixels of the last image in which an object is visible, uint8 (height, width): 255, others 0.");
   py::class_<DepthCamera>(module, "DepthCamera", "A stereo depth camera in an arena.")
       .def(py::init<const DepthCameraParams&, const CameraModel&>(), "params"_a, "camera"_a)
       .def(

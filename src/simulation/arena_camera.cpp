@@ -76,6 +76,11 @@ ArenaCamera::Frame ArenaCamera::take(const ArenaScene& scene, const Pose& T_map_
   return {expose(frame), visibleObjects(tracer_->surfaces(), scene.objects().size())};
 }
 
+cv::Mat ArenaCamera::mask() const {
+  const auto& surfaces = tracer_->surfaces();
+  return (surfaces >= ArenaScene::kBackgrounds) & (surfaces != ArenaTracer::kNothing);
+}
+
 void ArenaCamera::colour(const ArenaScene& scene) {
   const auto& surfaces = tracer_->surfaces();
   cv::Mat low, high;
@@ -101,10 +106,7 @@ Vector3f ArenaCamera::average(const ArenaScene& scene, int x, int y) const {
     const Eigen::Vector2f cell(static_cast<float>(i % n), static_cast<float>(i / n));
     const Eigen::Vector2f off = (cell.array() + 0.5F) / static_cast<float>(n) - 0.5F;
     const ArenaScene::Ray ray = tracer_->ray(x, y, off);
-    ArenaScene::Hit hit = scene.background(ray);
-    for (size_t object = 0; object < scene.objects().size(); ++object)
-      scene.meets(ray, static_cast<int>(object), &hit);
-    sum += scene.light(ray, hit, tracer_->pixelAngle());
+    sum += scene.light(ray, scene.first(ray), tracer_->pixelAngle());
   }
   return sum / static_cast<float>(n * n);
 }

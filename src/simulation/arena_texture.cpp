@@ -12,7 +12,8 @@ namespace {
 using Texture = cv::Mat_<cv::Vec3f>;
 
 constexpr double kLargestSide = 2000.0;  // texels
-constexpr int kSmallest = 4;             // texels; minimum side in a pyramid
+constexpr int kScratches = 150;
+constexpr int kSmallest = 4;  // texels; minimum side in a pyramid
 
 Texture plain(double width, double height, const cv::Scalar& colour) {
   const double most = kLargestSide / kArenaTexels;
@@ -103,6 +104,23 @@ Texture arenaCeiling(double width, double depth, cv::RNG& random) {
   return ceiling;
 }
 
+Texture arenaSmudges(cv::RNG& random) {
+  constexpr double kSide = 2;  // metres
+  Texture smudges = plain(kSide, kSide, cv::Scalar::all(0));
+  addClouds(smudges, 0.15, 0.3, random);
+  addClouds(smudges, 0.03, 0.2, random);
+  const auto anywhere = [&] {
+    return cv::Point(random.uniform(0, smudges.cols), random.uniform(0, smudges.rows));
+  };
+  for (int scratch = 0; scratch < kScratches; ++scratch) {
+    const cv::Point from = anywhere(), off((anywhere() - anywhere()) / 8);
+    cv::line(smudges, from, from + off, cv::Scalar::all(random.uniform(-0.6, 0.9)), 1, cv::LINE_AA);
+  }
+  cv::max(smudges, cv::Scalar::all(0), smudges);
+  cv::min(smudges, cv::Scalar::all(1), smudges);
+  return smudges;
+}
+
 ArenaTexture arenaPyramid(const Texture& texture) {
   ArenaTexture pyramid{texture};
   while (std::min(pyramid.back().rows, pyramid.back().cols) > 2 * kSmallest) {
@@ -119,12 +137,12 @@ Eigen::Vector3f arenaTexel(const ArenaTexture& texture, float u, float v, float 
   const auto level = static_cast<size_t>(std::clamp(wanted, 0, static_cast<int>(texture.size()) - 1));
   const Texture& image = texture[level];
   const float scale = texels / static_cast<float>(1U << level);
-  // The texture is repeated on a floor that is larger.
-  const float x = std::fmod(std::max(0.F, u * scale - 0.5F), static_cast<float>(image.cols)),
-              y = std::fmod(std::max(0.F, v * scale - 0.5F), static_cast<float>(image.rows));
-  const int left = std::min(static_cast<int>(x), image.cols - 1),
-            top = std::min(static_cast<int>(y), image.rows - 1), right = std::min(left + 1, image.cols - 1),
-            bottom = std::min(top + 1, image.rows - 1);
+  // The texture is repeated on a surface that is larger; its copies have the same size at every level.
+  const float x = std::max(0.F, std::fmod(u, static_cast<float>(texture[0].cols) / texels) * scale - 0.5F),
+              y = std::max(0.F, std::fmod(v, static_cast<float>(texture[0].rows) / texels) * scale - 0.5F);
+  const int left = std::clamp(static_cast<int>(x), 0, image.cols - 1),
+            top = std::clamp(static_cast<int>(y), 0, image.rows - 1),
+            right = std::min(left + 1, image.cols - 1), bottom = std::min(top + 1, image.rows - 1);
   const float a = x - static_cast<float>(left), b = y - static_cast<float>(top);
   const cv::Vec3f found = (1 - b) * ((1 - a) * image(top, left) + a * image(top, right)) +
                           b * ((1 - a) * image(bottom, left) + a * image(bottom, right));

@@ -17,6 +17,8 @@ cv::Mat_<cv::Vec3f> arenaFloor(double width, double depth, cv::RNG& random);
 cv::Mat_<cv::Vec3f> arenaWall(double width, double height, cv::RNG& random);
 cv::Mat_<cv::Vec3f> arenaCeiling(double width, double depth, cv::RNG& random);
 /// @}
+/// Draws smudges and scratches, a square of 2 m: 0 on clean places, 1 on the darkest ones.
+cv::Mat_<cv::Vec3f> arenaSmudges(cv::RNG& random);
 /// Builds the pyramid of a texture.
 ArenaTexture arenaPyramid(const cv::Mat_<cv::Vec3f>& texture);
 

@@ -75,7 +75,7 @@ void ArenaTracer::traceObject(const ArenaScene& scene, int object, const cv::Rec
 /// Bounding box of an object in the image, pixels.
 cv::Rect ArenaTracer::boxOf(const ArenaObject& object, const Pose& T_camera_map) const {
   const bool is_ball = object.shape == ArenaObject::Shape::ball;
-  const double r = object.radius;
+  const double r = object.reach();
   Eigen::AlignedBox2d box;
   for (int corner = 0; corner < 8; ++corner) {
     const Eigen::Vector3d off(corner & 1 ? r : -r, corner & 2 ? r : -r,

@@ -14,6 +14,7 @@ namespace {
 
 constexpr int kHoleSize = 4;            // pixels
 constexpr int kDepthPattern = 1 << 10;  // side of the periodic noise tile, pixels
+constexpr float kEdge = 0.1F;           // metres; smaller steps do not bleed
 constexpr int kWindow = 7;              // side of a stereo matcher's window, pixels
 /// A periodic tile of standard normal numbers, averaged over a stereo matcher's window, so that neighbours
 /// are correlated.
@@ -30,6 +31,21 @@ std::vector<float> windowNoise(int seed) {
   return numbers;
 }
 
+/// Between near and far, depths become means over a window: "flying pixels". Holes stay.
+void bleed(cv::Mat_<float>& depth, int reach) {
+  const cv::Mat is_valid = depth > 0;
+  cv::Mat nearest = depth.clone(), farthest, sums, weights, valid;
+  nearest.setTo(std::numeric_limits<float>::max(), depth == 0);
+  const cv::Mat window = cv::Mat::ones(2 * reach + 1, 2 * reach + 1, CV_8U);
+  cv::erode(nearest, nearest, window);
+  cv::dilate(depth, farthest, window);
+  is_valid.convertTo(valid, CV_32F, 1 / 255.0);
+  cv::boxFilter(depth, sums, CV_32F, window.size());
+  cv::boxFilter(valid, weights, CV_32F, window.size());
+  const cv::Mat means = sums / cv::max(weights, 1e-6), is_edge = (farthest - nearest > kEdge) & is_valid;
+  means.copyTo(depth, is_edge);
+}
+
 }  // namespace
 
 ParamList DepthCameraParams::fields() {
@@ -44,6 +60,8 @@ ParamList DepthCameraParams::fields() {
       {"max_depth", &max_depth, Allowed(Range::openLow(min_depth, 100), "(`min_depth`, 100]"), "m",
        "maximum depth"},
       {"holes", &holes, Range::closed(0, 1), "", "fraction of the other pixels without depth"},
+      {"bleeding", &bleeding, Range::closed(0, 20), "px",
+       "reach of the mixed depths at edges, where near and far run into each other; 0: sharp edges"},
       {"seed", &seed, Range::closed(0, std::numeric_limits<int>::max()), "", "seed of noise and holes"},
   };
 }
@@ -60,28 +78,37 @@ DepthCamera::~DepthCamera() = default;
 
 cv::Mat DepthCamera::take(const ArenaScene& scene, const Pose& T_map_camera, std::uint64_t frame) {
   tracer_->trace(scene, T_map_camera);
-  const int rows = tracer_->surfaces().rows, cols = tracer_->surfaces().cols;
-  cv::Mat_<float> blots((rows + kHoleSize - 1) / kHoleSize, (cols + kHoleSize - 1) / kHoleSize);
+  cv::Mat_<float> image = visibleDepths();
+  if (params_.bleeding > 0) bleed(image, params_.bleeding);
+  cv::Mat_<float> blots((image.rows + kHoleSize - 1) / kHoleSize, (image.cols + kHoleSize - 1) / kHoleSize);
   cv::RNG random = arenaRandom(frame + (static_cast<std::uint64_t>(params_.seed) << 32U));
   random.fill(blots, cv::RNG::UNIFORM, 0.0, 1.0);
-  const auto reach = static_cast<float>(focal_length_ * params_.baseline);  // disparity times depth, px m
   const size_t begin = arenaNoiseAt(frame, noise_.size());
-  cv::Mat_<float> image(rows, cols, 0.0F);
-  for (int y = 0; y < rows; ++y) {
-    const auto noise_row = begin + static_cast<size_t>(y) * kDepthPattern;
+  for (int y = 0; y < image.rows; ++y)
+    for (int x = 0; x < image.cols; ++x) {
+      const size_t at = begin + static_cast<size_t>(y) * kDepthPattern + static_cast<size_t>(x);
+      const bool is_hole = image(y, x) == 0 || blots(y / kHoleSize, x / kHoleSize) < params_.holes;
+      image(y, x) = is_hole ? 0 : measured(image(y, x), noise_[at % noise_.size()]);
+    }
+  return image;
+}
+
+/// True depths that both cameras of the stereo pair see, within range; 0: none.
+cv::Mat_<float> DepthCamera::visibleDepths() const {
+  const auto& surfaces = tracer_->surfaces();
+  const auto reach = static_cast<float>(focal_length_ * params_.baseline);  // disparity times depth, px m
+  cv::Mat_<float> depths(surfaces.size(), 0.0F);
+  for (int y = 0; y < depths.rows; ++y) {
     // The right camera has a point at x - reach / depth, where nearer points occlude farther ones.
     float covered = std::numeric_limits<float>::max();
-    for (int x = cols - 1; x >= 0; --x) {
-      if (tracer_->surfaces()(y, x) == ArenaTracer::kNothing) continue;
+    for (int x = depths.cols - 1; x >= 0; --x) {
+      if (surfaces(y, x) == ArenaTracer::kNothing) continue;
       const float depth = tracer_->depth(x, y), other = static_cast<float>(x) - reach / depth;
-      const bool is_hidden = other >= covered;
+      if (other < covered && depth >= params_.min_depth && depth <= params_.max_depth) depths(y, x) = depth;
       covered = std::min(covered, other);
-      if (!is_hidden && depth >= params_.min_depth && depth <= params_.max_depth &&
-          blots(y / kHoleSize, x / kHoleSize) >= params_.holes)
-        image(y, x) = measured(depth, noise_[(noise_row + static_cast<size_t>(x)) % noise_.size()]);
     }
   }
-  return image;
+  return depths;
 }
 
 float DepthCamera::measured(float depth, float noise) const {

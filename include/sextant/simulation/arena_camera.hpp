@@ -53,6 +53,9 @@ class ArenaCamera {
   /// @throws std::invalid_argument for a camera outside the arena
   Frame take(const ArenaScene& scene, const Pose& T_map_camera, std::uint64_t frame);
 
+  /// Pixels of the last image in which an object is visible: 255, others 0.
+  cv::Mat mask() const;
+
  private:
   void colour(const ArenaScene& scene);
   Eigen::Vector3f average(const ArenaScene& scene, int x, int y) const;

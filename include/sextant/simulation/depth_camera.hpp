@@ -24,6 +24,7 @@ struct DepthCameraParams {
   double min_depth = 0.28;
   double max_depth = 10.0;
   double holes = 0.01;
+  int bleeding = 0;
   int seed = 1;
 
   ParamList fields();
@@ -43,6 +44,7 @@ class DepthCamera {
   cv::Mat take(const ArenaScene& scene, const Pose& T_map_camera, std::uint64_t frame);
 
  private:
+  cv::Mat_<float> visibleDepths() const;
   float measured(float depth, float noise) const;
 
   DepthCameraParams params_;

@@ -17,8 +17,9 @@ from sextant.ball.task_view import Action
 from sextant.base.atomic_file import atomic_file
 from sextant.geometry.plane_poses import rotation
 from sextant.objects.object_kinds import BALL
+from sextant.simulation.arena_looks import COLOURS
 from sextant.simulation.ball_ground import Pillar
-from sextant.simulation.ball_simulation import COLOURS, BallSimulation
+from sextant.simulation.ball_simulation import BallSimulation
 from sextant.simulation.rgbd_camera import RgbdImages
 
 KINDS = (".png", ".gif")

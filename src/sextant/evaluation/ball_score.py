@@ -11,7 +11,7 @@ import cv2
 import numpy as np
 
 from sextant.ball.ball_player import BallPlayerParams
-from sextant.evaluation.ball_match import MatchResult, Watch, play
+from sextant.evaluation.ball_match import HARD, USUAL, MatchResult, Watch, play
 from sextant.objects.colour_detector import ColourDetector, ColourParams
 from sextant.objects.detections import Detector
 from sextant.objects.object_locator import ObjectLocatorParams
@@ -20,6 +20,7 @@ from sextant.simulation.rgbd_camera import RgbdParams
 
 STOP, STOP_ERROR = 0.2, 0.05  # metres before the goal line, and tolerance
 OBSTACLES = {2: 0, 3: 2}  # number by task
+HARD_SEEDS = 100_000  # first seed of hard worlds
 
 
 class Match(NamedTuple):
@@ -28,6 +29,7 @@ class Match(NamedTuple):
     task: int  # 2 or 3
     seed: int  # of the world
     model: str  # ONNX file; empty: detect objects by colour
+    is_hard: bool = False  # HARD instead of USUAL
 
 
 class Score(NamedTuple):
@@ -50,7 +52,10 @@ def play_match(match: Match, watch: Optional[Watch] = None) -> MatchResult:
     """
     cv2.setNumThreads(1)
     params = BallPlayerParams(locator=ObjectLocatorParams(depth_scale=1.0 / RgbdParams().depth_scale))
-    return play(match.task, match.seed, detector_of(match.model), params, OBSTACLES[match.task], watch)
+    difficulty = HARD if match.is_hard else USUAL
+    return play(
+        match.task, match.seed, detector_of(match.model), params, OBSTACLES[match.task], watch, difficulty
+    )
 
 
 def detector_of(model: str) -> Detector:

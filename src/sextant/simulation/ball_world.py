@@ -20,6 +20,9 @@ from sextant.objects.object_kinds import GOAL, KINDS
 from sextant.simulation.ball_ground import Pillar
 
 OTHERS = tuple(name for name, kind in KINDS.items() if kind.shape == "pillar" and name != GOAL)
+# Of obstacles without a class: offset from the goal's axis, distance in front of the goal line, metres
+STRAY_ASIDE, STRAY_AHEAD = (0.6, 2.0), (-1.0, 2.5)
+STRAYS = 4  # their number in a hard world
 CELL = 0.05  # cell size of the grids for path checks, metres
 
 
@@ -56,13 +59,15 @@ class BallWorld(NamedTuple):
     pillars: List[Pillar]  # the first two are the goal
     ball: np.ndarray  # (2,) metres
     robot: np.ndarray  # (3,) x, y, yaw, metres and radians
+    strays: np.ndarray = np.zeros((0, 2))  # positions of small obstacles without a class, metres
 
 
-def random_world(task: int, seed: int, obstacles: Optional[int] = None) -> BallWorld:
-    """Draws a world; the same seed gives the same world.
+def random_world(task: int, seed: int, obstacles: Optional[int] = None, strays: int = 0) -> BallWorld:
+    """Draws a world; the same arguments give the same world.
 
     :param task: a key of TASKS
     :param obstacles: number of pillars in front of the goal; None: random within the rules
+    :param strays: number of small obstacles without a class beside the ball's path
     :raises ValueError: unknown task, or too many obstacles for it
     """
     if task not in TASKS:
@@ -72,7 +77,7 @@ def random_world(task: int, seed: int, obstacles: Optional[int] = None) -> BallW
         raise ValueError(f"obstacles is {obstacles}, allowed is [0, {rules.obstacles}] in task {task}")
     random = np.random.default_rng([seed, task])
     while True:
-        world = _Draft(rules, random, obstacles).world()
+        world = _Draft(rules, random, obstacles, strays).world()
         if world is not None:
             return world
 
@@ -80,7 +85,7 @@ def random_world(task: int, seed: int, obstacles: Optional[int] = None) -> BallW
 class _Draft:
     """A random draft, which may violate the rules. Goal frame: x from the goal's middle toward the ball."""
 
-    def __init__(self, rules: TaskRules, random: np.random.Generator, obstacles: Optional[int]):
+    def __init__(self, rules: TaskRules, random: np.random.Generator, obstacles: Optional[int], strays: int):
         self._rules, self._random = rules, random
         half = 0.5 * np.array(rules.size) - rules.wall
         self._goal = np.array([*random.uniform(-half, half), random.uniform(-np.pi, np.pi)])  # in the map
@@ -96,18 +101,21 @@ class _Draft:
         for _ in range(random.integers(0, rules.behind + 1)):
             name, (nearest, farthest) = random.choice([GOAL, *OTHERS]), rules.after
             self._add(name, -random.uniform(rules.blue_after if name == GOAL else nearest, farthest), 1.5)
+        for _ in range(strays):
+            aside = random.choice([-1.0, 1.0]) * random.uniform(*STRAY_ASIDE)
+            self._pillars = np.vstack([self._pillars, [random.uniform(*STRAY_AHEAD), aside]])
 
     def world(self) -> Optional[BallWorld]:
         """The world in the map; None: the draft violates the rules."""
         if not (self._is_inside() and self._has_room() and self._ball_has_path() and self._robot_has_path()):
             return None
+        places = self._in_map(self._pillars)
         pillars = [
-            Pillar(*map(float, at), KINDS[name].radius, name)
-            for at, name in zip(self._in_map(self._pillars), self._classes)
+            Pillar(*map(float, at), KINDS[name].radius, name) for at, name in zip(places, self._classes)
         ]
         ball, robot = self._in_map(np.array([self._ball, self._robot]))
         yaw = self._random.uniform(-np.pi, np.pi)
-        return BallWorld(self._rules.size, pillars, ball, np.array([*robot, yaw]))
+        return BallWorld(self._rules.size, pillars, ball, np.array([*robot, yaw]), places[len(pillars) :])
 
     def _add(self, class_name: str, x: float, aside: float) -> None:
         """Adds a pillar at x with a random offset of at most aside from the goal's axis."""

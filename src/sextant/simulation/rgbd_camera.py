@@ -38,6 +38,7 @@ class RgbdParams(StrictParams):
     )
     depth_scale: float = param(1.0 / 1.04, "ratio of measured to true depth", within(0.5, 2))
     holes: float = param(0.01, "fraction of pixels without depth", within(0, 1))
+    bleeding: int = param(0, "reach of the mixed depths at edges", within(0, 20), "px")
 
 
 class RgbdImages(NamedTuple):
@@ -61,6 +62,7 @@ class RgbdCamera:
         colour, depth = sextant.ArenaCameraParams(), sextant.DepthCameraParams()
         colour.noise_sigma, colour.seed, depth.seed = params.noise_sigma, seed, seed
         depth.noise, depth.scale, depth.holes = params.depth_noise, params.depth_scale, params.holes
+        depth.bleeding = params.bleeding
         self._colour = sextant.ArenaCamera(colour, sextant.CameraModel(self.colour))
         self._depth = sextant.DepthCamera(depth, sextant.CameraModel(self.depth))
 

@@ -44,6 +44,22 @@ TEST(ArenaCamera, TheBoxOfABallIsThatOfItsSilhouette) {
   }
 }
 
+TEST(ArenaCamera, TheMaskHasThePixelsOfTheObjects) {
+  ArenaCamera camera({}, pinhole());
+  ArenaObject crate = pillar(2, 0.6);
+  crate.shape = ArenaObject::Shape::box;
+  crate.yaw = 0.5;
+  const auto seen = camera.take(hall({ball(1.5, -0.4, 0.8), crate}), levelAt(0, 0.8), 0).objects;
+  ASSERT_EQ(seen.size(), 2U);
+  const cv::Mat mask = camera.mask();
+  EXPECT_EQ(cv::countNonZero(mask), seen[0].pixels + seen[1].pixels);
+  for (const VisibleObject& each : seen) {
+    const cv::Rect part(each.low.x(), each.low.y(), each.high.x() - each.low.x(),
+                        each.high.y() - each.low.y());
+    EXPECT_EQ(cv::countNonZero(mask(part)), each.pixels);
+  }
+}
+
 TEST(ArenaCamera, TheBoxOfAPillarIsThatOfItsSilhouette) {
   const double eye = 0.8, radius = 0.1;
   for (const double height : {0.5, 1.2}) {  // its top is seen, or not

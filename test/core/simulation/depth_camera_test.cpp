@@ -105,6 +105,30 @@ TEST(DepthCamera, HolesHaveTheirShareAndFollowTheFrame) {
   EXPECT_NEAR(cv::countNonZero(both) / static_cast<double>(depth.total()), 0.04, 0.01);
 }
 
+TEST(DepthCamera, DepthsRunIntoEachOtherAtEdges) {
+  DepthCameraParams params = clean();
+  const ArenaScene scene = hall({pillar(2, 0, 0.1, 9)});
+  const cv::Mat_<float> sharp = depthOf(params, scene, levelAt(0, 5)).row(100);
+  params.bleeding = 2;
+  const cv::Mat_<float> bled = depthOf(params, scene, levelAt(0, 5)).row(100);
+  const int edge =
+      static_cast<int>(std::lround(kCx + kFocal * std::tan(std::asin(0.1 / 2)) + 0.5));  // first of the wall
+  ASSERT_LT(sharp(0, edge - 1), 2.1);
+  ASSERT_NEAR(sharp(0, edge), 5, 1e-5);
+  for (int off = -2; off < 2;
+       ++off)  // a window of five columns: the mean of those before and behind the edge
+    EXPECT_NEAR(bled(0, edge + off), cv::mean(sharp.colRange(edge + off - 2, edge + off + 3))[0], 1e-3)
+        << off;
+  for (const int off : {-3, 2, 20}) EXPECT_EQ(bled(0, edge + off), sharp(0, edge + off)) << off;
+  params.holes = 0.2;
+  params.noise = 0.03;
+  const cv::Mat_<float> noisy = depthOf(params, scene, levelAt(0, 5)), wall = errorsAt(3, params);
+  params.bleeding = 0;
+  const cv::Mat_<float> without = depthOf(params, scene, levelAt(0, 5));
+  EXPECT_EQ(cv::norm(noisy == 0, without == 0, cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(wall, errorsAt(3, params), cv::NORM_INF), 0);  // noise is no edge
+}
+
 TEST(DepthCamera, WhatTheOtherCameraDoesNotSeeHasNoDepth) {
   DepthCameraParams params = clean();
   params.baseline = 0.06;

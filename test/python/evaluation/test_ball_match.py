@@ -8,7 +8,7 @@ from PIL import Image
 
 from sextant.ball.ball_player import BallPlayerParams
 from sextant.evaluation.ball_film import BallFilm
-from sextant.evaluation.ball_match import play
+from sextant.evaluation.ball_match import HARD, USUAL, mount_of, play, simulation_of
 from sextant.objects.colour_detector import ColourDetector, ColourParams
 from sextant.objects.object_locator import ObjectLocatorParams
 from sextant.simulation.ball_world import random_world
@@ -78,3 +78,37 @@ def test_a_film_strip_is_a_picture(played):
 def test_a_film_is_a_strip_or_an_animation(tmp_path):
     with pytest.raises(ValueError, match="a film is .png or .gif"):
         BallFilm(tmp_path / "film.mp4")
+
+
+def test_difficulties_reach_the_world_and_the_software():
+    usual, hard = (simulation_of(TASK, SEED, 0, each) for each in (USUAL, HARD))
+    assert len(usual.ground.pillars) == len(usual.world.pillars)
+    assert len(hard.ground.pillars) == len(hard.world.pillars) + 4
+    assert hard.ground.drive.slip == 0.1 and usual.ground.drive.slip == 0.02
+    turn = np.array([0.0, HARD.mount_error, 0.0])  # cameras lower their view by 2 degrees
+    wrong, right = mount_of(hard, turn), mount_of(hard)
+    down = np.rad2deg(
+        [np.arctan2(-each[2, 2], each[0, 2]) for each in (wrong.T_base_colour, right.T_base_colour)]
+    )
+    assert down[0] - down[1] == pytest.approx(2.0, abs=1e-6)
+    np.testing.assert_array_equal(wrong.T_base_colour[:, 3], right.T_base_colour[:, 3])
+
+
+@pytest.mark.slow
+def test_images_arrive_later_in_a_hard_world():
+    """By the time of the first processed image, seconds."""
+    ages = []
+
+    class Ended(Exception):
+        pass
+
+    def watch(simulation, player, action, picture):
+        ages.append((simulation.ground.stamp, picture is not None))
+        if picture is not None:
+            raise Ended
+
+    for difficulty in (USUAL, HARD):
+        with pytest.raises(Ended):
+            play(TASK, SEED, ColourDetector(ColourParams()), PARAMS, watch=watch, difficulty=difficulty)
+    first = [stamp for stamp, there in ages if there]
+    assert first[1] - first[0] == pytest.approx(0.15)

@@ -81,6 +81,18 @@ def test_worlds_that_were_played_are_not_played_again(tmp_path, capsys):
     assert lines[3].split()[:4] == ["2", "4", "75.0", "%"]
 
 
+def test_hard_worlds_have_seeds_of_their_own(tmp_path, capsys):
+    path = tmp_path / "worlds.csv"
+    append_result(path, TOUCHED)  # of a usual world
+    append_result(path, GOOD._replace(seed=100_000))
+    arguments = ["--tasks", "2", "--worlds", "1", "--detector", "colour", "--results", str(path)]
+    assert main([*arguments, "--hard"]) == 0
+    (_, line) = capsys.readouterr().out.splitlines()
+    assert line.split()[:4] == ["2", "1", "100.0", "%"]
+    assert main([*arguments, "--hard", "--seed", "100000"]) == 0
+    assert capsys.readouterr().out.splitlines()[1] == line
+
+
 @pytest.mark.parametrize(
     "arguments, reason",
     [

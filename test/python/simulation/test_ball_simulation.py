@@ -2,18 +2,16 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What is seen is what lies on the floor at that moment."""
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
 
 from sextant.objects.object_kinds import KINDS
+from sextant.simulation.arena_looks import random_light, random_paint
 from sextant.simulation.ball_ground import Pillar, RobotParams
-from sextant.simulation.ball_simulation import (
-    BallSimulation,
-    BallSimulationParams,
-    random_light,
-    random_paint,
-)
+from sextant.simulation.ball_simulation import BallSimulation, BallSimulationParams
 from sextant.simulation.ball_world import BallWorld, random_world
 from sextant.simulation.rgbd_camera import RgbdParams
 
@@ -122,3 +120,48 @@ def test_paint_and_light_are_drawn_within_what_can_be():
     for name in KINDS:
         paints = np.array([random_paint(name, random) for _ in range(100)])
         assert np.all((paints >= 0.0) & (paints <= 1.0)) and np.ptp(paints, axis=0).min() > 0.0
+
+
+def hard_simulation(seed):
+    world = random_world(3, seed, strays=4)
+    return BallSimulation(world, BallSimulationParams(seed=seed, camera=SMALL, hard=True))
+
+
+def test_a_hard_world_has_obstacles_that_are_none_of_the_seen_objects():
+    for seed in range(3):
+        simulation = hard_simulation(seed)
+        strays = simulation.ground.pillars[len(simulation.world.pillars) :]
+        assert len(strays) == 4 and all(0.0 < each.radius <= 0.06 + 1e-9 for each in strays)
+        for _ in range(4):
+            assert all(each.object < len(simulation.class_names) for each in simulation.take_images().seen)
+            simulation.ground.command(0.0, 2.0)
+            simulation.ground.advance(0.8)
+
+
+def test_a_hard_world_looks_other_than_a_usual_one_but_has_the_same_objects():
+    world = random_world(3, 2)._replace(robot=np.array([0.0, 0.0, 0.3]))
+    usual, hard = (
+        BallSimulation(world, BallSimulationParams(seed=2, camera=SMALL, hard=is_hard))
+        for is_hard in (False, True)
+    )
+    one, other, again = usual.take_images(), hard.take_images(), hard.take_images()
+    assert np.mean(one.colour != other.colour) > 0.5 and np.mean(other.colour != again.colour) > 0.1  # noise
+    assert [(each.object, *each.low, *each.high) for each in one.seen] == [
+        (each.object, *each.low, *each.high) for each in other.seen
+    ]
+
+
+def test_images_of_a_turning_robot_are_blurred_by_its_turn_during_the_exposure():
+    images = []
+    for turn_rate in (0.0, 3.0):
+        simulation = hard_simulation(1)
+        post = np.array(simulation.world.pillars[0][:2])
+        at, yaw = post * (1.0 - 0.8 / np.linalg.norm(post)), np.arctan2(post[1], post[0])
+        robot = replace(simulation.ground.robot, x=at[0], y=at[1], yaw=yaw, turn_rate=turn_rate)
+        simulation.ground.robot = robot
+        images.append(np.mean([simulation.take_images().colour for _ in range(12)], axis=0)[20:-20, 20:-20])
+    focal_length = simulation.camera.colour.K[0, 0]
+    length = int(round(3.0 * 0.01 * focal_length))
+    expected = cv2.blur(images[0], (length, 1))
+    assert length > 5
+    assert np.abs(images[1] - expected).mean() < 0.7 * np.abs(images[1] - images[0]).mean()

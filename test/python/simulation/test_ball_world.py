@@ -9,6 +9,7 @@ import cv2
 import numpy as np
 import pytest
 
+from sextant.simulation.ball_ground import Pillar
 from sextant.simulation.ball_world import TASKS, random_world
 
 WORLDS = 300
@@ -130,6 +131,24 @@ def test_the_robot_can_come_behind_the_ball(task):
         line = world.ball - middle_of_goal(world)
         behind = world.ball + 0.5 * line / np.linalg.norm(line)
         assert leads(world, plan(world, 0.25, 0.25, ball=0.25), world.robot[:2], behind)
+
+
+@pytest.mark.parametrize("task", TASKS)
+def test_strays_leave_the_rules_as_they_are(task):
+    for seed in range(20):
+        world = random_world(task, seed, strays=4)
+        assert world.strays.shape == (4, 2)
+        every = np.vstack([places(world), world.strays])
+        for one, other in itertools.combinations(every, 2):
+            assert np.linalg.norm(one - other) >= 0.2 - 1e-9
+        things = np.array([world.ball, world.robot[:2]])
+        assert np.linalg.norm(world.strays[:, np.newaxis] - things, axis=2).min() >= 0.35 - 1e-9
+        assert np.all(abs(beside_goal(world, world.strays)[:, 1]) >= 0.6 - 1e-9)
+        assert np.all(abs(world.strays) <= 0.5 * np.array(world.size) - 0.6 + 1e-9)
+        assert all(pillar.class_name for pillar in world.pillars)
+        others = [Pillar(*at, 0.05, "") for at in world.strays]
+        crowded = world._replace(pillars=[*world.pillars, *others])
+        assert leads(crowded, plan(crowded, 0.3 + 0.05, 0.3), world.ball, middle_of_goal(world))
 
 
 def test_ways_are_not_there_by_themselves():

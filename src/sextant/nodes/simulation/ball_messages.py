@@ -16,8 +16,9 @@ import sextant
 from sextant.geometry.plane_poses import in_frame, relative
 from sextant.msg import ObjectBox, Objects
 from sextant.objects.object_kinds import BALL
+from sextant.simulation.arena_looks import COLOURS
 from sextant.simulation.ball_ground import BallGround
-from sextant.simulation.ball_simulation import COLOURS, HEIGHT
+from sextant.simulation.ball_simulation import HEIGHT
 from sextant.simulation.ball_world import BallWorld
 from sextant.simulation.motion import Motion
 

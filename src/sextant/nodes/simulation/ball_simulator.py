@@ -33,13 +33,13 @@ from sextant.nodes.simulation.ball_messages import (
 from sextant.nodes.simulation.simulated_clock import STEP, simulated_time
 from sextant.nodes.simulation.simulated_robot import SimulatedRobot, SimulatedRobotParams
 from sextant.simulation.ball_simulation import BallSimulation, BallSimulationParams
-from sextant.simulation.ball_world import TASKS, random_world
+from sextant.simulation.ball_world import STRAYS, TASKS, random_world
 from sextant.simulation.odometry import OdometryReading, SteppedOdometry
 
 START = 10_000_000_000  # first stamp, nanoseconds: still positive for a clock that is 10 s behind
 QUEUE = 30  # messages; a slow subscriber loses none
 WORLD_PARAMS = (
-    *"seed width height noise_sigma depth_noise depth_scale holes flicker slip".split(),
+    *"seed width height noise_sigma depth_noise depth_scale holes bleeding flicker slip hard".split(),
     *("ball_deceleration", "ball_restitution"),
 )
 
@@ -116,7 +116,8 @@ class BallSimulator(SimulatedRobot):
     def _start_world(self, seed: int) -> None:
         """Create a world with the robot at its start."""
         obstacles = None if self._params.obstacles < 0 else self._params.obstacles
-        world = random_world(self._params.task, seed, obstacles)
+        strays = STRAYS if self._params.world.hard else 0
+        world = random_world(self._params.task, seed, obstacles, strays)
         self._seed, self._start = seed, world.robot
         self._simulation = BallSimulation(world, replace(self._params.world, seed=seed))
         self._wheels, self._last_wheels, self._last_reading = SteppedOdometry(), np.zeros(3), self._clock.now
