@@ -82,9 +82,8 @@ class _Trimmer:
     """Computes constants, and shapes of the other tensors, and writes the nodes that remain."""
 
     def __init__(self, graph: Any, shape: Tuple[int, ...]):
-        self.values: Dict[str, np.ndarray] = _weights(
-            graph
-        )  # of tensors that are not constant, only the shape
+        # Of tensors that are not constant, only the shape is right.
+        self.values: Dict[str, np.ndarray] = _weights(graph)
         self._constant = set(self.values)
         (self.input,) = (each.name for each in graph.input if each.name not in self._constant)
         self.values[self.input] = _unknown(shape)

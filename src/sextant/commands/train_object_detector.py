@@ -5,7 +5,7 @@
 train_object_detector cones/ --data dataset/              your own objects, from scratch
 train_object_detector cones/ --data dataset/ --start other/checkpoint.pt         from another training
 train_object_detector cones/ --data dataset/ --images 2000                       mixed with simulated images
-train_object_detector detector/                           the shipped network: half an hour on one core
+train_object_detector detector/ --photos backgrounds/     simulated images and photographs
 train_object_detector detector/ --quick                   few images and steps, to check the installation
 
 An interrupted training resumes. Writes objects.onnx (for object_detector), confusion.png (confusion matrix)
@@ -16,6 +16,8 @@ import argparse
 from pathlib import Path
 from typing import List, NamedTuple, Optional, Sequence, Tuple
 
+import numpy as np
+
 from sextant.commands.command_line import Answer, CommandParser, run
 from sextant.detection_scores.average_precision import DetectorScore, recall_and_precision
 from sextant.detection_scores.detector_scores import plot_confusion, scored
@@ -24,8 +26,10 @@ from sextant.labels.labelled_photos import LabelledPhotos
 from sextant.labels.yolo_folder import HOLD_OUT
 from sextant.objects.yolo_detector import YoloParams
 from sextant.objects.yolo_model import MULTIPLE
-from sextant.training.labelled_images import joined_sets, labelled_image_set, with_class_indices
-from sextant.training.object_images import CLASSES, ImageSet, image_set
+from sextant.training.hard_images import PhotoImages, hard_image
+from sextant.training.image_set import ImageSet, drawn_images, joined_sets
+from sextant.training.labelled_images import labelled_image_set, with_class_indices
+from sextant.training.object_images import CLASSES, random_image
 
 VALIDATION = 1_000_000  # first seed of the validation images
 QUICK = {"images": 64, "validation": 16, "epochs": 2}
@@ -57,6 +61,8 @@ def _parser() -> CommandParser:
     add("--size", type=int, default=160, metavar="PIXELS", help=f"side of the network's input {default}")
     text = f"simulated training images (default: {IMAGES}; with --data 0)"
     add("--images", type=int, metavar="N", help=text)
+    text = "folders of photographs without any of the simulated objects, for a third of the simulated images"
+    add("--photos", type=Path, nargs="+", default=[], metavar="FOLDER", help=text)
     text = "simulated validation images without --data (default: 600)"
     add("--validation", type=int, default=600, metavar="N", help=text)
     text = f"maximum passes over all training images (default: {EPOCHS}; with --data {DATA_EPOCHS})"
@@ -112,6 +118,8 @@ def _check(options: argparse.Namespace) -> None:
 def _check_numbers(options: argparse.Namespace) -> None:
     if options.size < MULTIPLE or options.size % MULTIPLE:
         raise ValueError(f"--size is {options.size}, must be a multiple of {MULTIPLE}")
+    if options.photos and not options.images:
+        raise ValueError("--photos are for simulated images, with --data set their number: --images N")
     least = {"images": 0 if options.data else 1, "validation": 1, "epochs": 1, "jobs": 1, "patience": 1}
     for name, smallest in least.items():
         if getattr(options, name) < smallest:
@@ -120,15 +128,28 @@ def _check_numbers(options: argparse.Namespace) -> None:
             )
 
 
-def _simulated(options: argparse.Namespace) -> ImageSet:
-    first = options.seed * VALIDATION * 2
-    return image_set(range(first, first + options.images), options.size, options.jobs, "images")
+def _simulated(
+    options: argparse.Namespace, first: int, count: int, photos: List[Path], what: str
+) -> ImageSet:
+    """Usual and hard images, and with photos as many of these.
+
+    :param first: seed of the first image
+    """
+    draws = [random_image, hard_image, *([PhotoImages(photos)] if photos else [])]
+    seeds = np.array_split(range(first, first + count), len(draws))
+    parts = [
+        drawn_images(draw, each, options.size, options.jobs, f"{what}, part {number} of {len(draws)}")
+        for number, (draw, each) in enumerate(zip(draws, seeds), 1)
+        if len(each)
+    ]
+    return joined_sets(parts)
 
 
 def _simulated_sets(options: argparse.Namespace) -> Sets:
-    first = options.seed * VALIDATION * 2 + VALIDATION
-    training, seeds = _simulated(options), range(first, first + options.validation)
-    return Sets(CLASSES, training, image_set(seeds, options.size, options.jobs, "validation"))
+    first = options.seed * VALIDATION * 2
+    training = _simulated(options, first, options.images, options.photos, "images")
+    validation = _simulated(options, first + VALIDATION, options.validation, [], "validation")
+    return Sets(CLASSES, training, validation)
 
 
 def _data_sets(options: argparse.Namespace) -> Sets:
@@ -141,7 +162,9 @@ def _data_sets(options: argparse.Namespace) -> Sets:
     if options.images:
         if not set(classes) & set(CLASSES):
             raise ValueError(f"--images: simulated are {', '.join(CLASSES)}; the data have none of them")
-        simulated = with_class_indices(_simulated(options), CLASSES, classes)
+        first = options.seed * VALIDATION * 2
+        drawn = _simulated(options, first, options.images, options.photos, "images")
+        simulated = with_class_indices(drawn, CLASSES, classes)
         training = joined_sets([training, simulated])
     return Sets(classes, training, validation)
 

@@ -11,8 +11,7 @@ from sextant.base.jobs import run_jobs
 from sextant.detection_scores.average_precision import TrueObjects
 from sextant.images.photo_file import read_rgb
 from sextant.labels.labelled_photos import LabelledPhoto, LabelledPhotos
-from sextant.objects.letter_box import letter_box, letterboxed
-from sextant.training.object_images import ImageSet, ObjectImage, stacked_images
+from sextant.training.image_set import ImageSet, ObjectImage, letterboxed_image, stacked_images
 
 
 def labelled_image_set(photos: LabelledPhotos, size: int, jobs: int, progress: str = "") -> ImageSet:
@@ -29,16 +28,8 @@ def labelled_image_set(photos: LabelledPhotos, size: int, jobs: int, progress: s
 
 
 def _letterboxed(photo: LabelledPhoto, size: int) -> ObjectImage:
-    image = read_rgb(photo.path)
-    box = letter_box((image.shape[1], image.shape[0]), (size, size))
-    truth = TrueObjects(box.to_input(photo.boxes), photo.classes, np.ones(len(photo.classes), bool))
-    return ObjectImage(letterboxed(image, box, (size, size)), truth)
-
-
-def joined_sets(sets: Sequence[ImageSet]) -> ImageSet:
-    """All images of some sets of the same size."""
-    images = [ObjectImage(image, truth) for part in sets for image, truth in zip(part.images, part.truths())]
-    return stacked_images(images)
+    truth = TrueObjects(photo.boxes, photo.classes, np.ones(len(photo.classes), bool))
+    return letterboxed_image(ObjectImage(read_rgb(photo.path), truth), size)
 
 
 def with_class_indices(images: ImageSet, names: Sequence[str], to: Sequence[str]) -> ImageSet:

@@ -12,7 +12,7 @@ from sextant.objects.detections import Detections
 from sextant.objects.non_maximum_suppression import non_maximum_suppression
 from sextant.objects.yolo_detector import YoloParams
 from sextant.objects.yolo_output import BINS, HeadLayout, decoded_heads
-from sextant.training.object_images import ImageSet
+from sextant.training.image_set import ImageSet
 from sextant.training.yolo_network import YoloNetwork
 
 BATCH = 32  # images

@@ -2,25 +2,18 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Rendered images of balls and pillars with ground truth, to train and evaluate a detector's network."""
 
-import functools
-from typing import Iterable, List, NamedTuple, Sequence, Tuple
+from typing import Callable, Iterable, List, NamedTuple, Sequence, Tuple
 
 import numpy as np
 
 import sextant
-from sextant.base.jobs import run_jobs
 from sextant.detection_scores.average_precision import TrueObjects
-from sextant.objects.letter_box import letter_box, letterboxed
 from sextant.objects.object_kinds import BALL, KINDS
-from sextant.simulation.ball_simulation import (
-    WALL,
-    BallSimulation,
-    BallSimulationParams,
-    random_light,
-    random_paint,
-)
+from sextant.simulation.arena_looks import random_light, random_paint
+from sextant.simulation.ball_simulation import WALL, BallSimulation, BallSimulationParams
 from sextant.simulation.ball_world import TASKS, random_world
 from sextant.simulation.camera import camera_calibration, camera_mount
+from sextant.training.image_set import ObjectImage
 
 CLASSES = list(KINDS)
 WIDTH, HEIGHT = 640, 480  # pixels of the camera's image
@@ -28,15 +21,9 @@ WIDTH, HEIGHT = 640, 480  # pixels of the camera's image
 MIN_AREA, MIN_SIDE = 16.0, 4.0
 MAX_CLUTTER = 12  # maximum number of objects in front of the camera
 NEAR, FAR = 0.3, 6.0  # minimum and maximum distance of these objects to the camera, metres
+ROOM = 5.0, 12.0  # minimum and maximum width and depth of the room, metres
 CLEARANCE = 0.35  # minimum distance of the robot to walls and objects, metres
 MIN_RADIUS, MAX_RADIUS = 0.03, 0.08  # of the objects in front of the camera, metres
-
-
-class ObjectImage(NamedTuple):
-    """An image and its ground truth."""
-
-    image: np.ndarray  # uint8 (height, width, 3), RGB
-    truth: TrueObjects  # boxes and classes
 
 
 def random_image(seed: int, size: int) -> ObjectImage:
@@ -66,20 +53,46 @@ def clutter_image(seed: int, size: int) -> ObjectImage:
     no class."""
     random = np.random.default_rng([seed, 22])
     scene_params = sextant.ArenaSceneParams()
-    scene_params.size, scene_params.seed = random.uniform(5.0, 12.0, 2), seed
+    scene_params.size, scene_params.seed = random.uniform(*ROOM, 2), seed
     scene_params.wall_height = WALL
-    scene, yaw = sextant.ArenaScene(scene_params), random.uniform(-np.pi, np.pi)
-    at = _free_place(random, scene_params.size, np.zeros((0, 2)))
-    fov, high = random.uniform(0.7, 1.4), random.uniform(0.15, 0.6)
-    places = _places(random, at, yaw, fov, 0.5 * scene_params.size - 0.1)
-    objects, names = _cluttered(random, places)
-    scene.set_objects(objects)
+    scene = sextant.ArenaScene(scene_params)
+    clutter = random_clutter(random, scene_params.size, seed)
+    scene.set_objects(clutter.objects)
     scene.set_light(random_light(random))
-    calibration = camera_calibration(WIDTH, HEIGHT, fov)
-    camera = sextant.ArenaCamera(_sensor(random, seed), sextant.CameraModel(calibration))
+    image, seen = sextant.ArenaCamera(clutter.sensor, clutter.lens).take(scene, clutter.T_map_camera, 0)
+    return ObjectImage(image, truth_of(seen, clutter.names, size))
+
+
+class Clutter(NamedTuple):
+    """Objects in front of a camera."""
+
+    objects: List["sextant.ArenaObject"]  # in the map
+    names: List[str]  # of their classes; empty: no class
+    lens: "sextant.CameraModel"  # of a random field of view
+    sensor: "sextant.ArenaCameraParams"  # of random blur, noise and gamma
+    T_map_camera: np.ndarray  # (4, 4)
+
+
+def random_clutter(
+    random: np.random.Generator,
+    room: np.ndarray,
+    seed: int,
+    paint: Callable[[str, np.random.Generator], np.ndarray] = random_paint,
+) -> Clutter:
+    """Objects of random size and colour in the view of a random camera.
+
+    :param room: width and depth of the room (2,), metres
+    :param seed: of the camera's noise
+    :param paint: draws the reflectance of an object of a class
+    """
+    yaw, at = random.uniform(-np.pi, np.pi), _free_place(random, room, np.zeros((0, 2)))
+    fov, high = random.uniform(0.7, 1.4), random.uniform(0.15, 0.6)
+    places = random_places(random, MAX_CLUTTER, (at, yaw, fov), 0.5 * room - 0.1)
+    objects, names = _cluttered(random, places, paint)
+    model = sextant.CameraModel(camera_calibration(WIDTH, HEIGHT, fov))
+    sensor = _sensor(random, seed)
     mount = camera_mount([*at, high], [random.normal(0.0, 0.02), random.uniform(0.0, 0.45), yaw])
-    image, seen = camera.take(scene, mount, 0)
-    return ObjectImage(image, truth_of(seen, names, size))
+    return Clutter(objects, names, model, sensor, mount)
 
 
 def truth_of(seen: Iterable["sextant.VisibleObject"], names: Sequence[str], size: int) -> TrueObjects:
@@ -109,15 +122,17 @@ def _free_place(random: np.random.Generator, room: Sequence[float], occupied: np
             return at
 
 
-def _places(
-    random: np.random.Generator, at: np.ndarray, yaw: float, fov: float, half: np.ndarray
+def random_places(
+    random: np.random.Generator, most: int, view: Tuple[np.ndarray, float, float], half: np.ndarray
 ) -> np.ndarray:
-    """Positions (n, 2) in and near the field of view inside the room.
+    """At most so many positions (n, 2) in and near the field of view inside the room, metres.
 
+    :param view: position (2,) of the camera, its yaw and field of view, metres and radians
     :param half: half the width and depth of the part of the room with objects (2,), metres
     """
+    at, yaw, fov = view
     places: List[np.ndarray] = []
-    for _ in range(random.integers(0, MAX_CLUTTER + 1)):
+    for _ in range(random.integers(0, most + 1)):
         distance = np.exp(random.uniform(np.log(NEAR), np.log(FAR)))
         turn = yaw + 0.6 * random.uniform(-fov, fov)
         place = at + distance * np.array([np.cos(turn), np.sin(turn)])
@@ -129,7 +144,7 @@ def _places(
 
 
 def _cluttered(
-    random: np.random.Generator, places: np.ndarray
+    random: np.random.Generator, places: np.ndarray, paint: Callable[[str, np.random.Generator], np.ndarray]
 ) -> Tuple[List["sextant.ArenaObject"], List[str]]:
     """Objects and their class names; an empty name: no class."""
     objects, names = [], []
@@ -139,7 +154,7 @@ def _cluttered(
         each = sextant.ArenaObject()
         each.radius = random.uniform(MIN_RADIUS, MAX_RADIUS)
         each.height = random.uniform(0.2, 0.6)
-        each.colour = np.clip(random_paint(name, random) * random.uniform(0.75, 1.3), 0.0, 1.0)
+        each.colour = np.clip(paint(name, random) * random.uniform(0.75, 1.3), 0.0, 1.0)
         # Objects without a class: the other shape in this class's paint (a yellow pillar, a red ball), half
         # of them grey.
         if random.random() < 0.12:
@@ -163,59 +178,3 @@ def _sensor(random: np.random.Generator, seed: int) -> "sextant.ArenaCameraParam
     params.gamma = random.uniform(1.8, 2.6)
     params.seed = seed
     return params
-
-
-class ImageSet(NamedTuple):
-    """Letterboxed images of one size with ground truth; most: the largest number of objects in an image."""
-
-    images: np.ndarray  # uint8 (n, size, size, 3), RGB
-    boxes: np.ndarray  # (n, most, 4) left, top, right, bottom, pixels
-    classes: np.ndarray  # (n, most) int
-    exists: np.ndarray  # (n, most) bool; False: padding
-    is_counted: np.ndarray  # (n, most) bool, as TrueObjects.is_counted
-
-    def truths(self) -> List[TrueObjects]:
-        """Ground truth of each image."""
-        return [
-            TrueObjects(boxes[exists], classes[exists], is_counted[exists])
-            for boxes, classes, exists, is_counted in zip(
-                self.boxes, self.classes, self.exists, self.is_counted
-            )
-        ]
-
-
-def image_set(seeds: Sequence[int], size: int, jobs: int, progress: str = "") -> ImageSet:
-    """Renders the images of these seeds.
-
-    :param size: side of the network's input, pixels
-    :param jobs: number of parallel processes
-    :param progress: title of the progress bar, as in run_jobs()
-    """
-    draw = functools.partial(_letterboxed_image, size=size)
-    return stacked_images(list(run_jobs(draw, seeds, jobs, progress=progress)))
-
-
-def stacked_images(images: Sequence[ObjectImage]) -> ImageSet:
-    """A set of letterboxed images of the same size."""
-    most = max([1, *(len(each.truth.classes) for each in images)])
-    return ImageSet(
-        images=np.array([each.image for each in images]),
-        boxes=_filled([each.truth.boxes for each in images], most),
-        classes=_filled([each.truth.classes for each in images], most),
-        exists=_filled([np.ones(len(each.truth.classes), bool) for each in images], most),
-        is_counted=_filled([each.truth.is_counted for each in images], most),
-    )
-
-
-def _letterboxed_image(seed: int, size: int) -> ObjectImage:
-    image, truth = random_image(seed, size)
-    box = letter_box((WIDTH, HEIGHT), (size, size))
-    return ObjectImage(letterboxed(image, box, (size, size)), truth._replace(boxes=box.to_input(truth.boxes)))
-
-
-def _filled(rows: Sequence[np.ndarray], most: int) -> np.ndarray:
-    """Stacks rows to (n, most, ...), padded with zeros."""
-    filled = np.zeros((len(rows), most, *rows[0].shape[1:]), rows[0].dtype)
-    for i, row in enumerate(rows):
-        filled[i, : len(row)] = row
-    return filled

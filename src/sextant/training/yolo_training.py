@@ -4,6 +4,7 @@
 
 import copy
 import math
+import zlib
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Dict, List, Optional, Tuple
@@ -16,8 +17,8 @@ from tqdm import tqdm
 from sextant.base.atomic_file import atomic_file
 from sextant.base.strict_params import StrictParams, one_of, param, within
 from sextant.objects.letter_box import GREY
+from sextant.training.image_set import ImageSet
 from sextant.training.network_score import network_score
-from sextant.training.object_images import ImageSet
 from sextant.training.yolo_loss import Targets, YoloLoss
 from sextant.training.yolo_network import WIDTHS, YoloNetwork
 
@@ -98,6 +99,7 @@ class _State:
         self._steps = math.ceil(len(pictures.images) / params.batch)
         self.epoch = 0
         pictures_of = dict(zip(("pictures", "size"), pictures.images.shape))
+        pictures_of["images"] = zlib.crc32(np.ascontiguousarray(pictures.images))
         # Identifies the training. As text: PyTorch reads no real numbers without executing the file.
         self._about = {name: str(value) for name, value in {**asdict(params), **pictures_of}.items()}
 
@@ -199,7 +201,7 @@ class _State:
             raise ValueError(f"{path}: is not a checkpoint of this training, remove it: {error}") from None
         if other:
             raise ValueError(
-                f"{path}: is of a training with another {', '.join(other)}: choose another folder"
+                f"{path}: is of a training that differs in {', '.join(other)}: choose another folder"
             )
 
 

@@ -36,9 +36,30 @@ def test_a_quick_training_makes_a_network_and_goes_on_where_it_was(tmp_path, cap
     assert "epoch" not in capsys.readouterr().out  # both were there
     assert (folder / "objects.onnx").read_bytes() == before
     assert main([str(folder), "--quick", "--size", "64", "--seed", "1"]) == 2
-    assert (
-        "checkpoint.pt: is of a training with another seed: choose another folder" in capsys.readouterr().err
-    )
+    refused = "checkpoint.pt: is of a training that differs in seed, images: choose another folder"
+    assert refused in capsys.readouterr().err
+
+
+@needs_torch
+def test_photos_belong_to_the_training(tmp_path, capsys):
+    (tmp_path / "photos").mkdir()
+    Image.new("RGB", (80, 60), (90, 120, 60)).save(tmp_path / "photos/wall.png")
+    arguments = ["--quick", "--size", "64", "--photos", str(tmp_path / "photos")]
+    assert main([str(tmp_path / "net"), *arguments]) == 0
+    assert "epoch 2 of 2" in capsys.readouterr().out
+    Image.new("RGB", (80, 60), (120, 90, 60)).save(tmp_path / "photos/wall.png")
+    assert main([str(tmp_path / "net"), *arguments]) == 2
+    assert "differs in images: choose another folder" in capsys.readouterr().err
+    assert main([str(tmp_path / "net"), *arguments, str(tmp_path / "nothing")]) == 2
+    assert "nothing: there are no photos" in capsys.readouterr().err
+
+
+@needs_torch
+def test_photos_without_simulated_images_are_refused(tmp_path, capsys):
+    write_yolo_folder(tmp_path / "data", write_photos(tmp_path / "photos", 4))
+    arguments = ["--data", str(tmp_path / "data"), "--photos", str(tmp_path / "photos")]
+    assert main([str(tmp_path / "net"), *arguments]) == 2
+    assert "--images N" in capsys.readouterr().err
 
 
 @needs_torch

@@ -5,7 +5,8 @@
 import numpy as np
 from made_labels import COLOURS, write_photos
 
-from sextant.training.labelled_images import joined_sets, labelled_image_set, with_class_indices
+from sextant.training.image_set import joined_sets
+from sextant.training.labelled_images import labelled_image_set, with_class_indices
 
 
 def test_boxes_hold_the_objects_of_the_letter_boxed_photos(tmp_path):

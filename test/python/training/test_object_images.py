@@ -5,7 +5,8 @@
 import numpy as np
 import pytest
 
-from sextant.training.object_images import CLASSES, MIN_SIDE, image_set, random_image
+from sextant.training.image_set import drawn_images
+from sextant.training.object_images import CLASSES, MIN_SIDE, random_image
 
 SIZE, SEEDS = 160, range(40, 64)
 
@@ -37,7 +38,7 @@ def test_boxes_hold_what_looks_like_their_class():
 
 @pytest.mark.slow
 def test_a_set_is_letter_boxed_and_filled_up():
-    pictures = image_set(SEEDS, SIZE, 1)
+    pictures = drawn_images(random_image, SEEDS, SIZE, 1)
     assert pictures.images.shape == (len(SEEDS), SIZE, SIZE, 3) and pictures.images.dtype == np.uint8
     assert np.all(pictures.images[:, :19] == 114) and np.all(
         pictures.images[:, -19:] == 114

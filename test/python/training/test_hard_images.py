@@ -1,0 +1,96 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Images of hard rooms and of photographs, and their ground truth."""
+
+import cv2
+import numpy as np
+import pytest
+
+from sextant.objects.object_kinds import KINDS
+from sextant.training.hard_images import EMPTY, HALL, PhotoImages, hard_image, joined_with, wide_paint
+from sextant.training.image_set import drawn_images
+from sextant.training.object_images import HEIGHT, WIDTH, random_clutter
+
+SIZE, SEEDS = 160, range(60)
+
+
+@pytest.fixture(scope="module")
+def photos(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("photos")
+    for number, (rows, columns) in enumerate([(480, 640), (900, 500), (300, 1200)]):
+        cv2.imwrite(str(folder / f"{number}.png"), np.full((rows, columns, 3), 120, np.uint8))
+    return PhotoImages([folder])
+
+
+def test_a_seed_is_a_hard_image():
+    first, again, other = hard_image(7, SIZE), hard_image(7, SIZE), hard_image(9, SIZE)
+    np.testing.assert_array_equal(first.image, again.image)
+    np.testing.assert_array_equal(first.truth.boxes, again.truth.boxes)
+    assert np.any(first.image != other.image)
+
+
+@pytest.mark.slow
+def test_hard_images_have_objects_of_every_class():
+    drawn = [hard_image(seed, SIZE) for seed in SEEDS]
+    classes = np.concatenate([each.truth.classes for each in drawn])
+    assert np.bincount(classes, minlength=len(KINDS)).min() > 10
+    for each in drawn:
+        assert each.image.shape == (480, 640, 3) and each.image.dtype == np.uint8
+        assert np.all(each.truth.boxes >= 0.0) and np.all(each.truth.boxes[:, 2] <= 640)
+        assert np.all(each.truth.boxes[:, 3] <= 480)
+
+
+@pytest.mark.slow
+def test_objects_change_the_photo_where_they_are():
+    photo = np.full((HEIGHT, WIDTH, 3), 120, np.uint8)
+    seen_objects = 0
+    for seed in SEEDS:
+        random = np.random.default_rng(seed)
+        clutter = random_clutter(random, HALL, seed, wide_paint)
+        joined, seen = joined_with(photo, clutter, random)
+        changed = abs(joined.astype(int) - photo).max(axis=2) > 6
+        around = np.zeros((HEIGHT, WIDTH), bool)
+        for each in seen:
+            around[max(0, each.low[1] - 3) : each.high[1] + 3, max(0, each.low[0] - 3) : each.high[0] + 3] = (
+                True
+            )
+            if each.pixels > 100:
+                inside = changed[each.low[1] : each.high[1], each.low[0] : each.high[0]]
+                assert inside.mean() > 0.2, (seed, each.object)
+                seen_objects += 1
+        assert not np.any(changed & ~around)
+    assert seen_objects > 50
+
+
+def test_some_photos_stay_without_objects(photos):
+    drawn = [photos(seed, SIZE) for seed in range(30)]
+    assert all(each.image.shape == (HEIGHT, WIDTH, 3) for each in drawn)
+    empty = np.mean([not len(each.truth.boxes) for each in drawn])
+    assert 0.7 * EMPTY < empty < 1.0
+    again = photos(4, SIZE)
+    np.testing.assert_array_equal(drawn[4].image, again.image)
+
+
+@pytest.mark.slow
+def test_sets_are_drawn_by_several_processes(photos):
+    one, two = (drawn_images(photos, range(6), SIZE, jobs) for jobs in (1, 2))
+    np.testing.assert_array_equal(one.images, two.images)
+
+
+def test_folders_without_photos_are_refused(tmp_path):
+    cv2.imwrite(str(tmp_path / "photo.png"), np.zeros((4, 6, 3), np.uint8))
+    with pytest.raises(ValueError, match="empty: there are no photos"):
+        PhotoImages([tmp_path, tmp_path / "empty"])
+    (tmp_path / "empty").mkdir()
+    (tmp_path / "empty/text.png").write_text("no photo")
+    with pytest.raises(ValueError, match="text.png"):
+        PhotoImages([tmp_path, tmp_path / "empty"])
+
+
+def test_wide_paint_is_still_that_of_the_class():
+    random = np.random.default_rng(0)
+    for name, strongest in (("blue_pillar", 2), ("green_pillar", 1), ("red_pillar", 0)):
+        paints = np.array([wide_paint(name, random) for _ in range(200)])
+        assert np.mean(np.argmax(paints, axis=1) == strongest) == 1.0
+    balls = np.array([wide_paint("ball", random) for _ in range(200)])
+    assert np.all(np.argmin(balls, axis=1) == 2) and np.mean(balls[:, 0] > balls[:, 1]) > 0.6
