@@ -27,16 +27,19 @@ COLUMNS = [
 
 def match_tables(quick: bool, is_hard: bool = False) -> List[Table]:
     """One table; a quick run has one world of each task and no bars."""
-    first, worlds = (HARD_SEEDS, HARD_WORLDS) if is_hard else (0, WORLDS)
-    worlds = 1 if quick else worlds
-    model = str(shipped_model())
-    matches = [Match(task, seed, model, is_hard) for task in SUCCESS for seed in range(first, first + worlds)]
+    matches = _matches(quick, is_hard)
     results = list(run_jobs(play_match, matches, os.cpu_count() or 1, progress="worlds"))
     by_task = {task: [each for each in results if each.task == task] for task in SUCCESS}
     rows = [_row(task, score_of(played), quick, is_hard) for task, played in by_task.items()]
     samples = {f"task {task}": _ends(played) for task, played in by_task.items()}
     kind = "hard worlds" if is_hard else "worlds"
-    return [Table(f"the ball task in {worlds} {kind} each", COLUMNS, rows, samples)]
+    return [Table(f"the ball task in {len(matches) // len(SUCCESS)} {kind} each", COLUMNS, rows, samples)]
+
+
+def _matches(quick: bool, is_hard: bool) -> List[Match]:
+    first, worlds = (HARD_SEEDS, HARD_WORLDS) if is_hard else (0, WORLDS)
+    seeds = range(first, first + (1 if quick else worlds))
+    return [Match(task, seed, str(shipped_model()), is_hard) for task in SUCCESS for seed in seeds]
 
 
 def _ends(results: List[MatchResult]) -> np.ndarray:

@@ -69,13 +69,14 @@ def with_effects(image: np.ndarray, effects: CameraEffects, random: np.random.Ge
     )
     light += np.float32(effects.haze)
     if effects.noise:
-        light += random.normal(0.0, effects.noise / 255.0, light.shape).astype(np.float32)
+        light += np.float32(effects.noise / 255.0) * random.standard_normal(light.shape, np.float32)
     grey = light.mean(axis=2, keepdims=True)
     coloured = grey + np.float32(effects.saturation) * (light - grey)
-    light = np.clip(coloured, 0.0, 1.0) ** np.float32(effects.gamma)
+    curve = np.rint(255.0 * (np.arange(256) / 255.0) ** effects.gamma).astype(np.uint8)
+    levels = cv2.LUT(np.clip(255.0 * coloured + 0.5, 0.0, 255.0).astype(np.uint8), curve)
     if effects.sharpening:
-        light += np.float32(effects.sharpening) * (light - cv2.GaussianBlur(light, (0, 0), 1.5))
-    levels = np.clip(255.0 * light + 0.5, 0.0, 255.0).astype(np.uint8)
+        blurred = cv2.GaussianBlur(levels, (0, 0), 1.5)
+        levels = cv2.addWeighted(levels, 1.0 + effects.sharpening, blurred, -effects.sharpening, 0.0)
     return levels if effects.quality == PURE_JPEG else _compressed(levels, effects.quality)
 
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""The benchmark of object detection in a quick run, without what needs PyTorch or external test data."""
+"""The benchmark of object detection in a quick run: what needs no PyTorch, data or minutes."""
 
 import json
 import subprocess
@@ -17,9 +17,9 @@ SCRIPT = Path(__file__).resolve().parents[3] / "benchmark/objects.py"
 
 
 @pytest.mark.slow
-def test_network_and_hard_worlds_are_measured(tmp_path):
+def test_the_network_is_measured(tmp_path):
     outputs = ["--json", str(tmp_path / "figures.json"), "--plots", str(tmp_path)]
-    command = [sys.executable, str(SCRIPT), "--quick", "--only", "network,task", *outputs]
+    command = [sys.executable, str(SCRIPT), "--quick", "--only", "network", *outputs]
     done = subprocess.run(command, capture_output=True, text=True, timeout=400)
     assert done.returncode == 0, done.stderr
     topics = json.loads((tmp_path / "figures.json").read_text())["topics"]
@@ -30,7 +30,5 @@ def test_network_and_hard_worlds_are_measured(tmp_path):
     assert 0.05 < row["GFLOP a frame"]["value"] <= 0.5
     opencv = next(row for row in runtimes["rows"] if row["name"] == "opencv")
     assert 0.1 < opencv["ms a frame"]["value"] < 1000.0
-    (table,) = topics["task"]
-    assert [row["name"] for row in table["rows"]] == ["task 2", "task 3"]
     for name in ("usual.png", "hard.png"):
         assert (tmp_path / name).read_bytes().startswith(b"\x89PNG")
