@@ -52,6 +52,8 @@ void LandmarkRegister::addEvidence(const std::vector<size_t>& landmarks, double 
   for (const size_t each : landmarks) log_odds_[each] = std::min(log_odds_[each] + evidence, kMaxLogOdds);
 }
 
+bool LandmarkRegister::isEstablished(size_t landmark) const { return log_odds_[landmark] > kMaxLogOdds / 2; }
+
 int LandmarkRegister::mergeDuplicates(std::vector<size_t> observed, double separation,
                                       std::vector<std::optional<int>>& keys) {
   const size_t before = labels_.size();

@@ -14,6 +14,9 @@ using Eigen::Vector2d;
 namespace {
 
 constexpr double kViewDeviations = 3.0;  // tolerated errors of robot and landmarks
+constexpr double kPriorWeight = 20;      // counted landmarks that weigh as much as the parameter
+constexpr double kLeast = 0.01;          // bounds of the detection probability: it and 1 minus it
+constexpr double kLeastRatio = 1.5;      // of detections over false alarms
 
 Vector2d positionOf(const ObservationPrediction& expected, Index which) {
   return expected.positions.segment<2>(2 * which);
@@ -39,7 +42,7 @@ ParamList LandmarkSensorParams::fields() {
        "horizontal angle in which the sensor detects reliably, centred on the x axis of the frame of the "
        "observations, or on the optical axis of a camera"},
       {"detection_probability", &detection_probability, Range::closed(0.01, 0.99), "",
-       "probability that the sensor detects a landmark in view"},
+       "probability that the sensor detects a landmark in view; corrected by the detections"},
       {"false_alarm_probability", &false_alarm_probability, Range::closed(0.001, 0.5), "",
        "probability that an observation is a false alarm"},
       {"landmark_width", &landmark_width, Range::closed(0, 100), "m",
@@ -84,8 +87,21 @@ bool LandmarkSensor::isOccluded(const ObservationPrediction& expected, Index whi
 }
 
 double LandmarkSensor::evidence(bool is_detected) const {
-  return is_detected ? std::log(params_.detection_probability / params_.false_alarm_probability)
-                     : std::log((1 - params_.detection_probability) / (1 - params_.false_alarm_probability));
+  // A detection that is as probable as a false alarm would be no evidence.
+  const double detection = std::max(detectionProbability(), kLeastRatio * params_.false_alarm_probability);
+  return is_detected ? std::log(detection / params_.false_alarm_probability)
+                     : std::log((1 - detection) / (1 - params_.false_alarm_probability));
+}
+
+void LandmarkSensor::count(int detected, int missed) {
+  detected_ += detected;
+  expected_ += detected + missed;
+}
+
+/// Mean of a beta distribution whose prior has the weight of kPriorWeight counted landmarks.
+double LandmarkSensor::detectionProbability() const {
+  const double prior = params_.detection_probability;
+  return std::clamp((kPriorWeight * prior + detected_) / (kPriorWeight + expected_), kLeast, 1 - kLeast);
 }
 
 }  // namespace sextant

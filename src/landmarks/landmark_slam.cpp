@@ -82,6 +82,7 @@ LandmarkReport LandmarkSlam::observeLocalized(double stamp,
     // Observed landmarks confirm the pose: only then a missed one is evidence of its absence.
     register_.addEvidence(scan.observed, sensor_.evidence(true));
     if (!scan.observed.empty()) {
+      countDetections(scan);
       register_.addEvidence(scan.missed, sensor_.evidence(false));
       register_.addEvidence(scan.relocated, sensor_.evidence(false));
     }
@@ -90,6 +91,15 @@ LandmarkReport LandmarkSlam::observeLocalized(double stamp,
     report.removed = register_.removeUnlikely();
   }
   return report;
+}
+
+/// A landmark counts only in scans that detect another one, as only in these it is evidence to miss it.
+void LandmarkSlam::countDetections(const ScanAssociation& scan) {
+  const auto is_established = [this](size_t each) { return register_.isEstablished(each); };
+  const auto count = [&](const std::vector<size_t>& all) {
+    return static_cast<int>(std::count_if(all.begin(), all.end(), is_established));
+  };
+  sensor_.count(scan.observed.size() > 1 ? count(scan.detected) : 0, count(scan.missed));
 }
 
 // ---- data association
@@ -121,8 +131,8 @@ LandmarkSlam::ScanAssociation LandmarkSlam::associateScan(
   // A printed marker is visible from the front only: a missed detection is no evidence of its absence, but a
   // detection elsewhere is.
   for (const size_t which : sensor_.expectedInView(expected, T_base_sensor))
-    if (!labels()[near[which]].id && !contains(scan.observed, near[which]))
-      scan.missed.push_back(near[which]);
+    if (!labels()[near[which]].id)
+      (contains(scan.observed, near[which]) ? scan.detected : scan.missed).push_back(near[which]);
   return scan;
 }
 

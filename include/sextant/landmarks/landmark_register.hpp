@@ -37,6 +37,9 @@ class LandmarkRegister {
   /// Adds evidence to the log odds that these landmarks exist, up to an upper bound.
   void addEvidence(const std::vector<size_t>& landmarks, double evidence);
 
+  /// Whether a landmark was observed often enough to be certain that it exists.
+  bool isEstablished(size_t landmark) const;
+
   /// Merges observed landmarks with others of the same label that are nearer than the minimum separation.
   /// @param observed indices @param separation metres
   /// @param keys of landmarks; that of a removed one is replaced by that of the landmark it was merged into

@@ -39,11 +39,17 @@ class LandmarkSensor {
   /// model as of a cell of an occupancy grid: Thrun, Burgard and Fox 2005, section 4.2).
   double evidence(bool is_detected) const;
 
+  /// Counts established landmarks that were expected in view, in scans that detected another one.
+  void count(int detected, int missed);
+  /// Detection probability: that of the parameters, corrected by the counts.
+  double detectionProbability() const;
+
  private:
   bool isInView(const Eigen::Vector2d& position, double off) const;
   bool isOccluded(const ObservationPrediction& expected, Eigen::Index which) const;
 
   LandmarkSensorParams params_;
+  double detected_ = 0, expected_ = 0;  // counted landmarks
 };
 
 /// Largest standard deviation in any direction.

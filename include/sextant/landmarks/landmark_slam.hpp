@@ -86,7 +86,8 @@ class LandmarkSlam {
   struct ScanAssociation {
     std::vector<AssociatedObservation> known;
     std::vector<LabelledObservation> unknown;
-    std::vector<size_t> observed, missed;  // landmarks
+    std::vector<size_t> observed;          // landmarks
+    std::vector<size_t> detected, missed;  // landmarks without an id that were expected in view
     std::vector<size_t> relocated;         // landmarks whose id was observed outside of the gate
   };
   LandmarkReport observeLocalized(double stamp, const std::vector<LabelledObservation>& observations,
@@ -106,6 +107,7 @@ class LandmarkSlam {
   std::vector<size_t> inReach(const std::vector<LabelledObservation>& observations) const;
   bool canInitialize(const LabelledObservation& seen) const;
   void initialize(double stamp, const std::vector<LabelledObservation>& unknown, LandmarkReport& report);
+  void countDetections(const ScanAssociation& scan);
   void detectKidnapping(const ScanAssociation& scan, const LandmarkReport& report);
   bool provisionalLandmarksMatchElsewhere();
   void applyMatch(const LandmarkMapMatch& match);

@@ -38,6 +38,24 @@ LandmarkSensorParams params() {
   return params;
 }
 
+TEST(LandmarkSensor, ItsDetectionProbabilityIsThatOfItsDetections) {
+  LandmarkSensorParams known = params();
+  known.detection_probability = 0.8;
+  known.false_alarm_probability = 0.05;
+  LandmarkSensor sensor(known);
+  EXPECT_DOUBLE_EQ(sensor.detectionProbability(), 0.8);
+  sensor.count(3, 7);
+  EXPECT_DOUBLE_EQ(sensor.detectionProbability(), (16 + 3) / 30.0);
+  const double before = sensor.evidence(false);
+  for (int scan = 0; scan < 1000; ++scan) sensor.count(3, 7);
+  EXPECT_NEAR(sensor.detectionProbability(), 0.3, 2e-3);
+  EXPECT_NEAR(sensor.evidence(false), std::log(0.7 / 0.95), 5e-3);
+  EXPECT_GT(sensor.evidence(false), before);
+  for (int scan = 0; scan < 100000; ++scan) sensor.count(0, 10);  // each detection is still some evidence
+  EXPECT_NEAR(sensor.evidence(true), std::log(1.5), 1e-9);
+  EXPECT_LT(sensor.evidence(false), 0);
+}
+
 TEST(LandmarkSensor, ExpectsLandmarksInItsSector) {
   LandmarkSensorParams thin = params();
   thin.landmark_width = 0;
