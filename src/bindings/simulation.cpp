@@ -110,10 +110,8 @@ void bindArenaScene(py::module_& module) {
       .def("set_light", &ArenaScene::setLight, "light"_a, "Sets the ArenaLight.")
       .def("set_texture", &setTexture, "surface"_a, "photo"_a, "width"_a,
            "Covers a surface of the room (0 floor, 1 to 4 walls at -x, x, -y and y, 5 ceiling) with copies "
-           "of a "
-           "photo, uint8 (height, width, 3) RGB, width metres wide, [0.1, 20]; of reflectance (level / "
-           "255)^2.2. "
-           "ValueError for another surface, photo or width.");
+           "of a photo, uint8 (height, width, 3) RGB, width metres wide, [0.1, 20]; of reflectance "
+           "(level / 255)^2.2. ValueError for another surface, photo or width.");
 }
 
 void bindArenaParams(py::module_& module) {

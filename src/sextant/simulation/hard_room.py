@@ -65,11 +65,8 @@ def stray_object(
     each = makers[random.integers(len(makers))](random, place)
     if each.reach > largest:
         smaller = largest / each.reach
-        each.sides, each.radius, each.height = (
-            smaller * each.sides,
-            smaller * each.radius,
-            smaller * each.height,
-        )
+        each.sides, each.height = smaller * each.sides, smaller * each.height
+        each.radius *= smaller
         if each.shape == sextant.ArenaObject.Shape.ball:
             each.position = np.array([*place, each.radius])
     return dirty([each], random)[0]
