@@ -12,7 +12,7 @@ from typing import Deque, Iterator, List, NamedTuple, Optional, Tuple
 import numpy as np
 
 import sextant
-from sextant.base.strict_params import Check, StrictParams, param, within
+from sextant.base.strict_params import Check, ParamError, StrictParams, param, within
 from sextant.geometry.plane_poses import composed, in_frame, rotation
 
 COLOURS = ("blue", "red", "yellow", "green", "orange", "purple", "white", "black")
@@ -87,6 +87,33 @@ class LandmarkWorldParams(StrictParams):
     scale: float = param(
         1.0, "ratio of the distance that odometry measures to the true distance", within(0.1, 10)
     )
+    turn_scale: float = param(
+        1.0, "ratio of the angle that odometry measures to the true angle", within(0.1, 10)
+    )
+    lead: float = param(
+        0.0, "time by which odometry leads the motion, as where it is the command", within(0, 10), "s"
+    )
+    gross_error_probability: float = param(0.0, "probability that a range has a gross error", within(0, 1))
+    gross_error: float = param(2.0, "largest gross error of the range", within(0, 1000), "m")
+    bearing_offset: float = param(0.0, "error of the sensor's mount", within(-1, 1), "rad")
+    gap_probability: float = param(
+        0.0, "probability per minute that the sensor detects nothing for a while", within(0, 60), "1/min"
+    )
+    shortest_gap: float = param(2.0, "duration of the shortest gap", within(0.1, 3600), "s")
+    longest_gap: float = param(60.0, "duration of the longest gap", within(0.1, 3600), "s")
+    jump_probability: float = param(
+        0.0,
+        "probability that a detection jumps towards a neighbour: it is between both landmarks of a class",
+        within(0, 1),
+    )
+    jump_distance: float = param(
+        1.0, "largest distance of a neighbour that a detection jumps to", within(0, 100), "m"
+    )
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.longest_gap < self.shortest_gap:
+            raise ParamError("longest_gap", "must be at least", self.longest_gap, "shortest_gap")
 
     def odometry_noise(self) -> "sextant.OdometryNoiseParams":
         """Noise parameters of the steps that odometry measures."""
@@ -159,7 +186,8 @@ class LandmarkWorld:
         observations = []
         for number in np.flatnonzero(is_near & (abs(bearings) <= params.field_of_view / 2)):
             if rng.random() >= 1 - params.detection_probability:
-                observations.append(self._measured(rng, positions[number], self.classes[number], int(number)))
+                position = self._jumped(rng, positions, int(number))
+                observations.append(self._measured(rng, position, self.classes[number], int(number)))
         for _ in range(len(observations)):
             if rng.random() < params.false_alarm_probability:
                 observations.append(self._false_alarm(rng))
@@ -175,7 +203,21 @@ class LandmarkWorld:
         axes = rotation(bearing)
         covariance = axes @ np.diag(deviations**2) @ axes.T
         measured = position + axes @ (deviations * rng.standard_normal(2))
+        if _happens(rng, self.params.gross_error_probability):
+            measured = measured + axes[:, 0] * rng.uniform(-1, 1) * self.params.gross_error
+        measured = rotation(self.params.bearing_offset) @ measured
         return SimulatedObservation(measured, covariance, class_name, truth)
+
+    def _jumped(self, rng: np.random.Generator, positions: np.ndarray, number: int) -> np.ndarray:
+        """Position (2,) of a detection in the frame of the positions (n, 2)."""
+        if not _happens(rng, self.params.jump_probability):
+            return positions[number]
+        distances = np.hypot(*(positions - positions[number]).T)
+        distances[[name != self.classes[number] for name in self.classes]] = np.inf
+        distances[number] = np.inf
+        nearest = int(distances.argmin())
+        part = rng.random() if distances[nearest] <= self.params.jump_distance else 0.0
+        return (1 - part) * positions[number] + part * positions[nearest]
 
     def _false_alarm(self, rng: np.random.Generator) -> SimulatedObservation:
         bearing = rng.uniform(-0.5, 0.5) * self.params.field_of_view
@@ -192,6 +234,9 @@ class LandmarkDrive:
         self._rng = np.random.default_rng([world.params.seed, 1])
         self._number, self._turn_rate = 0, 0.0
         self._delayed: Deque[LandmarkScan] = deque()
+        params = world.params
+        self._commands = deque([(0.0, 0.0)] * round(params.lead * params.odometry_rate))
+        self._detects_from = 0.0  # stamp of the end of a gap
 
     def advance(self, command: Optional[Tuple[float, float]] = None) -> SimulationStep:
         """Simulates the next odometry step.
@@ -201,15 +246,17 @@ class LandmarkDrive:
         params = self._world.params
         self._number += 1
         stamp = self._number / params.odometry_rate
-        speed, turn_rate = self._wandering() if command is None else command
-        step = np.array([speed, 0.0, turn_rate]) / params.odometry_rate
-        self._pose = composed(self._pose, step)
+        commanded = self._wandering() if command is None else command
+        self._commands.append(commanded)
+        speed, turn_rate = self._commands.popleft()
+        self._pose = composed(self._pose, np.array([speed, 0.0, turn_rate]) / params.odometry_rate)
+        step = np.array([commanded[0], 0.0, commanded[1]]) / params.odometry_rate
         noise = sextant.odometry_step_noise(step, self._noise)
         error = np.sqrt(np.diag(noise)) * self._rng.standard_normal(3)
-        measured = composed(error, step * (params.scale, params.scale, 1))
+        measured = composed(error, step * (params.scale, params.scale, params.turn_scale))
         if self._number % max(1, round(params.odometry_rate / params.sensor_rate)) == 0:
-            scan = LandmarkScan(stamp - params.clock_offset, self._world.sense(self._rng, self._pose))
-            self._delayed.append(scan)
+            observations = [] if self._is_in_gap(stamp) else self._world.sense(self._rng, self._pose)
+            self._delayed.append(LandmarkScan(stamp - params.clock_offset, observations))
         return SimulationStep(stamp, self._pose, measured, noise, self._arrived(stamp), speed, turn_rate)
 
     def kidnap(self) -> float:
@@ -219,6 +266,14 @@ class LandmarkDrive:
         """
         before, self._pose = self._pose, self._world.random_pose(self._rng)
         return float(np.hypot(*(self._pose - before)[:2]))
+
+    def _is_in_gap(self, stamp: float) -> bool:
+        """Whether the sensor detects nothing; durations of gaps are log-uniform."""
+        params = self._world.params
+        if _happens(self._rng, params.gap_probability / 60 / params.sensor_rate):
+            duration = np.exp(self._rng.uniform(np.log(params.shortest_gap), np.log(params.longest_gap)))
+            self._detects_from = max(self._detects_from, stamp + duration)
+        return stamp < self._detects_from
 
     def _arrived(self, stamp: float) -> Optional[LandmarkScan]:
         """The scan that arrives at this stamp; at most one, as scans are not more frequent than odometry."""
@@ -235,6 +290,11 @@ class LandmarkDrive:
         elif (self._number - 1) % max(1, round(2 * params.odometry_rate)) == 0:
             self._turn_rate = self._rng.uniform(-limit, limit)
         return params.speed, self._turn_rate
+
+
+def _happens(rng: np.random.Generator, probability: float) -> bool:
+    """Draws nothing if it is impossible: worlds without this fault stay as they are."""
+    return probability > 0 and rng.random() < probability
 
 
 def class_name(number: int) -> str:

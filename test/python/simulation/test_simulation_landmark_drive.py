@@ -163,3 +163,90 @@ def test_what_cannot_be_is_refused():
         LandmarkWorldParams(translation_from_rotation=-0.1)
     with pytest.raises(ValueError, match="do not fit into a square of 2 m"):
         LandmarkWorld(LandmarkWorldParams(landmarks=50, half_side=1.0))
+
+
+def test_odometry_leads_the_motion_where_it_is_the_command():
+    _, drive = drive_of(lead=0.2, scale=1.25, turn_scale=1.5, **EXACT)
+    commands = [(0.1 * number, 0.2) for number in range(40)]
+    steps = [drive.advance(command) for command in commands]
+    for step, (speed, turn_rate) in zip(steps, commands):
+        np.testing.assert_allclose(
+            step.odometry_step, [1.25 * speed / 20, 0.0, 1.5 * turn_rate / 20], atol=1e-12
+        )
+    assert [step.speed for step in steps] == [0.0] * 4 + [speed for speed, _ in commands[:-4]]
+
+
+def test_the_mount_turns_all_observations():
+    fine = {"bearing_noise": 1e-9, "range_noise": (1e-9, 0.0)}
+    pairs = []
+    for offset in (0.0, 0.3):
+        world, drive = drive_of(seed=2, bearing_offset=offset, **fine)
+        pairs.append([seen for step in steps_of(drive, 20.0) if step.scan for seen in step.scan.observations])
+    assert len(pairs[0]) > 20
+    for plain, turned in zip(*pairs):
+        angle = np.subtract(*(np.arctan2(seen.position[1], seen.position[0]) for seen in (turned, plain)))
+        assert np.remainder(angle, 2 * np.pi) == pytest.approx(0.3, abs=1e-6)
+
+
+def test_gross_errors_are_of_the_range_and_as_frequent_as_set():
+    fine = {"bearing_noise": 1e-9, "range_noise": (1e-9, 0.0)}
+    world, drive = drive_of(seed=1, gross_error_probability=0.2, gross_error=2.0, **fine)
+    errors = []
+    for step in steps_of(drive, 400.0):
+        for seen in step.scan.observations if step.scan else []:
+            truth = in_frame(step.pose, world.positions)[seen.truth]
+            off = seen.position - truth
+            assert abs(np.cross(off, truth)) < 1e-5 * np.hypot(*truth) ** 2
+            errors.append(np.hypot(*off))
+    gross = np.array(errors)[np.array(errors) > 1e-6]
+    assert stats.binomtest(len(gross), len(errors), 0.2).pvalue > 0.001
+    assert gross.max() < 2.0
+    assert gross.mean() == pytest.approx(1.0, abs=0.15)
+
+
+def test_nothing_is_detected_in_gaps():
+    params = dict(seed=4, field_of_view=6.28, max_range=100.0, sensor_rate=5.0)
+    _, drive = drive_of(gap_probability=2.0, shortest_gap=3.0, longest_gap=12.0, **params)
+    empty = [not step.scan.observations for step in steps_of(drive, 3000.0) if step.scan]
+    ends = np.flatnonzero(np.diff([0, *empty, 0]))
+    gaps = (ends[1::2] - ends[::2]) / 5.0
+    # Two gaps that overlap are one, so that there are fewer and longer ones.
+    assert 50 < len(gaps) < 110
+    assert gaps.min() >= 2.9
+    assert np.median(gaps) == pytest.approx(6.0, abs=1.5)  # the middle of a log-uniform distribution
+
+
+def test_a_detection_jumps_towards_a_neighbour_of_its_class_only():
+    fine = {"bearing_noise": 1e-9, "range_noise": (1e-9, 0.0), "jump_probability": 0.5, "jump_distance": 3.0}
+    world, drive = drive_of(seed=5, **fine)
+    jumps = 0
+    for step in steps_of(drive, 300.0):
+        positions = in_frame(step.pose, world.positions)
+        for seen in step.scan.observations if step.scan else []:
+            own, same = positions[seen.truth], [name == seen.class_name for name in world.classes]
+            others = positions[same]
+            distances = np.hypot(*(others - own).T)
+            nearest = others[np.argsort(distances)[1]]
+            off = np.hypot(*(seen.position - own))
+            jumps += off > 1e-6
+            if off > 1e-6:
+                apart = np.hypot(*(nearest - own))
+                assert apart <= 3.0
+                assert off + np.hypot(*(seen.position - nearest)) == pytest.approx(apart, abs=1e-6)
+    assert jumps > 100
+
+
+def test_worlds_without_faults_do_not_depend_on_them():
+    _, one = drive_of(seed=6)
+    _, other = drive_of(seed=6, longest_gap=100.0, jump_distance=5.0, gross_error=1.0)
+    for a, b in zip(steps_of(one, 20.0), steps_of(other, 20.0)):
+        np.testing.assert_array_equal(a.pose, b.pose)
+        if a.scan:
+            assert [each.position.tolist() for each in a.scan.observations] == [
+                each.position.tolist() for each in b.scan.observations
+            ]
+
+
+def test_a_longest_gap_below_the_shortest_is_refused():
+    with pytest.raises(ValueError, match="longest_gap: must be at least shortest_gap"):
+        LandmarkWorldParams(shortest_gap=5.0, longest_gap=4.0)
