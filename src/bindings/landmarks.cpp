@@ -110,7 +110,7 @@ py::class_<LandmarkFilter> bindLandmarkFilterState(py::module_& module) {
       .def(
           "predict",
           [](LandmarkFilter& self, const Pose2& step, const Eigen::Matrix3d& noise, double duration) {
-            self.predict({step, noise, step.position.norm()}, duration);
+            self.predict({step, noise, step.position.norm(), step.heading}, duration);
           },
           "step"_a, "noise"_a, "duration"_a = 0.0,
           "Moves the robot by a step (3,) with noise (3, 3), both in the robot frame at its beginning, that "
@@ -136,10 +136,18 @@ void bindLandmarkFilter(py::module_& module) {
   bindLandmarkFilterState(module)
       .def_property_readonly("scale", &LandmarkFilter::scale,
                              "estimated factor by which the distances of odometry are multiplied")
+      .def_property_readonly("turn_scale", &LandmarkFilter::turnScale,
+                             "estimated factor by which the angles of odometry are multiplied")
       .def_property_readonly("clock_offset", &LandmarkFilter::clockOffset,
                              "seconds to add to the stamps of observations")
+      .def_property_readonly("bearing", &LandmarkFilter::bearing,
+                             "radians to add to the bearings of observations")
       .def_property_readonly("scale_variance", &LandmarkFilter::scaleVariance,
                              "variance of scale; 0: not estimated")
+      .def_property_readonly("turn_scale_variance", &LandmarkFilter::turnScaleVariance,
+                             "variance of turn_scale; 0: not estimated")
+      .def_property_readonly("bearing_variance", &LandmarkFilter::bearingVariance,
+                             "variance of bearing, square radians; 0: not estimated")
       .def_property_readonly("clock_variance", &LandmarkFilter::clockVariance,
                              "variance of clock_offset, square seconds; 0: not estimated")
       .def_property_readonly("nis", &LandmarkFilter::nis, "normalized innovation squared of the last update")
@@ -189,15 +197,32 @@ void bindLandmarkSlamReport(py::module_& module) {
       .def_readonly("keys", &LandmarkReport::keys, "key of the landmark of each observation, or None");
 }
 
+py::class_<LandmarkSlam> bindLandmarkSlamState(py::module_& module) {
+  return py::class_<LandmarkSlam>(
+             module, "LandmarkSlam",
+             "SLAM with data association: initializes, merges and removes landmarks, and relocalizes a lost "
+             "robot.")
+      .def_property_readonly("filter", &LandmarkSlam::filter, py::return_value_policy::reference_internal,
+                             "LandmarkFilter")
+      .def_property_readonly("labels", &LandmarkSlam::labels,
+                             "LandmarkLabel of each of the filter's landmarks")
+      .def_property_readonly("keys", &LandmarkSlam::keys, "key of each landmark, constant while it exists")
+      .def_property_readonly("candidates", &LandmarkSlam::candidates, "number of landmark candidates")
+      .def_property_readonly(
+          "odometry_noise_factor", [](const LandmarkSlam& slam) { return slam.noise().odometry(); },
+          "estimated factor by which the variances of odometry are too small")
+      .def_property_readonly(
+          "observation_noise_factor", [](const LandmarkSlam& slam) { return slam.noise().observations(); },
+          "estimated factor by which the variances of observations are too small")
+      .def_property_readonly("is_lost", &LandmarkSlam::isLost, "whether the pose is unknown");
+}
+
 void bindLandmarkSlam(py::module_& module) {
   bindLandmarkSlamParams(module);
   bindSensorParams(module);
   bindSlamParams(module);
   bindLandmarkSlamReport(module);
-  py::class_<LandmarkSlam>(
-      module, "LandmarkSlam",
-      "SLAM with data association: initializes, merges and removes landmarks, and relocalizes a lost "
-      "robot.")
+  bindLandmarkSlamState(module)
       .def(py::init<const LandmarkSlamParams&, const Pose2&, const Eigen::Matrix3d&>(), "params"_a, "pose"_a,
            "covariance"_a,
            "pose (3,); covariance (3, 3) in the map frame. Raises ValueError if it is not positive definite")
@@ -205,19 +230,15 @@ void bindLandmarkSlam(py::module_& module) {
       .def(
           "predict",
           [](LandmarkSlam& self, const Pose2& step, const Eigen::Matrix3d& noise, double duration) {
-            self.predict({step, noise, step.position.norm()}, duration);
+            self.predict({step, noise, step.position.norm(), step.heading}, duration);
           },
           "step"_a, "noise"_a, "duration"_a = 0.0, "Moves the robot, as LandmarkFilter.predict()")
-      .def("observe", &LandmarkSlam::observe, "stamp"_a, "observations"_a, "T_base_sensor"_a = Pose2{},
+      .def("observe",
+           py::overload_cast<double, const std::vector<LabelledObservation>&, const Pose2&>(
+               &LandmarkSlam::observe),
+           "stamp"_a, "observations"_a, "T_base_sensor"_a = Pose2{},
            "Applies one scan of one sensor, a list of LabelledObservation with its stamp in seconds, and "
            "returns a LandmarkReport")
-      .def_property_readonly("filter", &LandmarkSlam::filter, py::return_value_policy::reference_internal,
-                             "LandmarkFilter")
-      .def_property_readonly("labels", &LandmarkSlam::labels,
-                             "LandmarkLabel of each of the filter's landmarks")
-      .def_property_readonly("keys", &LandmarkSlam::keys, "key of each landmark, constant while it exists")
-      .def_property_readonly("candidates", &LandmarkSlam::candidates, "number of landmark candidates")
-      .def_property_readonly("is_lost", &LandmarkSlam::isLost, "whether the pose is unknown")
       .def("relocalize", &LandmarkSlam::relocalize,
            "Discards the pose: the robot is lost until it is relocalized in its map")
       .def("set_pose", &LandmarkSlam::setPose, "pose"_a, "covariance"_a,
@@ -259,6 +280,9 @@ py::class_<LandmarkTimeline> bindLandmarkTimelineState(py::module_& module) {
            "Adds one scan, a list of LabelledObservation with its stamp in seconds, and returns its Arrival")
       .def_property_readonly("now", &LandmarkTimeline::now,
                              "LandmarkEstimate, or None before the first odometry")
+      .def_property_readonly(
+          "hypotheses", [](const LandmarkTimeline& self) { return self.hypotheses().size(); },
+          "number of states that are kept while a decision is open")
       .def_property_readonly("slam", &LandmarkTimeline::slam, py::return_value_policy::copy,
                              "copy of the LandmarkSlam after the newest scan")
       .def_property_readonly(

@@ -8,8 +8,8 @@
 namespace sextant {
 namespace {
 
-constexpr int kMissesPerConfirmation = 3;  // that a scan which confirms the map cancels
-constexpr int kMinConfirmations = 3;       // successive scans: one or two may be mistaken
+constexpr double kMissesPerConfirmation = 3;  // that a scan which confirms the map cancels
+constexpr int kMinConfirmations = 3;          // successive scans: one or two may be mistaken
 
 }  // namespace
 
@@ -32,9 +32,11 @@ void KidnapDetector::updateMisses(int observed, const std::vector<int>& missed, 
   const int contradictions = static_cast<int>(missed.size()) + evidence.contradictions;
   const int unknown = evidence.unknown + static_cast<int>(evidence.observed.size()) - observed;
   if (observed > contradictions + unknown) {
-    misses_ = std::max(0, misses_ - kMissesPerConfirmation);
+    misses_ = std::max(0.0, misses_ - kMissesPerConfirmation);
   } else if (observed == 0 && contradictions > 0) {
-    ++misses_;
+    misses_ += evidence.contradictions > 0
+                   ? 1.0
+                   : std::min(1.0, evidence.miss_weight * static_cast<double>(missed.size()));
     missed_.insert(missed.begin(), missed.end());
     contradicted_ = contradicted_ || evidence.contradictions > 0;
   }

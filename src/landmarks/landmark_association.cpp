@@ -33,6 +33,22 @@ struct JointHypothesis {
   std::vector<std::pair<int, int>> pairs;  // observation, landmark
 
   double distance() const { return whitened.squaredNorm(); }
+  double jointLogDensity() const {
+    double sum = 0;
+    for (Index at = 0; at < whitened.size(); at += 2)
+      sum +=
+          logDensity(whitened.segment<2>(at).squaredNorm(), cholesky_factor.diagonal().segment<2>(at).prod());
+    return sum;
+  }
+};
+
+/// A joint hypothesis in which the observations of no landmark have been decided, too.
+struct Decided {
+  JointHypothesis joint;
+  std::vector<Association> outcomes;
+  double log_density_of_rest = 0;
+
+  double logLikelihood() const { return joint.jointLogDensity() + log_density_of_rest; }
 };
 
 class JointSearch {
@@ -46,11 +62,62 @@ class JointSearch {
       compatible_.push_back(individuallyCompatible(observation, gates_[0]));
   }
 
-  std::vector<Association> run() {
+  std::vector<JointAssociation> run(const std::vector<double>& log_density_of_none, size_t most) {
     branch(0, {}, static_cast<int>(observations_.size()));
+    const std::vector<double> of_new(observations_.size(), std::log(params_.new_landmark_density));
+    Decided certain;
+    certain.outcomes = bestOutcomes(most > 1 ? log_density_of_none : of_new);
+    for (const auto& [i, j] : best_.pairs)
+      if (certain.outcomes[i].outcome == Outcome::associated) certain.joint = extended(certain.joint, i, j);
+    std::vector<size_t> open;
+    for (size_t i = 0; i < observations_.size(); ++i) {
+      if (most > 1 && isOpen(certain, i)) {
+        open.push_back(i);
+      } else if (certain.outcomes[i].outcome != Outcome::associated) {
+        certain.log_density_of_rest += log_density_of_none[i];
+      }
+    }
+    std::vector<Decided> all{certain};
+    for (const size_t i : open) all = decided(all, static_cast<int>(i), log_density_of_none[i], most);
+    std::vector<JointAssociation> found;
+    for (const Decided& each : all) found.push_back({each.outcomes, each.logLikelihood()});
+    return found;
+  }
+
+ private:
+  bool isOpen(const Decided& certain, size_t observation) const {
+    return certain.outcomes[observation].outcome == Outcome::ambiguous && !compatible_[observation].empty();
+  }
+
+  /// Decides about one more observation; keeps the most likely results.
+  std::vector<Decided> decided(const std::vector<Decided>& before, int observation,
+                               double log_density_of_none, size_t most) const {
+    std::vector<Decided> after;
+    for (const Decided& each : before) {
+      after.push_back(each);
+      after.back().log_density_of_rest += log_density_of_none;
+      for (const int landmark : compatible_[observation]) {
+        if (isTaken(each.joint, landmark)) continue;
+        const JointHypothesis joint = extended(each.joint, observation, landmark);
+        if (joint.distance() > gates_[joint.pairs.size() - 1]) continue;
+        after.push_back({joint, each.outcomes, each.log_density_of_rest});
+        after.back().outcomes[observation] = {Outcome::associated, static_cast<size_t>(landmark)};
+      }
+    }
+    const auto is_more_likely = [](const Decided& a, const Decided& b) {
+      return a.logLikelihood() > b.logLikelihood();
+    };
+    std::stable_sort(after.begin(), after.end(), is_more_likely);
+    if (after.size() > most) after.resize(most);
+    return after;
+  }
+
+  /// Of the best hypothesis; what is not certain is ambiguous.
+  std::vector<Association> bestOutcomes(const std::vector<double>& log_density_of_none) const {
     std::vector<Association> found(observations_.size());
     for (const auto& [observation, landmark] : best_.pairs)
-      found[observation] = {isUnambiguous(observation) ? Outcome::associated : Outcome::ambiguous,
+      found[observation] = {isUnambiguous(observation, log_density_of_none[observation]) ? Outcome::associated
+                                                                                         : Outcome::ambiguous,
                             static_cast<size_t>(landmark)};
     for (size_t i = 0; i < found.size(); ++i)
       if (found[i].outcome == Outcome::unassociated && isInsideOuterGate(observations_[i]))
@@ -58,7 +125,6 @@ class JointSearch {
     return found;
   }
 
- private:
   /// Extends a joint hypothesis by one pair.
   JointHypothesis extended(const JointHypothesis& joint, int observation, int landmark) const {
     const Index size = joint.whitened.size();
@@ -99,8 +165,11 @@ class JointSearch {
     for (const auto& each : found) indices.push_back(each.second);
     return indices;
   }
+  /// Of a landmark that is not observed by another observation.
   bool isInsideOuterGate(const PositionObservation& observation) const {
-    return !individuallyCompatible(observation, squaredGate(params_.new_landmark_gate, 1)).empty();
+    const std::vector<int> near =
+        individuallyCompatible(observation, squaredGate(params_.new_landmark_gate, 1));
+    return std::any_of(near.begin(), near.end(), [&](int landmark) { return !isTaken(best_, landmark); });
   }
 
   bool isBetter(const JointHypothesis& joint) const {
@@ -128,7 +197,7 @@ class JointSearch {
 
   /// Whether neither another landmark nor a new one explains an observation nearly as well, given all other
   /// pairs.
-  bool isUnambiguous(int observation) const {
+  bool isUnambiguous(int observation, double log_density_of_none) const {
     JointHypothesis others;
     int chosen = kNone;
     for (const auto& [i, j] : best_.pairs) {
@@ -143,7 +212,7 @@ class JointSearch {
     const double own = distance - others.distance();
     // sqrt(det(2 pi S)), square metres
     const double area = 2 * M_PI * all.cholesky_factor.diagonal().tail<2>().prod();
-    if (own + 2 * std::log(area * params_.new_landmark_density) > -params_.new_landmark_margin) return false;
+    if (own + 2 * (std::log(area) + log_density_of_none) > -params_.new_landmark_margin) return false;
     return std::none_of(compatible_[observation].begin(), compatible_[observation].end(), [&](int other) {
       return other != chosen && !isTaken(others, other) &&
              extended(others, observation, other).distance() < distance + params_.ambiguity_margin;
@@ -177,7 +246,8 @@ ParamList AssociationParams::fields() {
       {"new_landmark_margin", &new_landmark_margin, Range::closed(0, 100), "",
        "as `ambiguity_margin`, but relative to the hypothesis that the landmark is new"},
       {"new_landmark_density", &new_landmark_density, Range::openLow(0, 1000), "1/m²",
-       "density of landmarks of one class in the field of view that are not in the map yet"},
+       "with `hypotheses: 1`: density of landmarks of one class that are not in the map yet; otherwise it is "
+       "estimated from the map"},
       {"max_hypotheses", &max_hypotheses, Range::closed(100, 1e9), "",
        "maximum number of joint hypotheses that one search evaluates"},
   };
@@ -186,7 +256,16 @@ ParamList AssociationParams::fields() {
 std::vector<Association> associate(const std::vector<LandmarkPoint>& landmarks, const MatrixXd& covariance,
                                    const std::vector<PositionObservation>& observations,
                                    const AssociationParams& params) {
-  return JointSearch(landmarks, covariance, observations, params).run();
+  const std::vector<double> unused(observations.size());
+  return associations(landmarks, covariance, observations, unused, params, 1).front().outcomes;
+}
+
+std::vector<JointAssociation> associations(const std::vector<LandmarkPoint>& landmarks,
+                                           const MatrixXd& covariance,
+                                           const std::vector<PositionObservation>& observations,
+                                           const std::vector<double>& log_density_of_none,
+                                           const AssociationParams& params, size_t most) {
+  return JointSearch(landmarks, covariance, observations, params).run(log_density_of_none, most);
 }
 
 }  // namespace sextant

@@ -40,6 +40,15 @@ std::optional<size_t> LandmarkCandidates::nearest(const PositionObservation& obs
   return found;
 }
 
+std::optional<double> LandmarkCandidates::logDensityOf(const PositionObservation& observation) const {
+  std::optional<double> most;
+  for (const Candidate& each : candidates_) {
+    const Eigen::Matrix2d S = observation.covariance + each.mean.covariance / each.count;
+    most = std::max(most, std::optional(logDensity(distance(each, observation), std::sqrt(S.determinant()))));
+  }
+  return most;
+}
+
 std::vector<bool> LandmarkCandidates::observe(double stamp,
                                               const std::vector<PositionObservation>& observations) {
   const auto is_too_old = [&](const Candidate& each) { return stamp - each.last > params_.max_age; };

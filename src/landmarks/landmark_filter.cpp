@@ -87,8 +87,13 @@ ParamList LandmarkFilterParams::fields() {
       {"scale_drift", &scale_drift, Range::closed(0, 1), "",
        "standard deviation of the scale's random walk after 1 m, growing with the square root of the "
        "distance"},
+      {"turn_scale_sigma", &turn_scale_sigma, Range::closed(0, 1), "",
+       "initial standard deviation of the scale of odometry's angles; 0: not estimated"},
       {"clock_sigma", &clock_sigma, Range::closed(0, 10), "s",
        "initial standard deviation of the clock offset of observations; 0: not estimated"},
+      {"bearing_sigma", &bearing_sigma, Range::closed(0, 1), "rad",
+       "initial standard deviation of an angle that is added to the bearings of observations, the error of "
+       "the mount of the only sensor; 0: not estimated"},
   };
 }
 
@@ -100,7 +105,9 @@ LandmarkFilter::LandmarkFilter(const LandmarkFilterParams& params, const Pose2& 
     throw std::invalid_argument("the covariance of the initial pose is not positive definite");
   Index size = 3;
   if (params.scale_sigma > 0) scale_index_ = size++;
+  if (params.turn_scale_sigma > 0) turn_index_ = size++;
   if (params.clock_sigma > 0) clock_index_ = size++;
+  if (params.bearing_sigma > 0) bearing_index_ = size++;
   setState(T_map_base, {}, covariance);
 }
 
@@ -110,9 +117,10 @@ Indices LandmarkFilter::stateIndices(size_t landmark) const {
   return found;
 }
 
-Indices LandmarkFilter::stateIndices(const std::vector<size_t>& landmarks, bool with_clock) const {
+Indices LandmarkFilter::stateIndices(const std::vector<size_t>& landmarks, bool with_sensor) const {
   Indices found = kPose;
-  if (with_clock && clock_index_ >= 0) found.push_back(clock_index_);
+  for (const Index each : {clock_index_, bearing_index_})
+    if (with_sensor && each >= 0) found.push_back(each);
   for (const size_t landmark : landmarks)
     for (const Index index : stateIndices(landmark)) found.push_back(index);
   return found;
@@ -126,31 +134,40 @@ std::vector<size_t> LandmarkFilter::all() const {
 
 // ---- prediction
 
-// The noise w is in the frame at the beginning of the step: X' = X exp(w) U.
+// The noise w is in the frame at the beginning of the step: X' = X exp(w) U. The error is invariant under a
+// step; only errors of the scales change it.
 void LandmarkFilter::predict(const OdometryStep& odometry, double duration) {
   MatrixXd G = MatrixXd::Zero(P_.size(), 3);
   G.topLeftCorner<2, 2>() = rotation2(state_.pose.heading);
   G.col(2) = -headingJacobian();
   G(2, 2) = 1;
-  propagate(odometry.step);
   P_.addSquare(G * squareRoot(odometry.noise));
+  addCorrelated(G.leftCols<2>() * odometry.step.position, scale_index_);
+  addCorrelated(G.col(2) * odometry.turn, turn_index_);
+  const Pose2 step = scaled(odometry);
+  state_.pose = state_.pose * step;
   if (scale_index_ >= 0) drift(scale_index_, params_.scale_drift * std::sqrt(odometry.distance));
   if (clock_index_ >= 0) drift(clock_index_, kClockDrift * std::sqrt(duration));
-  if (duration > 0) velocity_ = {odometry.step.position / duration, odometry.step.heading / duration};
+  if (duration > 0) velocity_ = {step.position / duration, step.heading / duration};
 }
 
-// The error is invariant under a step; only the scale error changes the position error.
-void LandmarkFilter::propagate(const Pose2& step) {
-  const Vector2d translation = rotation2(state_.pose.heading) * step.position;
-  state_.pose = state_.pose * Pose2{state_.scale * step.position, step.heading};
-  if (scale_index_ < 0) return;
-  const Indices position{0, 1};
-  MatrixXd columns = P_.columns(position);
-  const VectorXd scale = P_.columns({scale_index_});
-  const double variance = P_(scale_index_, scale_index_);
-  columns += scale * translation.transpose();
-  columns.topRows<2>() += translation * (scale.head<2>() + variance * translation).transpose();
-  P_.setColumns(position, columns);
+Pose2 LandmarkFilter::scaled(const OdometryStep& odometry) const {
+  return {state_.scale * odometry.step.position,
+          odometry.step.heading + (state_.turn_scale - 1) * odometry.turn};
+}
+
+/// Adds a multiple of the error of one element to that of all: xi' = xi + direction * xi(which), where the
+/// direction of `which` is 0.
+void LandmarkFilter::addCorrelated(const VectorXd& direction, Index which) {
+  if (which < 0 || direction.isZero(0)) return;
+  VectorXd other = P_.columns({which});
+  other += 0.5 * other(which) * direction;
+  if (other.isZero(0)) return;
+  // a b^T + b a^T = (a + b)(a + b)^T / 2 - (a - b)(a - b)^T / 2, for vectors of equal length
+  const double ratio = std::sqrt(other.norm() / direction.norm());
+  const VectorXd a = std::sqrt(0.5) * ratio * direction, b = std::sqrt(0.5) / ratio * other;
+  P_.addSquare(a + b);
+  P_.addSquare(a - b, -1);
 }
 
 void LandmarkFilter::drift(Index which, double deviation) {
@@ -161,7 +178,7 @@ void LandmarkFilter::drift(Index which, double deviation) {
 
 PoseEstimate2D LandmarkFilter::predictPose(const OdometryStep& odometry) const {
   const Eigen::Matrix2d R = rotation2(state_.pose.heading);
-  const Pose2 step{state_.scale * odometry.step.position, odometry.step.heading};
+  const Pose2 step = scaled(odometry);
   Matrix3d F = Matrix3d::Identity(), G = Matrix3d::Identity();
   F.topRightCorner<2, 1>() = perpendicular(R * step.position);
   G.topLeftCorner<2, 2>() = R;
@@ -214,6 +231,7 @@ std::vector<Landmark2D> LandmarkFilter::predictedLandmarks(const std::vector<siz
     const double offset = xi(at++);
     pose = pose * Pose2{offset * velocity_.position, offset * velocity_.heading};
   }
+  if (bearing_index_ >= 0) pose.heading += xi(at++);
   std::vector<Landmark2D> predicted;
   for (const size_t index : landmarks) {
     const Landmark2D& landmark = state_.landmarks[index];
@@ -253,8 +271,10 @@ void LandmarkFilter::fuse(const Indices& which, const MatrixXd& R, const Innovat
     const double part = kMaxNonlinearity / std::max(largestRatio(nonlinear, noise), kMaxNonlinearity);
     const bool is_last = part >= left || parts == kMaxParts;
     if (left == 1) {
-      nis_ = moments.mean.dot((moments.covariance + R).llt().solve(moments.mean));
+      const Eigen::LLT<MatrixXd> innovation_covariance(moments.covariance + R);
+      nis_ = moments.mean.dot(innovation_covariance.solve(moments.mean));
       nis_dof_ = static_cast<int>(moments.mean.size());
+      nis_state_share_ = innovation_covariance.solve(moments.covariance).trace() / nis_dof_;
     }
     fusePart(which, L, moments, R / (is_last ? left : part));
     left = is_last ? 0 : left - part;
@@ -275,7 +295,9 @@ void LandmarkFilter::fusePart(const Indices& which, const MatrixXd& L, const Uns
 void LandmarkFilter::correct(const VectorXd& xi) {
   state_.pose = moved(state_.pose, xi.head<3>());
   if (scale_index_ >= 0) state_.scale += xi(scale_index_);
+  if (turn_index_ >= 0) state_.turn_scale += xi(turn_index_);
   if (clock_index_ >= 0) state_.clock += xi(clock_index_);
+  if (bearing_index_ >= 0) state_.bearing += xi(bearing_index_);
   for (size_t i = 0; i < offsets_.size(); ++i) {
     Landmark2D& landmark = state_.landmarks[i];
     landmark = moved(landmark, xi(2), xi.segment(offsets_[i], landmark.dimension()));
@@ -318,8 +340,15 @@ size_t LandmarkFilter::add(const Observation2D& observation) {
 
   const MatrixXd noise =
       G_observation * observation.covariance.topLeftCorner(width, width) * G_observation.transpose();
-  const MatrixXd cross = G_pose * P_.columns(kPose).transpose();
-  const MatrixXd block = G_pose * P_.block(kPose) * G_pose.transpose() + noise;
+  Indices which = kPose;
+  if (bearing_index_ >= 0) {
+    which.push_back(bearing_index_);
+    G_pose.conservativeResize(width, 4);
+    G_pose.col(3).setOnes();
+    G_pose.col(3).head<2>() = perpendicular(R * observation.position);
+  }
+  const MatrixXd cross = G_pose * P_.columns(which).transpose();
+  const MatrixXd block = G_pose * P_.block(which) * G_pose.transpose() + noise;
   offsets_.push_back(P_.size());
   P_.append(cross, block);
   state_.landmarks.push_back(landmark);
@@ -386,7 +415,12 @@ void LandmarkFilter::setPose(const Pose2& T_map_base, const Matrix3d& covariance
 
 void LandmarkFilter::setState(const Pose2& T_map_base, const std::vector<Landmark2D>& landmarks,
                               const MatrixXd& covariance) {
-  const Index own = 3 + (scale_index_ >= 0) + (clock_index_ >= 0);
+  const std::vector<std::pair<Index, double>> calibration{{scale_index_, params_.scale_sigma},
+                                                          {turn_index_, params_.turn_scale_sigma},
+                                                          {clock_index_, params_.clock_sigma},
+                                                          {bearing_index_, params_.bearing_sigma}};
+  Index own = 3;
+  for (const auto& each : calibration) own += each.first >= 0;
   std::vector<Index> offsets;
   Index size = own;
   for (const Landmark2D& landmark : landmarks) {
@@ -397,14 +431,14 @@ void LandmarkFilter::setState(const Pose2& T_map_base, const std::vector<Landmar
   if (covariance.rows() != needed || covariance.cols() != needed)
     throw std::invalid_argument("the covariance has " + std::to_string(covariance.rows()) +
                                 " rows, pose and landmarks need " + std::to_string(needed));
-  state_ = {T_map_base, 1, 0, landmarks};
+  state_ = {T_map_base, 1, 1, 0, 0, landmarks};
   offsets_ = offsets;
   const Indices which = stateIndices(all());
   MatrixXd plain = MatrixXd::Zero(size, size);
   for (size_t k = 0; k < which.size(); ++k)
     for (size_t l = 0; l < which.size(); ++l) plain(which[k], which[l]) = covariance(k, l);
-  if (scale_index_ >= 0) plain(scale_index_, scale_index_) = params_.scale_sigma * params_.scale_sigma;
-  if (clock_index_ >= 0) plain(clock_index_, clock_index_) = params_.clock_sigma * params_.clock_sigma;
+  for (const auto& [index, sigma] : calibration)
+    if (index >= 0) plain(index, index) = sigma * sigma;
   setMapFrameCovariance(plain);
 }
 

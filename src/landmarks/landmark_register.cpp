@@ -17,6 +17,8 @@ using Eigen::Vector2d;
 
 constexpr double kMaxLogOdds = 8.0;   // upper bound
 constexpr double kMinLogOdds = -4.0;  // at which a landmark is removed
+constexpr double kNextTo = 1.0;       // metres between two landmarks that are seen from the same direction
+constexpr double kNewView = 0.2;  // motion over distance at which a landmark is seen from another direction
 
 }  // namespace
 
@@ -45,14 +47,52 @@ void LandmarkRegister::add(const LabelledObservation& observation) {
   filter_.add(observation.observation);
   labels_.push_back(observation.label);
   keys_.push_back(next_key_++);
-  log_odds_.push_back(0);
+  existence_.push_back({});
 }
 
 void LandmarkRegister::addEvidence(const std::vector<size_t>& landmarks, double evidence) {
-  for (const size_t each : landmarks) log_odds_[each] = std::min(log_odds_[each] + evidence, kMaxLogOdds);
+  for (const size_t each : landmarks) {
+    double& log_odds = existence_[each].log_odds;
+    log_odds = std::min(log_odds + evidence, kMaxLogOdds);
+  }
 }
 
-bool LandmarkRegister::isEstablished(size_t landmark) const { return log_odds_[landmark] > kMaxLogOdds / 2; }
+bool LandmarkRegister::countsAsMissed(size_t landmark, const std::vector<size_t>& observed) const {
+  return isNewMiss(landmark, observed, existence_[landmark].missed_from);
+}
+
+bool LandmarkRegister::isUnlikelyMiss(size_t landmark, const std::vector<size_t>& observed) const {
+  return isNewMiss(landmark, observed, existence_[landmark].noted_from);
+}
+
+/// @param last position of the robot
+bool LandmarkRegister::isNewMiss(size_t landmark, const std::vector<size_t>& observed,
+                                 const std::optional<Vector2d>& last) const {
+  const auto& landmarks = filter_.landmarks();
+  const auto distance = [&](const Vector2d& point) { return (landmarks[landmark].position - point).norm(); };
+  const auto is_near = [&](size_t other) { return distance(landmarks[other].position) < kNextTo; };
+  if (std::any_of(observed.begin(), observed.end(), is_near)) return true;
+  const Vector2d& from = filter_.pose().position;
+  return !last || (*last - from).norm() > kNewView * distance(from);
+}
+
+void LandmarkRegister::noteMisses(const std::vector<size_t>& missed, const std::vector<size_t>& observed) {
+  for (const size_t each : missed)
+    if (isUnlikelyMiss(each, observed)) existence_[each].noted_from = filter_.pose().position;
+}
+
+void LandmarkRegister::addMisses(const std::vector<size_t>& missed, const std::vector<size_t>& observed,
+                                 double evidence) {
+  for (const size_t each : missed) {
+    if (!countsAsMissed(each, observed)) continue;
+    existence_[each].missed_from = filter_.pose().position;
+    addEvidence({each}, evidence);
+  }
+}
+
+bool LandmarkRegister::isEstablished(size_t landmark) const {
+  return existence_[landmark].log_odds > kMaxLogOdds / 2;
+}
 
 int LandmarkRegister::mergeDuplicates(std::vector<size_t> observed, double separation,
                                       std::vector<std::optional<int>>& keys) {
@@ -60,7 +100,7 @@ int LandmarkRegister::mergeDuplicates(std::vector<size_t> observed, double separ
   for (size_t k = 0; k < observed.size(); ++k) {
     while (const auto other = duplicateOf(observed[k], observed, separation)) {
       const size_t kept = std::min(observed[k], *other), gone = std::max(observed[k], *other);
-      log_odds_[kept] = std::max(log_odds_[kept], log_odds_[gone]);
+      existence_[kept].log_odds = std::max(existence_[kept].log_odds, existence_[gone].log_odds);
       std::replace(keys.begin(), keys.end(), std::optional(keys_[gone]), std::optional(keys_[kept]));
       filter_.merge(kept, gone);
       eraseEntry(gone);
@@ -95,7 +135,7 @@ bool LandmarkRegister::areDuplicates(size_t a, size_t b, double separation) cons
 int LandmarkRegister::removeUnlikely() {
   const size_t before = labels_.size();
   for (size_t i = before; i-- > 0;)
-    if (log_odds_[i] <= kMinLogOdds) remove(i);
+    if (existence_[i].log_odds <= kMinLogOdds) remove(i);
   return static_cast<int>(before - labels_.size());
 }
 
@@ -113,7 +153,7 @@ void LandmarkRegister::eraseEntry(size_t landmark) {
   const auto at = static_cast<std::ptrdiff_t>(landmark);
   labels_.erase(labels_.begin() + at);
   keys_.erase(keys_.begin() + at);
-  log_odds_.erase(log_odds_.begin() + at);
+  existence_.erase(existence_.begin() + at);
 }
 
 void LandmarkRegister::setMap(const Pose2& T_map_base, const std::vector<Landmark2D>& landmarks,
@@ -124,7 +164,7 @@ void LandmarkRegister::setMap(const Pose2& T_map_base, const std::vector<Landmar
   keys_.resize(labels.size());
   std::iota(keys_.begin(), keys_.end(), next_key_);
   next_key_ += static_cast<int>(labels.size());
-  log_odds_.assign(labels.size(), kMaxLogOdds);
+  existence_.assign(labels.size(), {kMaxLogOdds, {}, {}});
 }
 
 }  // namespace sextant

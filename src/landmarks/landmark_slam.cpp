@@ -2,26 +2,29 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sextant/landmarks/landmark_slam.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
-#include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
+#include <limits>
 
 namespace sextant {
 namespace {
 
-using Eigen::Matrix2d;
 using Eigen::Matrix3d;
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
 
-constexpr double kDeviations = 3.0;     // tolerated pose error
-constexpr size_t kMinProvisional = 4;   // provisional landmarks needed to match them with the map
-constexpr size_t kMaxProvisional = 12;  // above which unmatched ones are established as new
-constexpr double kMinOffset = 1.0;      // metres, and
-constexpr double kMinTurn = 0.35;       // radians: minimum pose error of a kidnapped robot
+constexpr size_t kMinProvisional = 4;            // provisional landmarks needed to match them with the map
+constexpr size_t kMaxProvisional = 12;           // above which unmatched ones are established as new
+constexpr double kMinOffset = 1.0;               // metres, and
+constexpr double kMinTurn = 0.35;                // radians: minimum pose error of a kidnapped robot
+const double kUsualMiss = std::log(0.2 / 0.95);  // evidence of a miss with the default sensor
 constexpr int kMatchingInterval =
     10;  // scans between two matchings of a lost robot whose local map does not grow
+
+CandidateParams neverLandmarks(CandidateParams params) {
+  params.observations = std::numeric_limits<int>::max() - 1;
+  return params;
+}
 
 bool contains(const std::vector<size_t>& all, size_t one) {
   return std::find(all.begin(), all.end(), one) != all.end();
@@ -41,6 +44,9 @@ ParamList LandmarkSlamParams::fields() {
       {"lost_after", &lost_after, Range::closed(0, 10000), "",
        "number of scans that contradict the map after which the robot is lost; each scan that confirms the "
        "map cancels three of them; 0: never"},
+      {"hypotheses", &hypotheses, Range::closed(1, 20), "",
+       "maximum number of states that are kept while it is open which landmarks were observed, or whether "
+       "odometry slipped; each one costs as much as one filter; 1: ambiguous observations are not used"},
   };
   return joined({sensor.fields(), prefixed("candidate_", candidates.fields()), association.fields(), own,
                  prefixed("match_", matching.fields()), filter.fields()});
@@ -52,29 +58,58 @@ LandmarkSlam::LandmarkSlam(const LandmarkSlamParams& params, const Pose2& T_map_
       sensor_(params.sensor),
       register_(params.filter, T_map_base, covariance),
       candidates_(params.candidates),
+      unused_(neverLandmarks(params.candidates)),
       kidnap_detector_(params.lost_after) {
   validate(params);
 }
 
 void LandmarkSlam::predict(const OdometryStep& step, double duration) {
-  register_.filter().predict(step, duration);
+  register_.filter().predict({step.step, noise_.applied() * step.noise, step.distance, step.turn}, duration);
+  unconfirmed_ += step.distance + std::abs(step.turn);
   for (LandmarkSlam& local : local_) local.predict(step, duration);
+}
+
+PoseEstimate2D LandmarkSlam::predictPose(const OdometryStep& step) const {
+  return filter().predictPose({step.step, noise_.applied() * step.noise, step.distance, step.turn});
 }
 
 LandmarkReport LandmarkSlam::observe(double stamp, const std::vector<LabelledObservation>& observations,
                                      const Pose2& T_base_sensor) {
-  return isLost() ? observeLost(stamp, observations, T_base_sensor)
-                  : observeLocalized(stamp, observations, T_base_sensor);
+  return observe(stamp, observations, T_base_sensor, interpretations(observations, T_base_sensor, 1).front());
+}
+
+LandmarkReport LandmarkSlam::observe(double stamp, const std::vector<LabelledObservation>& observations,
+                                     const Pose2& T_base_sensor, const ScanInterpretation& how) {
+  if (isLost()) return observeLost(stamp, observations, T_base_sensor);
+  return observeLocalized(stamp, corrected(observations, T_base_sensor), how);
+}
+
+/// Turned by the estimated error of the mount.
+std::vector<LabelledObservation> LandmarkSlam::corrected(const std::vector<LabelledObservation>& observations,
+                                                         const Pose2& T_base_sensor) const {
+  std::vector<LabelledObservation> turned = observations;
+  if (filter().bearingVariance() == 0) return turned;
+  const Pose2 turn = T_base_sensor * Pose2{{0, 0}, filter().bearing()} * T_base_sensor.inverse();
+  for (LabelledObservation& each : turned) each.observation = turn * each.observation;
+  return turned;
 }
 
 LandmarkReport LandmarkSlam::observeLocalized(double stamp,
                                               const std::vector<LabelledObservation>& observations,
-                                              const Pose2& T_base_sensor) {
-  const std::vector<size_t> near = inReach(observations);
+                                              const ScanInterpretation& how) {
+  if (how.slipped) register_.filter().predict({Pose2{}, slipCovariance(), 0});
   LandmarkReport report;
-  const ScanAssociation scan = associateScan(near, observations, T_base_sensor, report);
+  ScanAssociation scan = groupByOutcome(how, observations, report);
+  for (const size_t each : how.in_view)
+    (contains(scan.observed, each) ? scan.detected : scan.missed).push_back(each);
   register_.filter().update(scan.known);
-  if (report.associated > 0) report.nis = filter().nis(), report.nis_dof = filter().nisDof();
+  if (report.associated > 0) {
+    unconfirmed_ = 0;
+    report.nis = filter().nis(), report.nis_dof = filter().nisDof();
+    if (!how.slipped) noise_.add(report.nis, report.nis_dof, filter().nisStateShare());
+  }
+  register_.noteMisses(scan.missed, scan.observed);
+  unused_.observe(stamp, scan.unused);
   detectKidnapping(scan, report);
   if (isLost()) {
     report.lost = true;
@@ -83,13 +118,15 @@ LandmarkReport LandmarkSlam::observeLocalized(double stamp,
     register_.addEvidence(scan.observed, sensor_.evidence(true));
     if (!scan.observed.empty()) {
       countDetections(scan);
-      register_.addEvidence(scan.missed, sensor_.evidence(false));
+      register_.addMisses(scan.missed, scan.observed, sensor_.evidence(false));
       register_.addEvidence(scan.relocated, sensor_.evidence(false));
     }
     initialize(stamp, scan.unknown, report);
     report.merged = register_.mergeDuplicates(scan.observed, params_.sensor.min_separation, report.keys);
     report.removed = register_.removeUnlikely();
   }
+  new_ += report.initialized;
+  known_ += report.associated;
   return report;
 }
 
@@ -104,45 +141,21 @@ void LandmarkSlam::countDetections(const ScanAssociation& scan) {
 
 // ---- data association
 
-/// Landmarks that may be in view from any likely pose, and those that the observations may be of.
-std::vector<size_t> LandmarkSlam::inReach(const std::vector<LabelledObservation>& observations) const {
-  const double off = kDeviations * largestDeviation(filter().covariance({}).topLeftCorner<2, 2>());
-  const auto may_be = [off](const LabelledObservation& each, double range) {
-    const double deviation = largestDeviation(each.observation.covariance.topLeftCorner<2, 2>());
-    return std::abs(each.observation.position.norm() - range) < 2 * kDeviations * deviation + off;
-  };
-  const auto& landmarks = filter().landmarks();
-  std::vector<size_t> found;
-  for (size_t i = 0; i < landmarks.size(); ++i) {
-    const double range = (landmarks[i].position - filter().pose().position).norm();
-    if (range < params_.sensor.max_range + off ||
-        std::any_of(observations.begin(), observations.end(),
-                    [&](const auto& each) { return may_be(each, range); }))
-      found.push_back(i);
-  }
-  return found;
-}
-
-LandmarkSlam::ScanAssociation LandmarkSlam::associateScan(
-    const std::vector<size_t>& near, const std::vector<LabelledObservation>& observations,
-    const Pose2& T_base_sensor, LandmarkReport& report) {
-  const ObservationPrediction expected = register_.filter().predictObservations(near);
-  ScanAssociation scan = groupByOutcome(associateAll(near, expected, observations), observations, report);
-  // A printed marker is visible from the front only: a missed detection is no evidence of its absence, but a
-  // detection elsewhere is.
-  for (const size_t which : sensor_.expectedInView(expected, T_base_sensor))
-    if (!labels()[near[which]].id)
-      (contains(scan.observed, near[which]) ? scan.detected : scan.missed).push_back(near[which]);
-  return scan;
+std::vector<ScanInterpretation> LandmarkSlam::interpretations(
+    const std::vector<LabelledObservation>& observations, const Pose2& T_base_sensor, size_t most) {
+  if (isLost()) return {local_.front().interpretations(observations, T_base_sensor, 1).front()};
+  const MapKnowledge knowledge{sensor_, params_.association, candidates_, unused_, new_,
+                               known_,  unconfirmed_};
+  return interpretScan(register_, knowledge, corrected(observations, T_base_sensor), T_base_sensor, most);
 }
 
 LandmarkSlam::ScanAssociation LandmarkSlam::groupByOutcome(
-    const std::vector<Association>& outcomes, const std::vector<LabelledObservation>& observations,
+    const ScanInterpretation& how, const std::vector<LabelledObservation>& observations,
     LandmarkReport& report) const {
   report.keys.resize(observations.size());
   ScanAssociation scan;
   for (size_t i = 0; i < observations.size(); ++i) {
-    const auto& [outcome, landmark] = outcomes[i];
+    const auto& [outcome, landmark] = how.outcomes[i];
     const bool is_twin =
         outcome == Outcome::associated && contains(scan.observed, landmark);  // the same id twice in one scan
     if (outcome == Outcome::associated && !is_twin) {
@@ -157,47 +170,10 @@ LandmarkSlam::ScanAssociation LandmarkSlam::groupByOutcome(
       scan.relocated.push_back(landmark);
     } else {
       ++report.ambiguous;
+      if (!observations[i].label.id) scan.unused.push_back(inMap(filter().pose(), observations[i]));
     }
   }
   return scan;
-}
-
-std::vector<Association> LandmarkSlam::associateAll(const std::vector<size_t>& near,
-                                                    const ObservationPrediction& expected,
-                                                    const std::vector<LabelledObservation>& observations) {
-  std::vector<LandmarkPoint> points;
-  for (size_t k = 0; k < near.size(); ++k)
-    points.push_back({expected.positions.segment<2>(2 * k), labels()[near[k]]});
-  std::vector<PositionObservation> seen;
-  for (const LabelledObservation& each : observations)
-    if (!each.label.id)
-      seen.push_back(
-          {each.observation.position, each.observation.covariance.topLeftCorner<2, 2>(), each.label});
-  const std::vector<Association> by_position =
-      associate(points, expected.covariance, seen, params_.association);
-
-  std::vector<Association> found;
-  for (size_t i = 0, k = 0; i < observations.size(); ++i) {
-    found.push_back(observations[i].label.id ? associateById(observations[i]) : by_position[k++]);
-    if (!observations[i].label.id && found[i].outcome == Outcome::associated)
-      found[i].landmark = near[found[i].landmark];
-  }
-  return found;
-}
-
-/// An id determines the landmark, unless the observation is outside of its gate.
-Association LandmarkSlam::associateById(const LabelledObservation& observation) {
-  const auto which = register_.find(observation.label);
-  if (!which) return {};
-  const Landmark2D& landmark = filter().landmarks()[*which];
-  const bool heading = commonDimension(observation.observation, landmark) == 3;
-  const std::vector<AssociatedObservation> seen{{*which, observation.observation}};
-  const Eigen::VectorXd off = innovations(seen, {toRobotFrame(filter().pose(), landmark)});
-  const MatrixXd S = register_.filter().predictObservations({*which}, heading).covariance +
-                     observationNoise(seen, filter().landmarks());
-  const double gate = quantile(boost::math::chi_squared(static_cast<double>(off.size())),
-                               params_.association.new_landmark_gate);
-  return {off.dot(S.llt().solve(off)) < gate ? Outcome::associated : Outcome::ambiguous, *which};
 }
 
 /// A landmark of which only the class is known would match all observations of its class.
@@ -208,7 +184,6 @@ bool LandmarkSlam::canInitialize(const LabelledObservation& seen) const {
 
 void LandmarkSlam::initialize(double stamp, const std::vector<LabelledObservation>& unknown,
                               LandmarkReport& report) {
-  const Matrix2d R = rotation2(filter().pose().heading);
   std::vector<LabelledObservation> first;
   for (const LabelledObservation& each : unknown) {
     const bool is_twin = each.label.id && countLabels(each.label, unknown) > 1;
@@ -216,9 +191,7 @@ void LandmarkSlam::initialize(double stamp, const std::vector<LabelledObservatio
     if (canInitialize(each) && !is_twin) first.push_back(each);
   }
   std::vector<PositionObservation> in_map;
-  for (const LabelledObservation& each : first)
-    in_map.push_back({filter().pose() * each.observation.position,
-                      R * each.observation.covariance.topLeftCorner<2, 2>() * R.transpose(), each.label});
+  for (const LabelledObservation& each : first) in_map.push_back(inMap(filter().pose(), each));
   const std::vector<bool> is_landmark = candidates_.observe(stamp, in_map);
   for (size_t i = 0; i < first.size(); ++i) {
     if (is_landmark[i]) register_.add(first[i]);
@@ -236,6 +209,7 @@ void LandmarkSlam::detectKidnapping(const ScanAssociation& scan, const LandmarkR
   evidence.contradictions = report.rejected;
   if (params_.read_only) evidence.contradictions += evidence.unknown / 2;  // not all are false alarms
   evidence.next_key = register_.nextKey();
+  evidence.miss_weight = sensor_.evidence(false) / kUsualMiss;
   kidnap_detector_.update(evidence);
   const bool is_consistent =
       kidnap_detector_.isConsistent() && kidnap_detector_.firstProvisional() == register_.nextKey();
@@ -274,6 +248,7 @@ void LandmarkSlam::relocalize() {
   params.lost_after = 0;
   const double variance = 1e-6;  // square metres and radians: the local frame begins at the robot
   local_ = {LandmarkSlam(params, Pose2{}, variance * Matrix3d::Identity())};
+  local_.front().noise_ = noise_;
 }
 
 /// Matches the local map in the robot frame: there, the landmarks observed last are precise, however far the
@@ -326,11 +301,13 @@ void LandmarkSlam::setPose(const Pose2& T_map_base, const Matrix3d& covariance) 
 void LandmarkSlam::setMap(const Pose2& T_map_base, const std::vector<Landmark2D>& landmarks,
                           const std::vector<LandmarkLabel>& labels, const MatrixXd& covariance) {
   register_.setMap(T_map_base, landmarks, labels, covariance);
+  new_ = known_ = 0;
   clearHypotheses();
 }
 
 void LandmarkSlam::clearHypotheses() {
   candidates_.clear();
+  unused_.clear();
   local_.clear();
   trusted_.reset();
   matched_size_ = 0;

@@ -27,7 +27,9 @@ ParamList LandmarkTimelineParams::fields() {
 }
 
 LandmarkTimeline::LandmarkTimeline(const LandmarkTimelineParams& params, const LandmarkSlam& slam)
-    : params_(params), history_(params.odometry, 2 * kSettled * params.lag), base_{0, slam} {
+    : params_(params),
+      history_(params.odometry, 2 * kSettled * params.lag),
+      base_{0, LandmarkHypotheses(slam)} {
   validate(params);
 }
 
@@ -49,7 +51,7 @@ Arrival LandmarkTimeline::observe(double stamp, const std::vector<LabelledObserv
                                   const Pose2& T_base_sensor) {
   applied_.clear();
   if (observations.size() > static_cast<size_t>(params_.max_observations)) return Arrival::too_large;
-  const double corrected = stamp + params_.clock_offset + newest().slam.filter().clockOffset();
+  const double corrected = stamp + params_.clock_offset + slam().filter().clockOffset();
   const auto is_same = [&](const Scan& other) {
     return other.received_stamp == stamp && other.T_base_sensor == T_base_sensor &&
            other.observations == observations;
@@ -83,7 +85,7 @@ bool LandmarkTimeline::isJump(double stamp, const Pose2& T_odom_base) const {
 void LandmarkTimeline::restartLost() {
   ++jumps_;
   restart();
-  base_.slam.relocalize();
+  base_.hypotheses.settled().relocalize();
 }
 
 /// Inserts a scan by stamp, and applies it and all later ones.
@@ -94,7 +96,8 @@ void LandmarkTimeline::apply(Scan added) {
   State state = stateBefore(scan);
   for (; scan != scans_.end(); ++scan) {
     state = advanced(std::move(state), scan->stamp);
-    const LandmarkReport report = state.slam.observe(scan->stamp, scan->observations, scan->T_base_sensor);
+    const LandmarkReport report =
+        state.hypotheses.observe(scan->stamp, scan->observations, scan->T_base_sensor);
     if (!scan->is_reported) applied_.push_back({scan->received_stamp, report});
     scan->is_reported = true;
     scan->after.reset();
@@ -134,7 +137,8 @@ LandmarkTimeline::State LandmarkTimeline::stateBefore(Scans::iterator scan) {
 
 LandmarkTimeline::State LandmarkTimeline::advanced(State state, double stamp) const {
   if (stamp <= state.stamp) return state;
-  if (const auto step = history_.between(state.stamp, stamp)) state.slam.predict(*step, stamp - state.stamp);
+  if (const auto step = history_.between(state.stamp, stamp))
+    state.hypotheses.predict(*step, stamp - state.stamp);
   state.stamp = stamp;
   return state;
 }
@@ -158,7 +162,7 @@ std::optional<LandmarkTimeline::Now> LandmarkTimeline::now() const {
   const auto T_odom_base = history_.at(history_.last());
   const auto step = history_.between(newest().stamp, history_.last());
   if (!step) return {};
-  const PoseEstimate2D predicted = newest().slam.filter().predictPose(*step);
+  const PoseEstimate2D predicted = hypotheses().predictPose(*step);
   return Now{history_.last(), predicted.pose, predicted.covariance, predicted.pose * T_odom_base->inverse()};
 }
 

@@ -34,7 +34,7 @@ OdometryStep noisyStep(const Pose2& step, const OdometryNoiseParams& params) {
       driftVariance(params.translation_from_translation, params.translation_from_rotation, distance, turn),
       driftVariance(params.lateral_from_translation, 0, distance, turn),
       driftVariance(params.rotation_from_translation, params.rotation_from_rotation, distance, turn));
-  return {step, variances.asDiagonal(), distance};
+  return {step, variances.asDiagonal(), distance, step.heading};
 }
 
 // exp(w1) U1 exp(w2) U2 = exp(w1) exp(Ad(U1) w2) U1 U2
@@ -42,7 +42,8 @@ OdometryStep OdometryStep::operator*(const OdometryStep& next) const {
   Matrix3d Ad = Matrix3d::Identity();
   Ad.topLeftCorner<2, 2>() = rotation2(step.heading);
   Ad.topRightCorner<2, 1>() = -perpendicular(step.position);
-  return {step * next.step, noise + Ad * next.noise * Ad.transpose(), distance + next.distance};
+  return {step * next.step, noise + Ad * next.noise * Ad.transpose(), distance + next.distance,
+          turn + next.turn};
 }
 
 }  // namespace sextant

@@ -307,8 +307,8 @@ class LandmarkSlamNodelet : public nodelet::Nodelet {
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
     std::string observations = landmarks_sub_.getTopic();
     for (const ros::Subscriber& markers : marker_subs_) observations += " or " + markers.getTopic();
-    report_->fill(status, session_->slam(), session_->timeline().waiting(), odom_sub_.getTopic(),
-                  observations);
+    report_->fill(status, session_->timeline().hypotheses(), session_->timeline().waiting(),
+                  odom_sub_.getTopic(), observations);
     clock_.fill(status);
   }
 

@@ -18,6 +18,7 @@ class KidnapDetector {
     int contradictions = 0;     ///< observations that contradict the map
     int unknown = 0;            ///< observations of landmarks that are not in the map
     int next_key = 0;           ///< key of the next new landmark
+    double miss_weight = 1;     ///< of a missed landmark, in scans: less for a sensor that misses many
   };
 
   /// @param lost_after number of scans that contradict the map, less those that confirm it, after which the
@@ -33,7 +34,7 @@ class KidnapDetector {
   /// Establishes all landmarks below this key.
   void confirm(int next_key) { first_provisional_ = next_key; }
 
-  bool isConsistent() const { return misses_ == 0; }  ///< whether no scan suggests that the robot is lost
+  bool isConsistent() const { return misses_ <= 0; }  ///< whether no scan suggests that the robot is lost
 
   /// Whether the robot is lost: one missing landmark is not enough, two or a contradiction are.
   bool isLost() const;
@@ -42,7 +43,7 @@ class KidnapDetector {
   void updateMisses(int observed, const std::vector<int>& missed, const Evidence& evidence);
 
   int lost_after_;
-  int misses_ = 0;
+  double misses_ = 0;     // scans
   std::set<int> missed_;  // since misses_ was 0
   bool contradicted_ = false;
   int first_provisional_ = 0;

@@ -31,6 +31,12 @@ struct Association {
   size_t landmark = 0;                      ///< index if associated, or if an id is ambiguous
 };
 
+/// One way to explain all observations of a scan.
+struct JointAssociation {
+  std::vector<Association> outcomes;  ///< one per observation
+  double log_likelihood = 0;          ///< natural logarithm of their density, 1/m^2 each
+};
+
 /// A landmark that may be in view; only observations with the same label are associated with it.
 struct LandmarkPoint {
   Eigen::Vector2d position;  ///< in the robot frame
@@ -46,5 +52,16 @@ std::vector<Association> associate(const std::vector<LandmarkPoint>& landmarks,
                                    const Eigen::MatrixXd& covariance,
                                    const std::vector<PositionObservation>& observations,
                                    const AssociationParams& params);
+
+/// As associate(), but an ambiguous observation is not left unused: the most likely ways to explain all of
+/// them, each with one of the landmarks that are compatible or with none: those stay ambiguous.
+/// @param log_density_of_none logarithm of the density of each observation if it is of no landmark in the map
+/// @param most maximum number of results; 1: as associate()
+/// @returns at least one, the most likely first
+std::vector<JointAssociation> associations(const std::vector<LandmarkPoint>& landmarks,
+                                           const Eigen::MatrixXd& covariance,
+                                           const std::vector<PositionObservation>& observations,
+                                           const std::vector<double>& log_density_of_none,
+                                           const AssociationParams& params, size_t most);
 
 }  // namespace sextant

@@ -32,6 +32,10 @@ class LandmarkCandidates {
   /// @returns for each observation whether it initializes a landmark
   std::vector<bool> observe(double stamp, const std::vector<PositionObservation>& observations);
 
+  /// Logarithm of the density of an observation (map frame) if it is of a candidate, 1/m^2; nothing: there
+  /// are no candidates.
+  std::optional<double> logDensityOf(const PositionObservation& observation) const;
+
   size_t size() const { return candidates_.size(); }  ///< number of candidates
   void clear() { candidates_.clear(); }               ///< removes all candidates
 

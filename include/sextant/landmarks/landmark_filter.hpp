@@ -19,7 +19,9 @@ namespace sextant {
 struct LandmarkFilterParams {
   double scale_sigma = 0.0;
   double scale_drift = 0.0;
+  double turn_scale_sigma = 0.0;
   double clock_sigma = 0.0;
+  double bearing_sigma = 0.0;
 
   ParamList fields();  ///< names, ranges, units and descriptions
 };
@@ -83,24 +85,28 @@ class LandmarkFilter {
   const std::vector<Landmark2D>& landmarks() const { return state_.landmarks; }  ///< in the map frame
   /// Estimated factor by which the distances of odometry are multiplied.
   double scale() const { return state_.scale; }
+  /// Estimated factor by which the angles of odometry are multiplied.
+  double turnScale() const { return state_.turn_scale; }
   double clockOffset() const { return state_.clock; }  ///< seconds to add to the stamps of observations
-  /// Variance of scale(), and of clockOffset() in square seconds; 0: not estimated @{
-  double scaleVariance() const { return scale_index_ < 0 ? 0.0 : P_(scale_index_, scale_index_); }
-  /// Variance of the clock offset, s²; 0 if it is not estimated.
-  double clockVariance() const { return clock_index_ < 0 ? 0.0 : P_(clock_index_, clock_index_); }
-  /// @}
+  double bearing() const { return state_.bearing; }    ///< radians to add to the bearings of observations
+  double scaleVariance() const { return varianceOf(scale_index_); }      ///< of scale(); 0: not estimated
+  double turnScaleVariance() const { return varianceOf(turn_index_); }   ///< of turnScale(); 0: not estimated
+  double clockVariance() const { return varianceOf(clock_index_); }      ///< s^2; 0: not estimated
+  double bearingVariance() const { return varianceOf(bearing_index_); }  ///< rad^2; 0: not estimated
   Eigen::MatrixXd covariance() const;  ///< of (x, y, heading) and all landmarks
   Eigen::MatrixXd covariance(
       const std::vector<size_t>& landmarks) const;  ///< of (x, y, heading) and these landmarks
   double nis() const { return nis_; }               ///< normalized innovation squared of the last update
   int nisDof() const { return nis_dof_; }           ///< its degrees of freedom
+  /// Share of the state in the covariance of the last update's innovation, in [0, 1].
+  double nisStateShare() const { return nis_state_share_; }
   /// Number of times that a covariance was repaired because rounding had made it indefinite.
   int repairs() const { return repairs_; }
 
  private:
   struct State {
     Pose2 pose;
-    double scale = 1, clock = 0;
+    double scale = 1, turn_scale = 1, clock = 0, bearing = 0;
     std::vector<Landmark2D> landmarks;
   };
 
@@ -108,11 +114,13 @@ class LandmarkFilter {
 
   std::vector<size_t> all() const;
   Indices stateIndices(size_t landmark) const;
-  /// Indices of the pose, the clock offset if requested, and these landmarks.
-  Indices stateIndices(const std::vector<size_t>& landmarks, bool with_clock = false) const;
+  /// Indices of the pose, clock offset and bearing if requested, and these landmarks.
+  Indices stateIndices(const std::vector<size_t>& landmarks, bool with_sensor = false) const;
+  double varianceOf(Eigen::Index index) const { return index < 0 ? 0.0 : P_(index, index); }
   std::vector<Landmark2D> predictedLandmarks(const std::vector<size_t>& landmarks,
                                              const Eigen::VectorXd& xi) const;
-  void propagate(const Pose2& step);
+  Pose2 scaled(const OdometryStep& odometry) const;
+  void addCorrelated(const Eigen::VectorXd& direction, Eigen::Index which);
   void drift(Eigen::Index which, double deviation);
   Eigen::MatrixXd factor(const Indices& which);  ///< lower Cholesky factor of a block of the covariance
   void fuse(const Indices& which, const Eigen::MatrixXd& R, const Innovation& innovation);
@@ -126,11 +134,12 @@ class LandmarkFilter {
 
   LandmarkFilterParams params_;
   State state_;
-  CovarianceStore P_;  // of the error xi = (x, y, heading[, scale][, clock], landmarks)
-  Eigen::Index scale_index_ = -1, clock_index_ = -1;
+  CovarianceStore
+      P_;  // of the error xi = (x, y, heading[, scale][, turn_scale][, clock][, bearing], landmarks)
+  Eigen::Index scale_index_ = -1, turn_index_ = -1, clock_index_ = -1, bearing_index_ = -1;
   std::vector<Eigen::Index> offsets_;  // of the landmarks in xi
   Pose2 velocity_;                     // of the last step, per second
-  double nis_ = 0;
+  double nis_ = 0, nis_state_share_ = 0;
   int nis_dof_ = 0, repairs_ = 0;
 };
 

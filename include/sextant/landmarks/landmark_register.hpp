@@ -37,6 +37,21 @@ class LandmarkRegister {
   /// Adds evidence to the log odds that these landmarks exist, up to an upper bound.
   void addEvidence(const std::vector<size_t>& landmarks, double evidence);
 
+  /// As addEvidence(), for landmarks that the sensor missed, if they count.
+  void addMisses(const std::vector<size_t>& missed, const std::vector<size_t>& observed, double evidence);
+
+  /// Whether it is evidence that the sensor missed this landmark. What hides a landmark hides it in every
+  /// scan from the same direction, so that only the first one since the last change of it counts, unless the
+  /// sensor observed another landmark next to it. @param observed landmarks
+  bool countsAsMissed(size_t landmark, const std::vector<size_t>& observed) const;
+
+  /// Whether missing a landmark makes a hypothesis less likely: as countsAsMissed(), by the positions of
+  /// noteMisses().
+  bool isUnlikelyMiss(size_t landmark, const std::vector<size_t>& observed) const;
+
+  /// Notes that these landmarks were missed from here, whether it was evidence of their absence or not.
+  void noteMisses(const std::vector<size_t>& missed, const std::vector<size_t>& observed);
+
   /// Whether a landmark was observed often enough to be certain that it exists.
   bool isEstablished(size_t landmark) const;
 
@@ -62,13 +77,20 @@ class LandmarkRegister {
   std::optional<size_t> duplicateOf(size_t landmark, const std::vector<size_t>& observed,
                                     double separation) const;
   bool areDuplicates(size_t a, size_t b, double separation) const;
+  bool isNewMiss(size_t landmark, const std::vector<size_t>& observed,
+                 const std::optional<Eigen::Vector2d>& last) const;
   void remove(size_t landmark);  // from the filter, too
   void eraseEntry(size_t landmark);
 
   LandmarkFilter filter_;
   std::vector<LandmarkLabel> labels_;
   std::vector<int> keys_;
-  std::vector<double> log_odds_;  // of the existence of each landmark
+  struct Existence {
+    double log_odds = 0;
+    std::optional<Eigen::Vector2d> missed_from;  // position of the robot at the last miss that counted
+    std::optional<Eigen::Vector2d> noted_from;   // at the last one that noteMisses() noted
+  };
+  std::vector<Existence> existence_;  // of each landmark
   int next_key_ = 0;
 };
 

@@ -43,6 +43,7 @@ class LandmarkSensor {
   void count(int detected, int missed);
   /// Detection probability: that of the parameters, corrected by the counts.
   double detectionProbability() const;
+  double maxRange() const { return params_.max_range; }  ///< as in the parameters, metres
 
  private:
   bool isInView(const Eigen::Vector2d& position, double off) const;

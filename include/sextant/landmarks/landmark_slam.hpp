@@ -15,6 +15,8 @@
 #include "sextant/landmarks/landmark_map_matching.hpp"
 #include "sextant/landmarks/landmark_register.hpp"
 #include "sextant/landmarks/landmark_sensor.hpp"
+#include "sextant/landmarks/noise_monitor.hpp"
+#include "sextant/landmarks/scan_interpretation.hpp"
 
 namespace sextant {
 
@@ -26,6 +28,7 @@ struct LandmarkSlamParams {
   LandmarkSensorParams sensor;         ///< of the sensor's field of view
   LandmarkMapMatchingParams matching;  ///< of relocalization
   int lost_after = 10;
+  int hypotheses = 4;
   bool read_only = false;
 
   ParamList fields();  ///< names, ranges, units and descriptions
@@ -55,18 +58,31 @@ class LandmarkSlam {
   /// Moves the robot, as LandmarkFilter::predict().
   void predict(const OdometryStep& step, double duration = 0);
 
+  /// Pose after a step, without changing the state; much faster than predict().
+  PoseEstimate2D predictPose(const OdometryStep& step) const;
+
   /// Applies one scan of one sensor. @param stamp seconds
   /// @param observations in the robot frame; empty if the sensor detected nothing
   /// @param T_base_sensor its x axis is the viewing direction
   LandmarkReport observe(double stamp, const std::vector<LabelledObservation>& observations,
                          const Pose2& T_base_sensor = {});
 
+  /// The most likely ways to explain a scan, the best first; at least one. @param most maximum number; 1:
+  /// ambiguous observations are not used
+  std::vector<ScanInterpretation> interpretations(const std::vector<LabelledObservation>& observations,
+                                                  const Pose2& T_base_sensor, size_t most);
+  /// Applies one scan. @param how one of interpretations() of it
+  LandmarkReport observe(double stamp, const std::vector<LabelledObservation>& observations,
+                         const Pose2& T_base_sensor, const ScanInterpretation& how);
+
+  const LandmarkSlamParams& params() const { return params_; }  ///< as constructed
   /// State and covariance.
   const LandmarkFilter& filter() const { return register_.filter(); }
   /// Label of each of filter().landmarks().
   const std::vector<LandmarkLabel>& labels() const { return register_.labels(); }
   /// Key of each of filter().landmarks(), constant while the landmark exists.
   const std::vector<int>& keys() const { return register_.keys(); }
+  const NoiseMonitor& noise() const { return noise_; }      ///< of odometry and observations
   size_t candidates() const { return candidates_.size(); }  ///< number of landmark candidates
 
   /// Discards the pose: a local map is built from the next scans until it matches the map. If the map has no
@@ -86,25 +102,20 @@ class LandmarkSlam {
   struct ScanAssociation {
     std::vector<AssociatedObservation> known;
     std::vector<LabelledObservation> unknown;
-    std::vector<size_t> observed;          // landmarks
-    std::vector<size_t> detected, missed;  // landmarks without an id that were expected in view
-    std::vector<size_t> relocated;         // landmarks whose id was observed outside of the gate
+    std::vector<PositionObservation> unused;  // in the map frame
+    std::vector<size_t> observed;             // landmarks
+    std::vector<size_t> detected, missed;     // landmarks without an id that were expected in view
+    std::vector<size_t> relocated;            // landmarks whose id was observed outside of the gate
   };
   LandmarkReport observeLocalized(double stamp, const std::vector<LabelledObservation>& observations,
-                                  const Pose2& T_base_sensor);
+                                  const ScanInterpretation& how);
   LandmarkReport observeLost(double stamp, const std::vector<LabelledObservation>& observations,
                              const Pose2& T_base_sensor);
-  ScanAssociation associateScan(const std::vector<size_t>& near,
-                                const std::vector<LabelledObservation>& observations,
-                                const Pose2& T_base_sensor, LandmarkReport& report);
-  ScanAssociation groupByOutcome(const std::vector<Association>& outcomes,
+  std::vector<LabelledObservation> corrected(const std::vector<LabelledObservation>& observations,
+                                             const Pose2& T_base_sensor) const;
+  ScanAssociation groupByOutcome(const ScanInterpretation& how,
                                  const std::vector<LabelledObservation>& observations,
                                  LandmarkReport& report) const;
-  std::vector<Association> associateAll(const std::vector<size_t>& near,
-                                        const ObservationPrediction& expected,
-                                        const std::vector<LabelledObservation>& observations);
-  Association associateById(const LabelledObservation& observation);
-  std::vector<size_t> inReach(const std::vector<LabelledObservation>& observations) const;
   bool canInitialize(const LabelledObservation& seen) const;
   void initialize(double stamp, const std::vector<LabelledObservation>& unknown, LandmarkReport& report);
   void countDetections(const ScanAssociation& scan);
@@ -117,11 +128,15 @@ class LandmarkSlam {
   LandmarkSensor sensor_;
   LandmarkRegister register_;
   LandmarkCandidates candidates_;
+  LandmarkCandidates unused_;  // of ambiguous observations, which do not become landmarks
   KidnapDetector kidnap_detector_;
+  NoiseMonitor noise_;
   // register before the first scan that suggests that the robot is lost
   std::shared_ptr<const LandmarkRegister> trusted_;
   size_t matched_size_ = 0;          // number of provisional landmarks at the last matching
   int lost_scans_ = 0;               // scans while lost
+  double new_ = 0, known_ = 0;       // observations that initialized a landmark, and that were associated
+  double unconfirmed_ = 0;           // metres and radians driven since a landmark was associated
   std::vector<LandmarkSlam> local_;  // local map while lost, in its own frame: one or none
 };
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "sextant/base/params.hpp"
-#include "sextant/landmarks/landmark_slam.hpp"
+#include "sextant/landmarks/landmark_hypotheses.hpp"
 #include "sextant/landmarks/odometry_history.hpp"
 
 namespace sextant {
@@ -58,7 +58,9 @@ class LandmarkTimeline {
   std::optional<Now> now() const;
 
   /// State after the newest scan.
-  const LandmarkSlam& slam() const { return newest().slam; }
+  const LandmarkHypotheses& hypotheses() const { return newest().hypotheses; }
+  /// The most probable of hypotheses().
+  const LandmarkSlam& slam() const { return hypotheses().best(); }
 
   /// A scan that was applied.
   struct Applied {
@@ -77,7 +79,7 @@ class LandmarkTimeline {
   template <typename Change>
   void change(Change&& change) {
     State state = advanced(newest(), history_.empty() ? newest().stamp : history_.last());
-    change(state.slam);
+    change(state.hypotheses.settled());
     reset(state);
   }
 
@@ -87,7 +89,7 @@ class LandmarkTimeline {
  private:
   struct State {
     double stamp;
-    LandmarkSlam slam;
+    LandmarkHypotheses hypotheses;
   };
   struct Scan {
     double stamp, received_stamp;  // by the clock of odometry, and as received

@@ -70,6 +70,16 @@ struct AssociatedObservation {
 /// Transforms a landmark from the map to the robot frame.
 Landmark2D toRobotFrame(const Pose2& T_map_base, const Landmark2D& landmark);
 
+/// Position of an observation in the map frame, with its noise.
+PositionObservation inMap(const Pose2& T_map_base, const LabelledObservation& seen);
+
+/// Transforms an observation and its covariance from frame b to frame a.
+Observation2D operator*(const Pose2& T_a_b, const Observation2D& observation);
+
+/// Logarithm of the density of a point, 1/m^2, if its errors are normal, but for a share of gross errors
+/// whose deviations are larger. @param distance squared, by the covariance @param root_determinant of it, m^2
+double logDensity(double distance, double root_determinant);
+
 /// Number of rows (x, y[, heading]) that an observation and its landmark have in common.
 int commonDimension(const Observation2D& observation, const Landmark2D& landmark);
 

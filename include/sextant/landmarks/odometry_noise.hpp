@@ -25,6 +25,7 @@ struct OdometryStep {
   Pose2 step;                                       ///< T_last_base
   Eigen::Matrix3d noise = Eigen::Matrix3d::Zero();  ///< covariance of w: (x, y, heading)
   double distance = 0;                              ///< metres driven
+  double turn = 0;                                  ///< radians turned, not wrapped
 
   /// Composes two successive steps.
   OdometryStep operator*(const OdometryStep& next) const;

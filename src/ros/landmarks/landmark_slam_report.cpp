@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <tuple>
 
 namespace sextant {
 namespace {
@@ -13,7 +14,10 @@ namespace {
 using diagnostic_msgs::DiagnosticStatus;
 
 constexpr double kSilence = 5.0;  // seconds without messages until a warning
-constexpr size_t kNis = 50;       // scans
+constexpr double kWrong = 2.0;    // times the stated standard deviation
+constexpr const char* kOdometryRemedy = "raise ~rotation_from_rotation and the other noise parameters";
+constexpr const char* kSensorRemedy = "the covariances that the detector publishes are too small";
+constexpr size_t kNis = 50;  // scans
 
 /// Warning for a topic without recent messages; empty if there are some.
 std::string silence(const std::string& what, const std::string& topic,
@@ -60,8 +64,11 @@ void LandmarkSlamReport::applied(const LandmarkReport& report, const ros::Time& 
   trouble_.succeeded();
 }
 
-void LandmarkSlamReport::fill(diagnostic_updater::DiagnosticStatusWrapper& status, const LandmarkSlam& slam,
-                              size_t waiting, const std::string& odometry, const std::string& observations) {
+void LandmarkSlamReport::fill(diagnostic_updater::DiagnosticStatusWrapper& status,
+                              const LandmarkHypotheses& all, size_t waiting, const std::string& odometry,
+                              const std::string& observations) {
+  const LandmarkSlam& slam = all.best();
+  const size_t hypotheses = all.size();
   const LandmarkFilter& filter = slam.filter();
   trouble_.fill(status);
   fillLevel(status, slam, odometry, observations);
@@ -70,11 +77,21 @@ void LandmarkSlamReport::fill(diagnostic_updater::DiagnosticStatusWrapper& statu
   fillTotals(status, waiting);
   latency_.fill(status);
   status.add("covariance repairs", filter.repairs());
-  if (filter.scaleVariance() > 0)
-    status.addf("scale of odometry", "%.4f +- %.4f", filter.scale(), std::sqrt(filter.scaleVariance()));
-  if (filter.clockVariance() > 0)
-    status.addf("clock offset of observations (s)", "%.4f +- %.4f", filter.clockOffset(),
-                std::sqrt(filter.clockVariance()));
+  status.add("hypotheses", hypotheses);
+  fillCalibration(status, filter);
+  status.addf("noise of odometry over the stated one", "%.2f", std::sqrt(slam.noise().odometry()));
+  status.addf("noise of observations over the stated one", "%.2f", std::sqrt(slam.noise().observations()));
+}
+
+void LandmarkSlamReport::fillCalibration(diagnostic_updater::DiagnosticStatusWrapper& status,
+                                         const LandmarkFilter& filter) {
+  const auto add = [&](const char* name, double value, double variance) {
+    if (variance > 0) status.addf(name, "%.4f +- %.4f", value, std::sqrt(variance));
+  };
+  add("scale of odometry", filter.scale(), filter.scaleVariance());
+  add("scale of odometry's angles", filter.turnScale(), filter.turnScaleVariance());
+  add("clock offset of observations (s)", filter.clockOffset(), filter.clockVariance());
+  add("bearing offset of observations (rad)", filter.bearing(), filter.bearingVariance());
 }
 
 void LandmarkSlamReport::fillLevel(diagnostic_updater::DiagnosticStatusWrapper& status,
@@ -82,6 +99,11 @@ void LandmarkSlamReport::fillLevel(diagnostic_updater::DiagnosticStatusWrapper& 
                                    const std::string& observations) const {
   const std::string no_odometry = silence("odometry", odometry, odometry_received_),
                     no_observations = silence("observations", observations, observations_received_);
+  for (const auto& [factor, what, remedy] : {std::tuple{slam.noise().odometry(), "odometry", kOdometryRemedy},
+                                             {slam.noise().observations(), "observations", kSensorRemedy}})
+    if (factor > kWrong * kWrong && status.level == DiagnosticStatus::OK)
+      status.summaryf(DiagnosticStatus::WARN, "the noise of %s is %.1f times the stated one: %s", what,
+                      std::sqrt(factor), remedy);
   if (slam.isLost())
     status.summary(DiagnosticStatus::WARN, "lost: no pose until enough landmarks of the map are observed");
   if (!no_observations.empty()) status.summary(DiagnosticStatus::WARN, no_observations);

@@ -25,7 +25,7 @@ Observation2D observation(const Vector2d& position, double sigma = 0.1, std::opt
 }
 
 OdometryStep step(double x, double y, double heading, double sigma = 0.02) {
-  return {{{x, y}, heading}, sigma * sigma * Matrix3d::Identity(), std::hypot(x, y)};
+  return {{{x, y}, heading}, sigma * sigma * Matrix3d::Identity(), std::hypot(x, y), heading};
 }
 
 const Matrix3d kStart = Vector3d(0.04, 0.09, 0.01).asDiagonal();
@@ -201,20 +201,62 @@ TEST(LandmarkFilter, PredictPoseEqualsPredict) {
   EXPECT_LT((ahead.covariance - filter.covariance({})).norm(), 1e-2 * ahead.covariance.norm());
 }
 
-TEST(LandmarkFilter, EstimatesTheScaleOfOdometry) {
-  LandmarkFilterParams scaled;
-  scaled.scale_sigma = 0.1;
-  LandmarkFilter filter(scaled, {}, 1e-8 * Matrix3d::Identity());
+/// A filter that observed a landmark while the robot drove on an arc.
+/// @param truth, measured motion in each step
+LandmarkFilter afterArc(const LandmarkFilterParams& params, const Pose2& truth, const Pose2& measured) {
+  LandmarkFilter filter(params, {}, 1e-8 * Matrix3d::Identity());
   Pose2 robot;
   const Vector2d landmark(3, 1);
   filter.add(observation(landmark, 0.01));
   for (int i = 0; i < 100; ++i) {
-    robot = robot * Pose2{{0.09, 0}, 0.1};
-    filter.predict(step(0.1, 0, 0.1, 1e-3));
+    robot = robot * truth;
+    filter.predict(step(measured.position.x(), 0, measured.heading, 1e-3));
     filter.update({{0, observation(robot.inverse() * landmark, 0.01)}});
   }
+  return filter;
+}
+
+TEST(LandmarkFilter, EstimatesTheScaleOfOdometry) {
+  LandmarkFilterParams scaled;
+  scaled.scale_sigma = 0.1;
+  const LandmarkFilter filter = afterArc(scaled, {{0.09, 0}, 0.1}, {{0.1, 0}, 0.1});
   EXPECT_NEAR(filter.scale(), 0.9, 0.01);
   EXPECT_LT(std::abs(filter.scale() - 0.9), 3 * std::sqrt(filter.scaleVariance()));
+  EXPECT_EQ(filter.turnScaleVariance(), 0);
+}
+
+TEST(LandmarkFilter, EstimatesTheScaleOfTurns) {
+  LandmarkFilterParams scaled;
+  scaled.turn_scale_sigma = 0.2;
+  const LandmarkFilter filter = afterArc(scaled, {{0.05, 0}, 0.1}, {{0.05, 0}, 0.11});
+  EXPECT_NEAR(filter.turnScale(), 1 / 1.1, 0.01);
+  EXPECT_LT(std::abs(filter.turnScale() - 1 / 1.1), 3 * std::sqrt(filter.turnScaleVariance()));
+  EXPECT_EQ(filter.scaleVariance(), 0);
+}
+
+// The truth: the sensor is turned by -0.05. A robot that drives straight ahead past landmarks observes it.
+TEST(LandmarkFilter, EstimatesTheErrorOfTheMount) {
+  LandmarkFilterParams mounted;
+  mounted.bearing_sigma = 0.1;
+  LandmarkFilter filter(mounted, {}, 1e-8 * Matrix3d::Identity());
+  const std::vector<Vector2d> landmarks{{3, 1}, {5, -2}, {8, 1}};
+  Pose2 robot;
+  const auto observed = [&](const Vector2d& landmark) {
+    // As LandmarkSlam does, the estimate so far is added to the bearing.
+    return observation(Pose2{{0, 0}, filter.bearing() - 0.05} * (robot.inverse() * landmark), 0.01);
+  };
+  for (const Vector2d& landmark : landmarks) filter.add(observed(landmark));
+  for (int i = 0; i < 60; ++i) {
+    robot = robot * Pose2{{0.1, 0}, 0};
+    filter.predict(step(0.1, 0, 0, 1e-4));
+    std::vector<AssociatedObservation> seen;
+    for (size_t k = 0; k < landmarks.size(); ++k) seen.push_back({k, observed(landmarks[k])});
+    filter.update(seen);
+  }
+  EXPECT_NEAR(filter.bearing(), 0.05, 0.005);
+  EXPECT_LT(std::abs(filter.bearing() - 0.05), 3 * std::sqrt(filter.bearingVariance()));
+  for (size_t k = 0; k < landmarks.size(); ++k)
+    EXPECT_LT((filter.landmarks()[k].position - landmarks[k]).norm(), 0.05) << k;
 }
 
 TEST(LandmarkFilter, EstimatesTheClockOffset) {

@@ -43,6 +43,30 @@ TEST(LandmarkRegister, WhatWasObservedLastIsPreciseInTheRobotFrame) {
   EXPECT_LT((points[1].covariance - 1e-4 * Eigen::Matrix2d::Identity()).norm(), 1e-9);
 }
 
+// Log odds 0 to -4 in steps of -1: it is removed by the fourth miss that counts.
+TEST(LandmarkRegister, OnlyTheFirstMissFromADirectionCounts) {
+  LandmarkRegister all = empty();
+  all.add(at(5, 0));
+  for (int i = 0; i < 100; ++i) all.addMisses({0}, {}, -1);
+  EXPECT_EQ(all.removeUnlikely(), 0);
+  for (int view = 2; view <= 4; ++view) {
+    all.filter().predict(noisyStep({{0, 1.5}, 0}, {}));  // the landmark is at a distance of 5 m and more
+    EXPECT_EQ(all.removeUnlikely(), 0);
+    all.addMisses({0}, {}, -1);
+  }
+  EXPECT_EQ(all.removeUnlikely(), 1);
+}
+
+TEST(LandmarkRegister, AMissCountsIfTheLandmarkNextToItWasObserved) {
+  LandmarkRegister all = empty();
+  all.add(at(5, 0));
+  all.add(at(5, 0.9));
+  all.add(at(5, 2.5));
+  for (int i = 0; i < 4; ++i) all.addMisses({0, 2}, {1}, -1);
+  EXPECT_EQ(all.removeUnlikely(), 1);
+  EXPECT_EQ(all.keys(), (Keys{1, 2}));
+}
+
 TEST(LandmarkRegister, LogOddsHaveAnUpperBound) {
   LandmarkRegister often = empty(), always = empty();
   often.add(at(1, 0)), always.add(at(1, 0));

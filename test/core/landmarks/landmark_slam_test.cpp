@@ -160,9 +160,9 @@ int momentsUntilRemoved(LandmarkSlam& slam, const std::vector<Thing>& there, int
   return 0;
 }
 
-// From log odds 8 to -4 in steps of log(0.2 / 0.95).
+// From log odds 8 to -4 in steps of log(0.2 / 0.95). The missed landmark is next to an observed one.
 TEST(LandmarkSlam, AMissedLandmarkIsRemoved) {
-  LandmarkSlam slam = knowing({pillar(2, 0.5), pillar(3, -1), pillar(2, 2)}, params());
+  LandmarkSlam slam = knowing({pillar(2, 0.5), pillar(2.5, -0.2), pillar(2, 2)}, params());
   EXPECT_EQ(momentsUntilRemoved(slam, {pillar(2, 0.5), pillar(2, 2)}),
             static_cast<int>(std::ceil(12 / std::log(0.95 / 0.2))));
   EXPECT_EQ(slam.labels().size(), 2u);

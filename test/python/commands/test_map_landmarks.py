@@ -165,18 +165,24 @@ def test_late_observations_are_reported(tmp_path, capsys):
 
 @pytest.mark.slow
 def test_a_sensor_beside_the_base(tmp_path, capsys):
-    """Its pose is in tf, or by --mounts."""
+    """Its pose is in tf, or by --mounts.
+
+    What it has in view makes one hypothesis more probable than another, so that there is only one.
+    """
+    alone = tmp_path / "alone.yaml"
+    alone.write_text("hypotheses: 1\n")
     mount = np.array([0.2, -0.1, 0.5])
     T_base_sensor = sextant.pose_from_xyz_rpy([*mount[:2], 0.3], [0.0, 0.0, mount[2]])
     T_sensor_base = np.linalg.inv(T_base_sensor)
     made = sextant.read_landmark_map
     plain, moved = tmp_path / "plain.yaml", tmp_path / "moved.yaml"
-    assert main([str(written(tmp_path)), "-o", str(plain)]) == 0
+    assert main([str(written(tmp_path)), "-o", str(plain), "--params", str(alone)]) == 0
     bag = written(tmp_path, frame="sensor", mount=(*T_sensor_base[:2, 3], -mount[2]))
     assert "does not connect its frame 'sensor' with 'base_link': specify its pose by --mounts" in refused(
         capsys, bag, "-o", moved
     )
-    assert main([str(bag), "-o", str(moved), "--mounts", "sensor=0.2,-0.1,0.3,0,0,0.5"]) == 0
+    given = ["--mounts", "sensor=0.2,-0.1,0.3,0,0,0.5", "--params", str(alone)]
+    assert main([str(bag), "-o", str(moved), *given]) == 0
     assert made(str(moved)).covariance == pytest.approx(made(str(plain)).covariance, rel=1e-6, abs=1e-12)
     assert "is not up" in refused(capsys, bag, "-o", "x.yaml", "--mounts", "sensor=0,0,0,-1.57,0,-1.57")
 

@@ -34,12 +34,14 @@ class LandmarkSlamReport {
   void applied(const LandmarkReport& report, const ros::Time& stamp, const ros::Time& now);
 
   /// Fills the diagnostics. @param waiting number of waiting scans @param odometry, observations topics
-  void fill(diagnostic_updater::DiagnosticStatusWrapper& status, const LandmarkSlam& slam, size_t waiting,
-            const std::string& odometry, const std::string& observations);
+  void fill(diagnostic_updater::DiagnosticStatusWrapper& status, const LandmarkHypotheses& all,
+            size_t waiting, const std::string& odometry, const std::string& observations);
 
  private:
   void fillLevel(diagnostic_updater::DiagnosticStatusWrapper& status, const LandmarkSlam& slam,
                  const std::string& odometry, const std::string& observations) const;
+  static void fillCalibration(diagnostic_updater::DiagnosticStatusWrapper& status,
+                              const LandmarkFilter& filter);
   void fillTotals(diagnostic_updater::DiagnosticStatusWrapper& status, size_t waiting) const;
 
   TroubleLog& trouble_;

@@ -1,0 +1,116 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sextant/landmarks/landmark_hypotheses.hpp"
+
+#include <gtest/gtest.h>
+
+namespace sextant {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::MatrixXd;
+using Eigen::Vector2d;
+
+const LandmarkLabel kRed{"red", {}}, kBlue{"blue", {}};
+
+LabelledObservation seen(const Pose2& robot, const Vector2d& landmark, const LandmarkLabel& label = kRed) {
+  return {label, {robot.inverse() * landmark, {}, 1e-4 * Matrix3d::Identity()}};
+}
+
+const Vector2d kLeft(3, 0.5), kRight(3, -0.5), kBeacon(6, 3);
+
+/// A robot whose heading is uncertain among two red landmarks and a blue one.
+LandmarkHypotheses uncertain(int hypotheses, double heading_sigma = 0.3) {
+  LandmarkSlamParams params;
+  params.hypotheses = hypotheses;
+  params.sensor.field_of_view = 6;
+  params.sensor.max_range = 10;
+  LandmarkSlam slam(params, {}, Matrix3d::Identity());
+  MatrixXd covariance = 1e-4 * MatrixXd::Identity(9, 9);
+  covariance(2, 2) = heading_sigma * heading_sigma;
+  slam.setMap({}, {{kLeft, {}}, {kRight, {}}, {kBeacon, {}}}, {kRed, kRed, kBlue}, covariance);
+  return LandmarkHypotheses(slam);
+}
+
+/// The true heading is such that the left landmark is seen where the right one is expected.
+const Pose2 kTruth{{0, 0}, 2 * std::atan2(0.5, 3.0)};
+
+TEST(LandmarkHypotheses, AnAmbiguousObservationStaysOpenUntilAnotherDecides) {
+  LandmarkHypotheses all = uncertain(4);
+  all.observe(0, {seen(kTruth, kLeft)});
+  EXPECT_GT(all.size(), 1u);
+  EXPECT_LT(all.probability(), 1);
+  EXPECT_NEAR(all.best().filter().pose().heading, 0, 0.02);  // the nearer one is more likely
+  all.observe(0.1, {seen(kTruth, kBeacon, kBlue)});
+  EXPECT_EQ(all.size(), 1u);
+  EXPECT_NEAR(all.probability(), 1, 1e-9);
+  EXPECT_NEAR(all.best().filter().pose().heading, kTruth.heading, 0.02);
+}
+
+TEST(LandmarkHypotheses, WithOneAnAmbiguousObservationIsNotUsed) {
+  LandmarkHypotheses all = uncertain(1);
+  const LandmarkReport report = all.observe(0, {seen(kTruth, kLeft)});
+  EXPECT_EQ(all.size(), 1u);
+  EXPECT_EQ(report.ambiguous, 1);
+  EXPECT_EQ(all.best().filter().pose().heading, 0);
+}
+
+TEST(LandmarkHypotheses, TheCovarianceCoversTheOthers) {
+  LandmarkHypotheses all = uncertain(4);
+  all.observe(0, {seen(kTruth, kLeft)});
+  const PoseEstimate2D published = all.predictPose({});
+  const double own = all.best().filter().covariance({})(2, 2);
+  EXPECT_GT(published.covariance(2, 2), 4 * own);
+  EXPECT_GT(published.covariance(2, 2), 0.1 * (1 - all.probability()) * kTruth.heading * kTruth.heading);
+}
+
+TEST(LandmarkHypotheses, TheirNumberIsBounded) {
+  for (const int most : {2, 3}) {
+    LandmarkHypotheses all = uncertain(most, 1.0);
+    for (int i = 0; i < 5; ++i) {
+      all.predict({{{0.1, 0}, 0.3}, 0.1 * Matrix3d::Identity(), 0.1, 0.3});
+      all.observe(i, {seen({{0.1 * i, 0}, 0.3 * i}, kLeft)});
+      EXPECT_LE(all.size(), static_cast<size_t>(most));
+    }
+  }
+}
+
+TEST(LandmarkHypotheses, EmptyScansDecideNothing) {
+  LandmarkHypotheses all = uncertain(4);
+  all.observe(0, {seen(kTruth, kLeft)});
+  const size_t before = all.size();
+  all.observe(0.1, {});
+  const double probability = all.probability();
+  for (int i = 2; i < 30; ++i) all.observe(0.1 * i, {});
+  EXPECT_EQ(all.size(), before);
+  EXPECT_NEAR(all.probability(), probability, 1e-9);
+}
+
+TEST(LandmarkHypotheses, SettlingKeepsTheBest) {
+  LandmarkHypotheses all = uncertain(4);
+  all.observe(0, {seen(kTruth, kLeft)});
+  const Pose2 best = all.best().filter().pose();
+  EXPECT_EQ(all.settled().filter().pose(), best);
+  EXPECT_EQ(all.size(), 1u);
+  EXPECT_EQ(all.probability(), 1);
+}
+
+// After a drive without landmarks the robot is 0.6 m from where odometry has it, ten of its deviations.
+TEST(LandmarkHypotheses, ASlipIsRecognizedByTheNextLandmarks) {
+  for (const int most : {1, 4}) {
+    LandmarkHypotheses all = uncertain(most, 0.01);
+    all.predict({{{1, 0}, 0}, 1e-4 * Matrix3d::Identity(), 1});
+    const Pose2 truth{{1.6, 0}, 0};
+    for (int i = 0; i < 10; ++i) all.observe(0.1 * i, {seen(truth, kLeft), seen(truth, kBeacon, kBlue)});
+    const double off = (all.best().filter().pose().position - truth.position).norm();
+    if (most > 1) {
+      EXPECT_LT(off, 0.05);
+      EXPECT_EQ(all.best().labels().size(), 3u);
+    } else {
+      EXPECT_GT(off, 0.3);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace sextant
