@@ -234,6 +234,25 @@ def test_quick_run_of_the_association_of_landmarks(tmp_path):
 
 
 @pytest.mark.slow
+def test_quick_run_of_realistic_drives_among_landmarks(tmp_path):
+    (table,) = tables_of("landmarks.py", "realistic", tmp_path)
+    known, three, one = table["rows"]
+    assert known["wrong associations, %"]["value"] == 0
+    assert 3 < known["landmarks right: least"]["value"] <= 15
+    assert three["over known ids: median"]["value"] > 0.5 and one["pose, m (median)"]["value"] > 0.01
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not (EXTERNAL / "landmarks").is_dir(), reason="external test data")
+def test_quick_run_of_recorded_drives_among_landmarks(tmp_path):
+    (table,) = tables_of("landmarks.py", "real_drives", tmp_path)
+    known, three, _ = table["rows"]
+    assert known["landmarks right: least"]["value"] == 15
+    assert three["maps exact"]["value"] == 1
+    assert three["over known ids: median"]["value"] < 1.5
+
+
+@pytest.mark.slow
 def test_quick_run_of_the_cost_of_landmarks(tmp_path):
     cost, same = tables_of("landmarks.py", "cost", tmp_path)
     assert cost["rows"][-1]["of the textbook's"]["value"] < 1
