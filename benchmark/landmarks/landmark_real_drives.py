@@ -120,7 +120,7 @@ def _step_noises(drive: StampedDrive, stamps: np.ndarray) -> np.ndarray:
     """Covariances (n - 1, 3, 3) of the steps between stamps: they grow with the path, not with its ends."""
     parts = np.diff(drive.poses, axis=0)
     driven = np.concatenate([[0.0], np.cumsum(np.hypot(parts[:, 0], parts[:, 1]))])
-    turned = np.concatenate([[0.0], np.cumsum(np.abs(parts[:, 2]))])
+    turned = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(np.unwrap(drive.poses[:, 2]))))])
     ways, turns = (np.diff(np.interp(stamps, drive.stamps, each)) for each in (driven, turned))
     noise = slam_params().timeline.odometry
     noises = [sextant.odometry_step_noise([way, 0.0, turn], noise) for way, turn in zip(ways, turns)]

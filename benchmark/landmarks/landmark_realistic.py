@@ -9,7 +9,7 @@ parameters as there. NEES is over its three degrees of freedom.
 """
 
 from concurrent.futures import ProcessPoolExecutor
-from typing import Dict, List, NamedTuple, Tuple
+from typing import Dict, List, NamedTuple, Optional, Tuple
 
 import numpy as np
 from tables import Table, Value
@@ -80,22 +80,26 @@ class Judged(NamedTuple):
     over_known: float  # RMSE of the pose over that with known ids
 
 
+NEES = (0.8, 1.5)  # over its degrees of freedom
+
+
 class Bars(NamedTuple):
-    """Limits of one row."""
+    """Limits of one row; None: no limit."""
 
-    exact: float = 0.0  # %
-    right: float = 0.0
-    lost: float = np.inf
-    ratio: float = np.inf
-    worst: float = np.inf
+    exact: Optional[float] = None  # %
+    right: Optional[float] = None
+    lost: Optional[float] = None
+    ratio: Optional[float] = None
+    worst: Optional[float] = None
+    nees: Tuple[Optional[float], Optional[float]] = NEES
 
 
+NONE = Bars(nees=(None, None))
 BARS = {
     KNOWN: Bars(),
     "three classes": Bars(exact=95, lost=0, ratio=1.1, worst=2),
     "one class": Bars(exact=80, right=12, lost=0),
 }
-NEES = (0.8, 1.5)
 
 
 def realistic_tables(quick: bool) -> List[Table]:
@@ -105,31 +109,26 @@ def realistic_tables(quick: bool) -> List[Table]:
     with ProcessPoolExecutor() as pool:
         for name in LABELS:
             judged = list(pool.map(judge, range(runs), [name] * runs, [duration] * runs))
-            rows.append((name, _figures(judged, None if quick else BARS[name])))
+            rows.append((name, _figures(judged, NONE if quick else BARS[name])))
     return [Table(f"{runs} simulated drives of {duration:g} s with the faults of real ones", COLUMNS, rows)]
 
 
-def _figures(judged: List[Judged], bars: "Bars | None") -> List[Value]:
+def _figures(judged: List[Judged], bars: Bars) -> List[Value]:
     scores = Score(*np.array([each.score for each in judged], dtype=float).T)
     ratios = np.array([each.over_known for each in judged])
-    low, high = NEES if bars else (None, None)
-    bars = bars or Bars()
+    low, high = bars.nees
     return [
-        Value(100 * scores.is_exact.mean(), 0, at_least=bars.exact or None),
-        Value(scores.right.min(), 0, at_least=bars.right or None),
-        Value(scores.is_lost.sum(), 0, at_most=_limit(bars.lost)),
+        Value(100 * scores.is_exact.mean(), 0, at_least=bars.exact),
+        Value(scores.right.min(), 0, at_least=bars.right),
+        Value(scores.is_lost.sum(), 0, at_most=bars.lost),
         Value(100 * scores.wrong.mean(), 2),
         Value(np.median(scores.landmarks), 3),
         Value(np.median(scores.pose), 3),
-        Value(np.median(ratios), 2, at_most=_limit(bars.ratio)),
-        Value(ratios.max(), 2, at_most=_limit(bars.worst)),
+        Value(np.median(ratios), 2, at_most=bars.ratio),
+        Value(ratios.max(), 2, at_most=bars.worst),
         Value(np.mean([each.nees for each in judged]), 2, at_least=low, at_most=high),
         Value(np.median(scores.seconds), 1),
     ]
-
-
-def _limit(value: float):
-    return None if np.isinf(value) else value
 
 
 def judge(seed: int, name: str, duration: float) -> Judged:

@@ -13,16 +13,21 @@ using Eigen::Matrix3d;
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
 
-constexpr size_t kMinProvisional = 4;            // provisional landmarks needed to match them with the map
-constexpr size_t kMaxProvisional = 12;           // above which unmatched ones are established as new
-constexpr double kMinOffset = 1.0;               // metres, and
-constexpr double kMinTurn = 0.35;                // radians: minimum pose error of a kidnapped robot
-const double kUsualMiss = std::log(0.2 / 0.95);  // evidence of a miss with the default sensor
+constexpr size_t kMinProvisional = 4;   // provisional landmarks needed to match them with the map
+constexpr size_t kMaxProvisional = 12;  // above which unmatched ones are established as new
+constexpr double kMinOffset = 1.0;      // metres, and
+constexpr double kMinTurn = 0.35;       // radians: minimum pose error of a kidnapped robot
 constexpr int kMatchingInterval =
     10;  // scans between two matchings of a lost robot whose local map does not grow
 
+/// Evidence of a miss with the default sensor.
+double usualMiss() {
+  static const double evidence = LandmarkSensor(LandmarkSensorParams()).evidence(false);
+  return evidence;
+}
+
 CandidateParams neverLandmarks(CandidateParams params) {
-  params.observations = std::numeric_limits<int>::max() - 1;
+  params.observations = std::numeric_limits<int>::max();
   return params;
 }
 
@@ -80,7 +85,7 @@ LandmarkReport LandmarkSlam::observe(double stamp, const std::vector<LabelledObs
 
 LandmarkReport LandmarkSlam::observe(double stamp, const std::vector<LabelledObservation>& observations,
                                      const Pose2& T_base_sensor, const ScanInterpretation& how) {
-  if (isLost()) return observeLost(stamp, observations, T_base_sensor);
+  if (isLost()) return observeLost(stamp, observations, T_base_sensor, how);
   return observeLocalized(stamp, corrected(observations, T_base_sensor), how);
 }
 
@@ -209,7 +214,7 @@ void LandmarkSlam::detectKidnapping(const ScanAssociation& scan, const LandmarkR
   evidence.contradictions = report.rejected;
   if (params_.read_only) evidence.contradictions += evidence.unknown / 2;  // not all are false alarms
   evidence.next_key = register_.nextKey();
-  evidence.miss_weight = sensor_.evidence(false) / kUsualMiss;
+  evidence.miss_weight = sensor_.evidence(false) / usualMiss();
   kidnap_detector_.update(evidence);
   const bool is_consistent =
       kidnap_detector_.isConsistent() && kidnap_detector_.firstProvisional() == register_.nextKey();
@@ -254,8 +259,8 @@ void LandmarkSlam::relocalize() {
 /// Matches the local map in the robot frame: there, the landmarks observed last are precise, however far the
 /// robot drove while it was lost.
 LandmarkReport LandmarkSlam::observeLost(double stamp, const std::vector<LabelledObservation>& observations,
-                                         const Pose2& T_base_sensor) {
-  LandmarkReport report = local_.front().observe(stamp, observations, T_base_sensor);
+                                         const Pose2& T_base_sensor, const ScanInterpretation& how) {
+  LandmarkReport report = local_.front().observe(stamp, observations, T_base_sensor, how);
   std::fill(report.keys.begin(), report.keys.end(), std::nullopt);
   report.tentative = static_cast<int>(observations.size());
   report.associated = report.ambiguous = report.nis_dof = 0;

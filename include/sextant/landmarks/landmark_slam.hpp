@@ -110,7 +110,7 @@ class LandmarkSlam {
   LandmarkReport observeLocalized(double stamp, const std::vector<LabelledObservation>& observations,
                                   const ScanInterpretation& how);
   LandmarkReport observeLost(double stamp, const std::vector<LabelledObservation>& observations,
-                             const Pose2& T_base_sensor);
+                             const Pose2& T_base_sensor, const ScanInterpretation& how);
   std::vector<LabelledObservation> corrected(const std::vector<LabelledObservation>& observations,
                                              const Pose2& T_base_sensor) const;
   ScanAssociation groupByOutcome(const ScanInterpretation& how,

@@ -68,7 +68,6 @@ void LandmarkSlamReport::fill(diagnostic_updater::DiagnosticStatusWrapper& statu
                               const LandmarkHypotheses& all, size_t waiting, const std::string& odometry,
                               const std::string& observations) {
   const LandmarkSlam& slam = all.best();
-  const size_t hypotheses = all.size();
   const LandmarkFilter& filter = slam.filter();
   trouble_.fill(status);
   fillLevel(status, slam, odometry, observations);
@@ -77,7 +76,8 @@ void LandmarkSlamReport::fill(diagnostic_updater::DiagnosticStatusWrapper& statu
   fillTotals(status, waiting);
   latency_.fill(status);
   status.add("covariance repairs", filter.repairs());
-  status.add("hypotheses", hypotheses);
+  status.add("hypotheses", all.size());
+  status.addf("probability of the best hypothesis", "%.2f", all.probability());
   fillCalibration(status, filter);
   status.addf("noise of odometry over the stated one", "%.2f", std::sqrt(slam.noise().odometry()));
   status.addf("noise of observations over the stated one", "%.2f", std::sqrt(slam.noise().observations()));
