@@ -9,6 +9,7 @@ import socket
 import subprocess
 import time
 import unittest
+from contextlib import suppress
 from xmlrpc.client import ServerProxy
 
 import rosgraph
@@ -26,9 +27,14 @@ NODES = {
 
 
 def free_port():
-    with socket.socket() as sock:
-        sock.bind(("localhost", 0))
-        return sock.getsockname()[1]
+    """One that stays free while the master is down: outgoing connections do not get it."""
+    with open("/proc/sys/net/ipv4/ip_local_port_range", encoding="ascii") as file:
+        first_outgoing = int(file.read().split()[0])
+    for port in range(first_outgoing - 1 - os.getpid() % 1000, 1024, -1):
+        with socket.socket() as sock, suppress(OSError):
+            sock.bind(("localhost", port))
+            return port
+    raise OSError("no port is free")
 
 
 class RegistrationKeeperTest(unittest.TestCase):
@@ -49,7 +55,10 @@ class RegistrationKeeperTest(unittest.TestCase):
 
     def stop(self, process):
         process.terminate()
-        process.wait(20)
+        try:
+            process.wait(20)
+        finally:
+            process.kill()
 
     def start_master(self):
         port = self.uri.rsplit(":", 1)[1]
@@ -111,6 +120,7 @@ class RegistrationKeeperTest(unittest.TestCase):
         time.sleep(3.0)  # two looks of the keeper
         keeper = int(ServerProxy(self.master.lookupNode("/registration_keeper")).getPid("")[2])
         os.kill(keeper, signal.SIGSTOP)
+        self.addCleanup(os.kill, keeper, signal.SIGCONT)  # else a test that fails here does not end
         self.core.kill()
         self.core.wait()
         self.start_master()
