@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Measures landmark SLAM: consistency, data association, recorded drives, simulated ones with their faults,
-time, late observations, printed markers, and relocalization.
+"""Measures landmark SLAM: consistency, data association, recorded drives and their maps by all observations,
+simulated drives with their faults, time, late observations, printed markers, and relocalization.
 
 Exit status: 0 when every bar holds, 1 when one fails, 2 when something could not be measured.
 """
@@ -13,6 +13,7 @@ from command import run
 
 from landmarks.landmark_accuracy import accuracy_tables
 from landmarks.landmark_association import association_tables
+from landmarks.landmark_batch import batch_tables
 from landmarks.landmark_cost import cost_tables
 from landmarks.landmark_delay import delay_tables
 from landmarks.landmark_fusion import fusion_tables
@@ -26,6 +27,7 @@ TOPICS = {
     "association": lambda options: association_tables(options.quick),
     "victoria_park": lambda options: victoria_park_tables(options.data / "landmarks", options.quick),
     "real_drives": lambda options: real_drive_tables(options.data / "landmarks" / "mrclam", options.quick),
+    "batch": lambda options: batch_tables(options.data / "landmarks" / "mrclam", options.quick),
     "realistic": lambda options: realistic_tables(options.quick),
     "cost": lambda options: cost_tables(options.quick),
     "delay": lambda options: delay_tables(options.quick),

@@ -10,7 +10,7 @@ survey.
 
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
-from typing import List, Tuple
+from typing import Dict, List, Tuple
 
 import numpy as np
 from tables import Table, Value
@@ -84,12 +84,15 @@ def _scores(folder: Path, number: int, robot: int) -> List[Score]:
     """By row."""
     drive = read_commanded_drive(folder, number, robot)
     estimates = {name: estimated(drive, label) for name, label in LABELS.items()}
-    reference = most_probable_poses(drive, estimates[KNOWN])
+    reference, _ = most_probable_drive(drive, estimates[KNOWN])
     return [score(drive, each, reference) for each in estimates.values()]
 
 
-def most_probable_poses(drive: StampedDrive, known: Estimate) -> np.ndarray:
-    """(n, 3) after each scan, with the known ids. :param known: where the search begins"""
+def most_probable_drive(drive: StampedDrive, known: Estimate) -> Tuple[np.ndarray, Dict[int, np.ndarray]]:
+    """Poses (n, 3) after each scan and positions (2,) of the landmarks, with the known ids.
+
+    :param known: where the search begins
+    """
     stamps = np.array([stamp for stamp, _ in drive.scans]) + known.clock_offset
     scales = np.array([known.scale, known.scale, known.turn_scale])
     at_scans = _interpolated(drive, np.clip(stamps, drive.stamps[0], drive.stamps[-1]), scales)
@@ -103,7 +106,8 @@ def most_probable_poses(drive: StampedDrive, known: Estimate) -> np.ndarray:
     positions = np.array([each.position for each in observations])
     covariances = np.array([each.covariance[:2, :2] for each in observations])
     graph = DriveGraph(steps, _step_noises(drive, stamps), np.array(seen), positions, covariances)
-    return most_probable(graph, known.poses, known.landmarks)[0]
+    poses, landmarks, _ = most_probable(graph, known.poses, known.landmarks)
+    return poses, dict(zip(known.subjects, landmarks))
 
 
 def _interpolated(drive: StampedDrive, stamps: np.ndarray, scales: np.ndarray) -> np.ndarray:

@@ -93,8 +93,8 @@ def estimated(drive: StampedDrive, label: Callable[[int], object]) -> Estimate:
     timeline, begin = sextant.LandmarkSession(slam_params()).timeline, time.process_time()
     votes: Dict[int, Counter] = defaultdict(Counter)  # subjects of the observations of each key
     poses, published = [], []
-    for moment, sightings in _arriving(drive, timeline):
-        timeline.observe(moment, [_labelled(each, label) for each in sightings], np.zeros(3))
+    for moment, sightings in arriving(drive, timeline):
+        timeline.observe(moment, [labelled(each, label) for each in sightings], np.zeros(3))
         poses.append(timeline.slam.filter.pose)
         published.append(timeline.now)
         for applied in timeline.applied:
@@ -121,7 +121,7 @@ def _most_common(subjects: Counter) -> int:
     return subjects.most_common(1)[0][0] if subjects else 0
 
 
-def _arriving(drive: StampedDrive, timeline) -> Iterator[Tuple[float, List[Sighting]]]:
+def arriving(drive: StampedDrive, timeline) -> Iterator[Tuple[float, List[Sighting]]]:
     """Each scan when it arrives; the timeline is given the odometry until then."""
     next_scan = 0
     for stamp, pose in zip(drive.stamps[::EVERY], drive.poses[::EVERY]):
@@ -131,7 +131,7 @@ def _arriving(drive: StampedDrive, timeline) -> Iterator[Tuple[float, List[Sight
         timeline.odometry(stamp, pose)
 
 
-def _labelled(sighting: Sighting, label: Callable[[int], object]):
+def labelled(sighting: Sighting, label: Callable[[int], object]):
     return sextant.LabelledObservation(label(sighting.subject), sighting.observation)
 
 
@@ -140,7 +140,7 @@ def score(drive: StampedDrive, found: Estimate, reference: np.ndarray) -> Score:
     if len(known) < 2:
         return Score(False, len(known), True, found.wrong, np.inf, np.inf, found.seconds)
     surveyed = np.array([drive.positions[found.subjects[index]] for index in known])
-    distances = _aligned_distances(found.landmarks[known], surveyed)
+    distances = aligned_distances(found.landmarks[known], surveyed)
     right = {found.subjects[index] for index, distance in zip(known, distances) if distance < RIGHT}
     is_exact = len(right) == len(found.landmarks) == len(drive.positions)
     squares = np.sum((found.poses[:, :2] - reference[:, :2]) ** 2, axis=1)
@@ -155,7 +155,7 @@ def score(drive: StampedDrive, found: Estimate, reference: np.ndarray) -> Score:
     )
 
 
-def _aligned_distances(points: np.ndarray, others: np.ndarray) -> np.ndarray:
+def aligned_distances(points: np.ndarray, others: np.ndarray) -> np.ndarray:
     """(n,) after the rigid motion that fits most of them best; those that are far off do not count in it."""
     use = np.ones(len(points), bool)
     for _ in range(3):

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: Sextant authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pybind11/numpy.h>
 #include <pybind11/operators.h>
 #include <pybind11/stl.h>
 
@@ -10,6 +11,7 @@
 #include "sextant/landmarks/landmark_slam.hpp"
 #include "sextant/landmarks/landmark_timeline.hpp"
 #include "sextant/landmarks/observation_2d.hpp"
+#include "sextant/landmarks/odometry_history.hpp"
 #include "sextant/landmarks/odometry_noise.hpp"
 
 namespace py = pybind11;
@@ -70,6 +72,9 @@ void bindLabels(py::module_& module) {
 void bindObservations(py::module_& module) {
   bindLandmarks2D(module);
   bindLabels(module);
+  module.def("log_density", py::vectorize(logDensity), "distance"_a, "root_determinant"_a,
+             "Logarithm of the density of an observation, 1/m^2, with a share of gross errors: squared "
+             "Mahalanobis distance, square root of the determinant of its covariance, m^2");
 }
 
 void bindOdometrySteps(py::module_& module) {
@@ -81,6 +86,19 @@ void bindOdometrySteps(py::module_& module) {
       [](const Pose2& step, const OdometryNoiseParams& params) { return noisyStep(step, params).noise; },
       "step"_a, "params"_a,
       "Covariance (3, 3) of a short step (3,) x, y, heading, in the frame at its beginning");
+  py::class_<OdometryStep>(module, "OdometryStep", "A motion of the robot with its noise.")
+      .def_readonly("step", &OdometryStep::step, "(3,) x, y, heading in the frame at its beginning")
+      .def_readonly("noise", &OdometryStep::noise, "covariance (3, 3), in the frame at its beginning")
+      .def_readonly("distance", &OdometryStep::distance, "metres driven")
+      .def_readonly("turn", &OdometryStep::turn, "radians turned, not wrapped");
+  py::class_<OdometryHistory>(module, "OdometryHistory", "Odometry readings.")
+      .def(py::init<const OdometryNoiseParams&, double>(), "params"_a, "span"_a,
+           "span: seconds of readings that are kept")
+      .def("add", &OdometryHistory::add, "stamp"_a, "T_odom_base"_a,
+           "Adds a pose (3,), stamp in seconds; False: ignored, it is not newer than the last one")
+      .def("at", &OdometryHistory::at, "stamp"_a, "Interpolated pose (3,), or None: outside of the readings")
+      .def("between", &OdometryHistory::between, "begin"_a, "end"_a,
+           "OdometryStep between two stamps, or None: one is outside of the readings");
 }
 
 void updateKnown(LandmarkFilter& self, const std::vector<size_t>& landmarks,

@@ -5,6 +5,7 @@
 #include "marker_casters.hpp"
 #include "params.hpp"
 #include "pose_casters.hpp"
+#include "sextant/mapping/landmark_adjustment.hpp"
 #include "sextant/mapping/map_maker.hpp"
 
 namespace py = pybind11;
@@ -130,13 +131,67 @@ void bindMapMaker(py::module_& module) {
       "RuntimeError if no marker can be located.");
 }
 
+void bindLandmarkDrives(py::module_& module) {
+  py::class_<LandmarkDrives>(
+      module, "LandmarkDrives",
+      "What was measured on drives among landmarks, with the landmark of each observation.")
+      .def(py::init([](const std::optional<Pose2>& first_pose, std::vector<Landmark2D> known,
+                       const Eigen::MatrixXd& covariance) {
+             return LandmarkDrives{{}, {}, first_pose, std::move(known), covariance};
+           }),
+           "first_pose"_a, "known"_a, "covariance"_a,
+           "first_pose (3,) in the map, or None: unknown; known: first landmarks of the map, as they were "
+           "known before; covariance of both")
+      .def(
+          "add_step",
+          [](LandmarkDrives& self, size_t before, const OdometryStep& step, bool may_slip) {
+            self.steps.push_back({before, step, may_slip});
+          },
+          "before"_a, "step"_a, "may_slip"_a = false,
+          "Adds an OdometryStep from the pose with this index to the next; may_slip: the robot may have been "
+          "carried away")
+      .def(
+          "add_sighting",
+          [](LandmarkDrives& self, size_t pose, size_t landmark, const Observation2D& observation,
+             const Pose2& T_base_sensor) {
+            self.sightings.push_back({pose, landmark, observation, T_base_sensor});
+          },
+          "pose"_a, "landmark"_a, "observation"_a, "T_base_sensor"_a = Pose2{},
+          "Adds an Observation2D, in the robot frame, of the landmark with this index");
+}
+
+void bindAdjustedLandmarks(py::module_& module) {
+  py::class_<AdjustedLandmarks>(module, "AdjustedLandmarks", "Drives and map that were estimated together.")
+      .def(py::init([](std::vector<Pose2> poses, std::vector<Landmark2D> landmarks, double scale,
+                       double turn_scale, double bearing) {
+             return AdjustedLandmarks{std::move(poses), std::move(landmarks), scale, turn_scale, bearing, {}};
+           }),
+           "poses"_a, "landmarks"_a, "scale"_a = 1.0, "turn_scale"_a = 1.0, "bearing"_a = 0.0)
+      .def_readonly("poses", &AdjustedLandmarks::poses, "list of (3,) in the map")
+      .def_readonly("landmarks", &AdjustedLandmarks::landmarks, "list of Landmark2D")
+      .def_readonly("scale", &AdjustedLandmarks::scale, "as LandmarkFilter.scale")
+      .def_readonly("turn_scale", &AdjustedLandmarks::turn_scale, "as LandmarkFilter.turn_scale")
+      .def_readonly("bearing", &AdjustedLandmarks::bearing, "as LandmarkFilter.bearing, radians")
+      .def_readonly("covariance", &AdjustedLandmarks::covariance,
+                    "(n, n) of x, y, heading of the last pose, then x, y[, heading] of each landmark");
+  module.def(
+      "adjust_landmarks", &adjustLandmarks, "measured"_a, "params"_a, "begin"_a,
+      py::call_guard<py::gil_scoped_release>(),
+      "The most probable poses and landmarks of LandmarkDrives, AdjustedLandmarks; params: the "
+      "LandmarkFilterParams whose standard deviations say which errors are estimated; begin: where the "
+      "search begins. RuntimeError: the observations do not determine all of them");
+}
+
 }  // namespace
 }  // namespace sextant
 
 PYBIND11_MODULE(mapping, module) {
-  module.doc() = "Makes marker maps from recordings.";
+  module.doc() = "Makes maps from recordings.";
   py::module_::import("sextant._core.geometry");
   py::module_::import("sextant._core.markers");
   py::module_::import("sextant._core.localization");
+  py::module_::import("sextant._core.landmarks");
   sextant::bindMapMaker(module);
+  sextant::bindLandmarkDrives(module);
+  sextant::bindAdjustedLandmarks(module);
 }

@@ -1,15 +1,17 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Builds a landmark map from recorded drives, with the same results as the nodelet landmark_slam.
+"""Builds a landmark map from recorded drives, by all observations together.
 
 map_landmarks drive.bag -o map.yaml --plot map.png             the initial pose is the origin of the map
 map_landmarks drive.bag --start-map map.yaml --read-only --trajectory poses.tum        only localizes
 map_landmarks next.bag -o better.yaml --start-map map.yaml --lost         starts at an unknown pose
+
+It runs the filter of the nodelet landmark_slam first; --online gives its results.
 """
 
 import argparse
 from pathlib import Path
-from typing import List, Optional, Sequence
+from typing import List, Optional, Sequence, Tuple
 
 from tqdm import tqdm
 
@@ -20,8 +22,9 @@ from sextant.base.strict_params import parse_struct
 from sextant.commands.bag_options import pair, read_mounts
 from sextant.commands.command_line import Answer, CommandParser, check_output, run
 from sextant.evaluation.trajectory_files import SEPARATORS, write_trajectory
+from sextant.landmarks.batch_map import batch_map
 from sextant.landmarks.landmark_drawing import ENDINGS, write_plot
-from sextant.landmarks.slam_run import SlamRun
+from sextant.landmarks.slam_run import LandmarkResult, SlamRun
 from sextant.landmarks.slam_summary import summary, warnings
 
 
@@ -34,6 +37,9 @@ def _parser() -> CommandParser:
     parser = CommandParser(prog="map_landmarks", description=__doc__)
     parser.add_argument("bags", nargs="+", metavar="BAG", help="bag with odometry, and landmarks or markers")
     parser.add_argument("--params", metavar="YAML", help="parameters of the nodelet landmark_slam")
+    parser.add_argument(
+        "--online", action="store_true", help="the map and the poses of landmark_slam, without an adjustment"
+    )
     parser.add_argument("--force", action="store_true", help="overwrite existing files")
     _add_outputs(parser.add_argument_group("outputs"))
     _add_start(parser.add_argument_group("initial map"))
@@ -93,8 +99,20 @@ def _make(options: argparse.Namespace) -> Answer:
         notes = run_on_bags(
             options.bags, _topics(options, params), slam_run, lambda share: bar.update(100 * share - bar.n)
         )
-    problems = [f"warning: {warning}" for warning in warnings(slam_run)]
-    return Answer([*notes, *summary(slam_run), *problems, *_written(options, slam_run)])
+    result, problems = _result(slam_run, options.online or params.read_only)
+    lines = [*notes, *summary(slam_run, result)]
+    problems = [f"warning: {warning}" for warning in [*warnings(slam_run), *problems]]
+    return Answer([*lines, *problems, *_written(options, result)])
+
+
+def _result(slam_run: SlamRun, is_online: bool) -> Tuple[LandmarkResult, List[str]]:
+    """And what prevented an adjustment."""
+    if is_online or not slam_run.session.map.landmarks:
+        return slam_run.result(), []
+    try:
+        return batch_map(slam_run), []
+    except RuntimeError as error:
+        return slam_run.result(), [f"{error}: the map is that of the filter"]
 
 
 def _check_outputs(options: argparse.Namespace) -> None:
@@ -134,21 +152,21 @@ def _topics(options: argparse.Namespace, params: "sextant.LandmarkSlamNodeParams
     )  # fmt: skip
 
 
-def _written(options: argparse.Namespace, slam_run: SlamRun) -> List[str]:
+def _written(options: argparse.Namespace, result: LandmarkResult) -> List[str]:
     """Writes the outputs. :returns: a line on each"""
     lines = []
     if options.output:
-        slam_run.session.save(str(options.output))
+        sextant.write_landmark_map(result.map, str(options.output))
         lines.append(f"{options.output}: written")
     if options.trajectory:
         poses = {
             stamp: sextant.pose_from_xyz_rpy([x, y, 0.0], [0.0, 0.0, heading])
-            for segment in slam_run.segments
+            for segment in result.segments
             for stamp, (x, y, heading) in segment.robot.items()
         }
         write_trajectory(options.trajectory, poses)
-        lines.append(f"{options.trajectory}: {len(poses)} poses, as estimated online")
+        lines.append(f"{options.trajectory}: {len(poses)} poses")
     if options.plot:
-        write_plot(options.plot, slam_run)
+        write_plot(options.plot, result)
         lines.append(f"{options.plot}: plot from above")
     return lines

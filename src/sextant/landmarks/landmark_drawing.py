@@ -14,7 +14,7 @@ from matplotlib.patches import Ellipse
 import sextant
 from sextant.base.plot_file import new_figure, save_figure
 from sextant.landmarks.landmark_colours import colour_of_class
-from sextant.landmarks.slam_run import DriveSegment, SlamRun
+from sextant.landmarks.slam_run import DriveSegment, LandmarkResult
 
 SIGMAS = 2.0  # semi-axes of the ellipses, standard deviations
 WIDTH, MIN_HEIGHT, MAX_HEIGHT = 10.0, 4.0, 12.0  # inches of the plot itself
@@ -26,14 +26,14 @@ ROBOT_COLOUR, ODOMETRY_COLOUR = "#333333", "#b5b5b5"
 ENDINGS = (".png", ".pdf", ".svg")
 
 
-def write_plot(path: Union[str, Path], run: SlamRun) -> None:
+def write_plot(path: Union[str, Path], result: LandmarkResult) -> None:
     """Plots landmarks in their classes' colours with 2-sigma ellipses, and the paths of robot and odometry.
 
     :param path: image file; its ending sets the format (ENDINGS)
     :raises OSError: it cannot be written
     """
-    landmark_map = run.session.map
-    segments = [segment for segment in run.segments if segment.robot]
+    landmark_map = result.map
+    segments = [segment for segment in result.segments if segment.robot]
     low, high = _limits(landmark_map, segments)
     legend = _legend(landmark_map)
     above = ABOVE + LEGEND_ROW * -(-len(legend) // LEGEND_COLUMNS)

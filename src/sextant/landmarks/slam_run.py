@@ -5,11 +5,21 @@
 from collections import Counter
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Dict, NamedTuple, Sequence
+from typing import Dict, List, NamedTuple, Optional, Sequence
 
 import numpy as np
 
 import sextant
+
+
+@dataclass
+class RecordedScan:
+    """One scan of a sensor."""
+
+    stamp: float  # seconds
+    observations: Sequence["sextant.LabelledObservation"]  # in the robot frame
+    T_base_sensor: np.ndarray  # (3,)
+    keys: Sequence[Optional[int]] = ()  # of the landmarks of the observations, if they were associated
 
 
 class DriveSegment(NamedTuple):
@@ -17,6 +27,16 @@ class DriveSegment(NamedTuple):
 
     odometry: Dict[int, np.ndarray]  # in the odometry frame
     robot: Dict[int, np.ndarray]  # in the map frame, while not lost
+    scans: List[RecordedScan]  # in order of arrival
+
+
+class LandmarkResult(NamedTuple):
+    """Map and drives, online or by all observations."""
+
+    map: "sextant.LandmarkMap"  # with the last pose of the robot
+    observations: List[int]  # number of each landmark
+    segments: List[DriveSegment]  # of all drives
+    notes: List[str] = []  # how it was estimated
 
 
 @dataclass
@@ -60,7 +80,9 @@ class SlamRun:
             raise ValueError(f"{params.map_file}: there is no such file")
         self.params, self.session = params, sextant.LandmarkSession(params)
         self.timeline = self.session.timeline
-        self.tally, self.segments = SlamTally(), [DriveSegment({}, {})]
+        self.first_map, self.first_keys = self.session.map, self.timeline.slam.keys
+        self._waiting: List[RecordedScan] = []
+        self.tally, self.segments = SlamTally(), [DriveSegment({}, {}, [])]
 
     def odometry(self, stamp: int, T_odom_base: np.ndarray) -> bool:
         """Adds an odometry pose (3,) x, y, heading, stamp in nanoseconds.
@@ -71,7 +93,7 @@ class SlamRun:
         if not self.timeline.odometry(seconds_of(stamp), T_odom_base):
             return False
         if self.timeline.jumps > jumps:
-            self.segments.append(DriveSegment({}, {}))
+            self.segments.append(DriveSegment({}, {}, []))
         self._count_applied()
         self._count(stamp, T_odom_base)
         now = None if self.timeline.is_lost else self.timeline.now
@@ -101,17 +123,30 @@ class SlamRun:
         if arrival == sextant.Arrival.TOO_LATE:
             moment = seconds_of(stamp) + self.params.timeline.clock_offset
             self.tally.early += moment < seconds_of(next(iter(self.segments[-1].odometry), stamp))
+        if arrival not in (sextant.Arrival.DUPLICATE, sextant.Arrival.TOO_LARGE):
+            scan = RecordedScan(seconds_of(stamp), observations, np.asarray(T_base_sensor))
+            self.segments[-1].scans.append(scan)
+            if arrival != sextant.Arrival.TOO_LATE:
+                self._waiting.append(scan)
         self._count_applied()
         return arrival
 
     def _count_applied(self) -> None:
         for applied in self.timeline.applied:
             self.tally.add(applied.report)
+            scan = next(each for each in self._waiting if each.stamp == applied.stamp)
+            scan.keys = applied.report.keys
+            self._waiting.remove(scan)
+
+    def result(self) -> LandmarkResult:
+        """As estimated online."""
+        counts = [self.tally.observations[key] for key in self.timeline.slam.keys]
+        return LandmarkResult(self.session.map, counts, self.segments)
 
     def start_drive(self) -> None:
         """Starts another drive: restarts odometry and keeps the map; the robot is lost."""
         self.session.restart()
-        self.segments.append(DriveSegment({}, {}))
+        self.segments.append(DriveSegment({}, {}, []))
 
 
 def seconds_of(stamp: int) -> float:

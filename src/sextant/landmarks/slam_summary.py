@@ -8,21 +8,21 @@ from typing import Dict, List
 import numpy as np
 
 import sextant
-from sextant.landmarks.slam_run import SlamRun
+from sextant.landmarks.slam_run import LandmarkResult, SlamRun
 
 NIS_BAND = (0.7, 1.4)  # of the mean NIS per degree of freedom, within which the noise may be correct
 MIN_NIS_DOF = 100  # degrees of freedom, below which the mean NIS is not significant
 MAX_LOST_SHARE = 0.2  # of the time, above which there is a warning
 
 
-def summary(run: SlamRun) -> List[str]:
+def summary(run: SlamRun, result: LandmarkResult) -> List[str]:
     """Lines on the drive, each class of landmarks, the observations and the changes of the map."""
     tally = run.tally
     drives = sum(bool(segment.odometry) for segment in run.segments)
     drive = f"{tally.distance:.1f} m in {tally.duration:.1f} s"
     drive += f", {drives} drives" if drives > 1 else ""
     drive += f", lost for {tally.lost:.1f} s" if tally.lost else ""
-    lines = [drive, *_classes(run)]
+    lines = [drive, *_classes(result), *result.notes]
     lines.append(
         f"observations: {tally.associated} associated, {tally.ambiguous} ambiguous, {tally.rejected} rejected"
     )
@@ -33,14 +33,12 @@ def summary(run: SlamRun) -> List[str]:
     return lines
 
 
-def _classes(run: SlamRun) -> List[str]:
-    slam = run.timeline.slam
-    covariance, at, of_class = slam.filter.covariance, 3, defaultdict(list)
-    for landmark, label, key in zip(slam.filter.landmarks, slam.labels, slam.keys):
+def _classes(result: LandmarkResult) -> List[str]:
+    covariance, at, of_class = result.map.covariance, 3, defaultdict(list)
+    for landmark, label, count in zip(result.map.landmarks, result.map.labels, result.observations):
         block = covariance[at : at + 2, at : at + 2]
         at += 2 if landmark.heading is None else 3
-        sigma = np.sqrt(np.linalg.eigvalsh(block)[-1])
-        of_class[label.class_name].append((sigma, run.tally.observations[key]))
+        of_class[label.class_name].append((np.sqrt(np.linalg.eigvalsh(block)[-1]), count))
     return [_class(name, rows) for name, rows in sorted(of_class.items())] or ["no landmark"]
 
 

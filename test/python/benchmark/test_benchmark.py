@@ -253,6 +253,14 @@ def test_quick_run_of_recorded_drives_among_landmarks(tmp_path):
 
 
 @pytest.mark.slow
+@pytest.mark.skipif(not (EXTERNAL / "landmarks").is_dir(), reason="external test data")
+def test_quick_run_of_maps_of_recorded_drives(tmp_path):
+    (table,) = tables_of("landmarks.py", "batch", tmp_path)
+    for row in table["rows"]:
+        assert row["maps exact"]["value"] == 1 and 0.8 < row["over known ids: median"]["value"] < 1.2
+
+
+@pytest.mark.slow
 def test_quick_run_of_the_cost_of_landmarks(tmp_path):
     cost, same = tables_of("landmarks.py", "cost", tmp_path)
     assert cost["rows"][-1]["of the textbook's"]["value"] < 1

@@ -94,7 +94,7 @@ def test_the_figures_are_those_of_the_timeline_bit_for_bit(tmp_path):
             poses[stamp.to_nsec()] = timeline.now.pose
         else:
             timeline.observe(seconds, [labelled(each) for each in message.observations])
-    mapped(tmp_path, bag, "--trajectory", str(tmp_path / "poses.tum"))
+    mapped(tmp_path, bag, "--online", "--trajectory", str(tmp_path / "poses.tum"))
     assert {stamp: T[:2, 3].tolist() for stamp, T in read_trajectory(tmp_path / "poses.tum").items()} == {
         stamp: pose[:2].tolist() for stamp, pose in poses.items()
     }
@@ -121,10 +121,10 @@ def test_what_comes_late_twice_or_out_of_order_changes_nothing(tmp_path, capsys)
             all_of[i - 1 : i + 1] = all_of[i - 1 : i + 1][::-1]
         return [each for i, each in enumerate(zip(arrivals, all_of)) for _ in range(1 + (i % 5 == 0))]
 
-    plain = mapped(tmp_path, written(tmp_path, delay=0.4))
-    assert mapped(tmp_path, written(tmp_path, delay=0.4, arrivals=disorder)) == plain
+    plain = mapped(tmp_path, written(tmp_path, delay=0.4), "--online")
+    assert mapped(tmp_path, written(tmp_path, delay=0.4, arrivals=disorder), "--online") == plain
     assert "60 of 360 scans are duplicates" in capsys.readouterr().out
-    assert mapped(tmp_path, written(tmp_path, delay=0.0)) == plain
+    assert mapped(tmp_path, written(tmp_path, delay=0.0), "--online") == plain
 
 
 def test_two_sensors_may_look_at_one_moment(tmp_path, capsys):
