@@ -178,7 +178,7 @@ void bindAdjustedLandmarks(py::module_& module) {
       "adjust_landmarks", &adjustLandmarks, "measured"_a, "params"_a, "begin"_a,
       py::call_guard<py::gil_scoped_release>(),
       "The most probable poses and landmarks of LandmarkDrives, AdjustedLandmarks; params: the "
-      "LandmarkFilterParams whose standard deviations say which errors are estimated; begin: where the "
+      "LandmarkFilterParams whose standard deviations select the errors that are estimated; begin: where the "
       "search begins. RuntimeError: the observations do not determine all of them");
 }
 

@@ -10,6 +10,7 @@ from typing import Iterable, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
+from scipy.spatial import cKDTree
 
 import sextant
 from sextant.geometry.plane_poses import in_frame, rotation
@@ -19,6 +20,7 @@ JOIN_DISTANCE = 1.5  # metres between two landmarks that may be the same
 POSE_SHARE = 1.0  # variance of a predicted observation by the errors of pose and map, over that of the sensor
 DETECTION = (0.1, 0.95)  # bounds of the estimated detection probability
 PRIOR_COUNT = 4.0  # landmarks in view that weigh as much as the parameter
+FAR = 1e6  # metres between observations of two classes
 LEAST_OBSERVATIONS = 3  # of a new landmark
 MARGIN = 1.0  # metres beyond the sensor's range within which observations may be
 
@@ -114,24 +116,22 @@ class BatchAssociation:
     def _with_new(self, landmarks: Map) -> Map:
         unused = self._unused(landmarks)
         while len(unused):
-            positions, widths, classes = unused.T[:2].T, unused[:, 2], unused[:, 3].astype(int)
-            near = (np.hypot(*(positions[:, None] - positions[None]).transpose(2, 0, 1)) < 3 * widths) & (
-                classes[:, None] == classes[None]
-            )
-            best = int(np.argmax(near.sum(axis=1)))
-            members = near[best]
-            if members.sum() < LEAST_OBSERVATIONS:
+            positions, widths, classes = unused[:, :2], unused[:, 2], unused[:, 3].astype(int)
+            points = np.column_stack([positions, FAR * classes])
+            near = cKDTree(points).query_ball_point(points, 3 * widths)
+            members = max(near, key=len)
+            if len(members) < LEAST_OBSERVATIONS:
                 return landmarks
             place = np.median(positions[members], axis=0)
             more = Map(
                 np.vstack([landmarks.positions, place]),
-                np.append(landmarks.classes, classes[best]),
+                np.append(landmarks.classes, classes[members[0]]),
                 landmarks.fixed,
-                np.append(landmarks.detection, self._rate(place, int(members.sum()))),
+                np.append(landmarks.detection, self._rate(place, len(members))),
             )
             if self._gain(landmarks, more, place[None]) > LANDMARK_COST:
                 landmarks = more
-            unused = unused[~members]
+            unused = np.delete(unused, members, axis=0)
         return landmarks
 
     def _rate(self, place: np.ndarray, detected: int) -> float:

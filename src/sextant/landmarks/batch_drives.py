@@ -45,8 +45,8 @@ def _joined(first: BatchDrives, then: BatchDrives) -> BatchDrives:
 
 
 def _of_segment(run: SlamRun, index: int, segment: DriveSegment) -> Optional[BatchDrives]:
-    """Nothing if the robot was lost all the time."""
-    if not segment.robot:
+    """Nothing if the robot was lost all the time, or there is no motion: a single reading of odometry."""
+    if not segment.robot or len(segment.odometry) < 2:
         return None
     history = sextant.OdometryHistory(run.params.timeline.odometry, np.inf)
     for stamp, pose in segment.odometry.items():

@@ -107,6 +107,14 @@ def test_landmarks_that_were_known_stay_first_and_hold_the_frame():
         assert landmark.position == pytest.approx(position, abs=0.01)
 
 
+def test_a_single_reading_of_odometry_after_a_jump_is_left_out():
+    world = world_of(3, duration=30.0)
+    run, _ = run_on(world)
+    assert run.odometry(round(40e9), np.array([500.0, 0.0, 0.0]))
+    made = batch_map(run)
+    assert len(made.segments) == 2 and made.segments[0].robot and not made.segments[1].robot
+
+
 def test_a_robot_that_never_knew_its_pose_gives_no_map():
     params = sextant.LandmarkSlamNodeParams()
     run = SlamRun(params)
