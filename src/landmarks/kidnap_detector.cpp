@@ -9,6 +9,7 @@ namespace sextant {
 namespace {
 
 constexpr double kMissesPerConfirmation = 3;  // that a scan which confirms the map cancels
+constexpr double kMissesPerSlip = 3;          // odometry rarely slips: several slips in a row did not happen
 constexpr int kMinConfirmations = 3;          // successive scans: one or two may be mistaken
 
 }  // namespace
@@ -29,16 +30,24 @@ void KidnapDetector::update(const Evidence& evidence) {
 }
 
 void KidnapDetector::updateMisses(int observed, const std::vector<int>& missed, const Evidence& evidence) {
-  const int contradictions = static_cast<int>(missed.size()) + evidence.contradictions;
+  // One unknown observation may be a false alarm.
+  const int foreign = evidence.is_complete ? std::max(0, evidence.unknown - 1) : 0;
+  const int contradicting = evidence.contradictions + foreign;
+  const int contradictions = static_cast<int>(missed.size()) + contradicting;
   const int unknown = evidence.unknown + static_cast<int>(evidence.observed.size()) - observed;
-  if (observed > contradictions + unknown) {
+  // At a wrong pose some landmarks are observed by chance: then most observations contradict a complete map.
+  const bool is_contradicted =
+      evidence.is_complete ? contradictions > observed : observed == 0 && contradictions > 0;
+  if (evidence.slipped) {
+    misses_ += kMissesPerSlip;
+    contradicted_ = true;
+  } else if (observed > contradictions + unknown) {
     misses_ = std::max(0.0, misses_ - kMissesPerConfirmation);
-  } else if (observed == 0 && contradictions > 0) {
-    misses_ += evidence.contradictions > 0
-                   ? 1.0
-                   : std::min(1.0, evidence.miss_weight * static_cast<double>(missed.size()));
+  } else if (is_contradicted) {
+    misses_ +=
+        contradicting > 0 ? 1.0 : std::min(1.0, evidence.miss_weight * static_cast<double>(missed.size()));
     missed_.insert(missed.begin(), missed.end());
-    contradicted_ = contradicted_ || evidence.contradictions > 0;
+    contradicted_ = contradicted_ || contradicting > 0;
   }
   if (!isConsistent()) return;
   missed_.clear();

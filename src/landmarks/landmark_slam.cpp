@@ -115,7 +115,7 @@ LandmarkReport LandmarkSlam::observeLocalized(double stamp,
   }
   register_.noteMisses(scan.missed, scan.observed);
   unused_.observe(stamp, scan.unused);
-  detectKidnapping(scan, report);
+  detectKidnapping(scan, report, how.slipped);
   if (isLost()) {
     report.lost = true;
   } else if (!params_.read_only) {
@@ -206,13 +206,14 @@ void LandmarkSlam::initialize(double stamp, const std::vector<LabelledObservatio
 
 // ---- kidnapping and relocalization
 
-void LandmarkSlam::detectKidnapping(const ScanAssociation& scan, const LandmarkReport& report) {
+void LandmarkSlam::detectKidnapping(const ScanAssociation& scan, const LandmarkReport& report, bool slipped) {
   KidnapDetector::Evidence evidence;
   for (const size_t landmark : scan.observed) evidence.observed.push_back(keys()[landmark]);
   for (const size_t landmark : scan.missed) evidence.missed.push_back(keys()[landmark]);
   evidence.unknown = static_cast<int>(scan.unknown.size());
   evidence.contradictions = report.rejected;
-  if (params_.read_only) evidence.contradictions += evidence.unknown / 2;  // not all are false alarms
+  evidence.slipped = slipped;
+  evidence.is_complete = params_.read_only;
   evidence.next_key = register_.nextKey();
   evidence.miss_weight = sensor_.evidence(false) / usualMiss();
   kidnap_detector_.update(evidence);

@@ -19,6 +19,8 @@ class KidnapDetector {
     int unknown = 0;            ///< observations of landmarks that are not in the map
     int next_key = 0;           ///< key of the next new landmark
     double miss_weight = 1;     ///< of a missed landmark, in scans: less for a sensor that misses many
+    bool slipped = false;       ///< whether odometry is taken to have slipped before the scan
+    bool is_complete = false;   ///< whether the map is complete: then unknown landmarks contradict it
   };
 
   /// @param lost_after number of scans that contradict the map, less those that confirm it, after which the

@@ -119,7 +119,7 @@ class LandmarkSlam {
   bool canInitialize(const LabelledObservation& seen) const;
   void initialize(double stamp, const std::vector<LabelledObservation>& unknown, LandmarkReport& report);
   void countDetections(const ScanAssociation& scan);
-  void detectKidnapping(const ScanAssociation& scan, const LandmarkReport& report);
+  void detectKidnapping(const ScanAssociation& scan, const LandmarkReport& report, bool slipped);
   bool provisionalLandmarksMatchElsewhere();
   void applyMatch(const LandmarkMapMatch& match);
   void clearHypotheses();

@@ -63,6 +63,47 @@ TEST(KidnapDetector, OneLandmarkAmongUnknownOnesCancelsNothing) {
   EXPECT_TRUE(detector.isLost());
 }
 
+TEST(KidnapDetector, UnknownLandmarksContradictACompleteMap) {
+  KidnapDetector::Evidence evidence = evidenceOf({1}, {}, 4);  // at a wrong pose, one is associated by chance
+  KidnapDetector mapping = makeDetector();
+  update(mapping, 1000, evidence);
+  EXPECT_TRUE(mapping.isConsistent());
+  evidence.is_complete = true;
+  KidnapDetector complete = makeDetector();
+  update(complete, 9, evidence);
+  EXPECT_FALSE(complete.isLost());
+  update(complete, 1, evidence);
+  EXPECT_TRUE(complete.isLost());
+}
+
+TEST(KidnapDetector, AFewUnknownLandmarksDoNotContradictACompleteMap) {
+  KidnapDetector::Evidence evidence = evidenceOf({1, 2}, {}, 4);
+  evidence.is_complete = true;
+  KidnapDetector detector = makeDetector();
+  update(detector, 1000, evidence);
+  EXPECT_TRUE(detector.isConsistent());
+}
+
+TEST(KidnapDetector, MissedLandmarksContradictACompleteMapAlsoIfOneIsObserved) {
+  KidnapDetector::Evidence evidence = evidenceOf({1}, {2, 3});
+  evidence.is_complete = true;
+  KidnapDetector detector = makeDetector();
+  update(detector, 10, evidence);
+  EXPECT_TRUE(detector.isLost());
+}
+
+TEST(KidnapDetector, SlipsInARowMakeTheRobotLost) {
+  KidnapDetector::Evidence slip = evidenceOf({1, 2}, {});
+  slip.slipped = true;
+  KidnapDetector once = makeDetector();
+  update(once, 1, slip);
+  update(once, 1, evidenceOf({1, 2}, {}));
+  EXPECT_TRUE(once.isConsistent());
+  KidnapDetector often = makeDetector();
+  update(often, 4, slip);
+  EXPECT_TRUE(often.isLost());
+}
+
 TEST(KidnapDetector, AnEmptyScanChangesNothing) {
   KidnapDetector detector = makeDetector();
   update(detector, 9, evidenceOf({}, {1, 2}));
