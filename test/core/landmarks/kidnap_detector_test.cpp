@@ -77,7 +77,7 @@ TEST(KidnapDetector, UnknownLandmarksContradictACompleteMap) {
 }
 
 TEST(KidnapDetector, AFewUnknownLandmarksDoNotContradictACompleteMap) {
-  KidnapDetector::Evidence evidence = evidenceOf({1, 2}, {}, 4);
+  KidnapDetector::Evidence evidence = evidenceOf({1, 2}, {}, 3);
   evidence.is_complete = true;
   KidnapDetector detector = makeDetector();
   update(detector, 1000, evidence);
