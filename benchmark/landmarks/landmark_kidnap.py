@@ -60,9 +60,7 @@ class Check(NamedTuple):
 def kidnap_tables(quick: bool) -> List[Table]:
     """One table; a quick run is of few drives, without bars."""
     runs = 2 if quick else RUNS
-    rows = [
-        _row(name, [outcome(checks(seed, name)) for seed in range(runs)], quick) for name in FOUND
-    ]
+    rows = [_row(name, [outcome(checks(seed, name)) for seed in range(runs)], quick) for name in FOUND]
     return [Table(f"{runs} drives of the demo, carried away after {BEFORE:g} s", COLUMNS, rows)]
 
 
