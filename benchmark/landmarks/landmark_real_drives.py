@@ -95,7 +95,7 @@ def most_probable_drive(drive: StampedDrive, known: Estimate) -> Tuple[np.ndarra
     """
     stamps = np.array([stamp for stamp, _ in drive.scans]) + known.clock_offset
     scales = np.array([known.scale, known.scale, known.turn_scale])
-    at_scans = _interpolated(drive, np.clip(stamps, drive.stamps[0], drive.stamps[-1]), scales)
+    at_scans = interpolated(drive, np.clip(stamps, drive.stamps[0], drive.stamps[-1]), scales)
     steps = np.array([relative(*pair) for pair in zip(at_scans, at_scans[1:])])
     index_of = {subject: index for index, subject in enumerate(known.subjects)}
     seen, observations = [], []
@@ -110,7 +110,7 @@ def most_probable_drive(drive: StampedDrive, known: Estimate) -> Tuple[np.ndarra
     return poses, dict(zip(known.subjects, landmarks))
 
 
-def _interpolated(drive: StampedDrive, stamps: np.ndarray, scales: np.ndarray) -> np.ndarray:
+def interpolated(drive: StampedDrive, stamps: np.ndarray, scales: np.ndarray) -> np.ndarray:
     """Poses (n, 3) at other stamps, by odometry whose steps are multiplied by scales (3,)."""
     poses = [drive.poses[0]]
     for pair in zip(drive.poses, drive.poses[1:]):

@@ -4,8 +4,9 @@
 
 Odometry is the command: it leads the motion, its distances and angles have scales. Ranges have gross errors,
 the sensor's mount is off, nothing is detected for a while, and detections jump between neighbours. Each drive
-draws its faults from the ranges FAULTS, which are those of the recorded drives; the filter is given the same
-parameters as there. NEES is over its three degrees of freedom.
+draws its faults from the ranges FAULTS, which are those of the recorded drives, as are motion and noise in
+WORLD (landmark_drive_figures compares them); the filter is given the same parameters as there. NEES is over
+its three degrees of freedom.
 """
 
 from concurrent.futures import ProcessPoolExecutor
@@ -39,7 +40,7 @@ FAULTS: Dict[str, Tuple[float, float]] = {  # least and largest
     "bearing_noise": (0.006, 0.018),
     "bearing_offset": (-0.014, 0.014),
     "gross_error_probability": (0.001, 0.02),
-    "gap_probability": (0.3, 1.5),
+    "gap_probability": (0.0, 0.4),
     "detection_probability": (0.1, 0.5),
     "jump_probability": (0.0, 0.01),
 }
@@ -49,13 +50,13 @@ WORLD = {
     "half_side": 4.5,
     "max_range": 6.0,
     "field_of_view": 1.2,
-    "speed": 0.15,
-    "turn_rate": 0.4,
-    "rotation_from_rotation": 0.1,
+    "speed": 0.055,
+    "turn_rate": 0.18,
+    "rotation_from_rotation": 0.12,
     "rotation_from_translation": 0.05,
-    "translation_from_translation": 0.05,
-    "translation_from_rotation": 0.02,
-    "lateral_from_translation": 0.03,
+    "translation_from_translation": 0.08,
+    "translation_from_rotation": 0.03,
+    "lateral_from_translation": 0.05,
 }
 SEPARATIONS = {KNOWN: 0.4, "three classes": 0.4, "one class": 0.8}  # m, between two landmarks
 COLUMNS = [

@@ -254,6 +254,17 @@ def test_quick_run_of_recorded_drives_among_landmarks(tmp_path):
 
 @pytest.mark.slow
 @pytest.mark.skipif(not (EXTERNAL / "landmarks").is_dir(), reason="external test data")
+def test_quick_run_of_the_figures_of_drives(tmp_path):
+    (table,) = tables_of("landmarks.py", "drive_figures", tmp_path)
+    recorded, simulated, ratio = table["rows"]
+    assert 3 < recorded["observations a second"]["value"] < 7
+    for name in ("moved in 10 s, m", "odometry off, m: median"):
+        assert 0.3 < ratio[name]["value"] < 3
+        assert ratio[name]["value"] == pytest.approx(simulated[name]["value"] / recorded[name]["value"])
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not (EXTERNAL / "landmarks").is_dir(), reason="external test data")
 def test_quick_run_of_maps_of_recorded_drives(tmp_path):
     (table,) = tables_of("landmarks.py", "batch", tmp_path)
     for row in table["rows"]:
