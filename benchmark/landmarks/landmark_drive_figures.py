@@ -20,7 +20,7 @@ from landmarks.stamped_drive import KNOWN, LABELS, StampedDrive, estimated
 from sextant.geometry.plane_poses import relative, wrapped
 from sextant.simulation.landmark_world import LandmarkWorld
 
-RUNS, QUICK_RUNS, QUICK_DURATION = 15, 1, 120.0  # simulated drives, seconds
+RUNS, QUICK_RUNS, QUICK_DURATION = 15, 1, 300.0  # simulated drives, seconds
 FIRST_SEED = 1000  # of drives other than those of landmark_realistic
 BLIND = 2.0  # seconds: shortest gap that counts as blind
 GAPS = (3.0, 10.0, 20.0)  # seconds

@@ -101,8 +101,9 @@ def most_probable_drive(drive: StampedDrive, known: Estimate) -> Tuple[np.ndarra
     seen, observations = [], []
     for number, (_, sightings) in enumerate(drive.scans):
         for each in sightings:
-            seen.append((number, index_of[each.subject]))
-            observations.append(each.observation)
+            if each.subject in index_of:  # not of a landmark that is observed too rarely to be in the map
+                seen.append((number, index_of[each.subject]))
+                observations.append(each.observation)
     positions = np.array([each.position for each in observations])
     covariances = np.array([each.covariance[:2, :2] for each in observations])
     graph = DriveGraph(steps, _step_noises(drive, stamps), np.array(seen), positions, covariances)
