@@ -6,18 +6,23 @@ command, landmarks are tubes with barcodes, so that their ids are known."""
 import csv
 import gzip
 from pathlib import Path
-from typing import Dict, Tuple
+from typing import Dict, List, Tuple
 
 import numpy as np
 
 from landmarks.stamped_drive import FIRST_LANDMARK, Sighting, StampedDrive, observation_of
 from sextant.geometry.plane_poses import composed
 
-SETS, ROBOTS = (1, 2, 4), range(1, 6)
+SETS, ROBOTS, QUICK = (1, 2, 4), range(1, 6), 1  # of a quick run: drives
 MARGIN = 2.0  # seconds between the last sighting and the last command
 LONGEST_COMMAND = 0.5  # seconds that a command lasts
 # The survey of this set has these two the wrong way round: each is 6.04 m off in all five drives.
 EXCHANGED: Dict[int, Tuple[int, int]] = {1: (11, 17)}
+
+
+def recorded_drives(folder: Path, quick: bool) -> List[Tuple[Path, int, int]]:
+    """Arguments of read_commanded_drive() for each drive."""
+    return [(folder, number, robot) for number in SETS for robot in ROBOTS][: QUICK if quick else None]
 
 
 def read_commanded_drive(folder: Path, number: int, robot: int) -> StampedDrive:

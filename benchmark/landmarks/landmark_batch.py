@@ -14,9 +14,9 @@ from typing import List, NamedTuple
 import numpy as np
 from tables import Table, Value
 
-from landmarks.commanded_drive import ROBOTS, SETS, read_commanded_drive
+from landmarks.commanded_drive import read_commanded_drive, recorded_drives
 from landmarks.landmark_drives import rms
-from landmarks.landmark_real_drives import QUICK, most_probable_drive
+from landmarks.landmark_real_drives import most_probable_drive
 from landmarks.stamped_drive import (
     KNOWN,
     LABELS,
@@ -53,7 +53,7 @@ class MapScore(NamedTuple):
 
 def batch_tables(folder: Path, quick: bool) -> List[Table]:
     """One table; a quick run is of one drive, without bars. :raises OSError: there is no data"""
-    drives = [(folder, number, robot) for number in SETS for robot in ROBOTS][: QUICK if quick else None]
+    drives = recorded_drives(folder, quick)
     with ProcessPoolExecutor() as pool:
         scores = list(pool.map(_scores, *zip(*drives)))
     names = [name for name in LABELS if name != KNOWN]

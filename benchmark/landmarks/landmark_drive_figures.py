@@ -13,8 +13,8 @@ from typing import Dict, List, Tuple
 import numpy as np
 from tables import Table, Value
 
-from landmarks.commanded_drive import ROBOTS, SETS, read_commanded_drive
-from landmarks.landmark_real_drives import interpolated, most_probable_drive
+from landmarks.commanded_drive import read_commanded_drive, recorded_drives
+from landmarks.landmark_real_drives import most_probable_drive, odometry_at_scans
 from landmarks.landmark_realistic import DURATION, SEPARATIONS, realistic_params, simulated_drive
 from landmarks.stamped_drive import KNOWN, LABELS, StampedDrive, estimated
 from sextant.geometry.plane_poses import relative, wrapped
@@ -43,7 +43,7 @@ DIGITS = [2, 0, *[1] * len(GAPS), 2, 2, 3, 3, 3, 3]
 
 def drive_figure_tables(folder: Path, quick: bool) -> List[Table]:
     """One table; a quick run is of one drive of each kind, without bars. :raises OSError: there is no data"""
-    drives = [(folder, number, robot) for number in SETS for robot in ROBOTS][: QUICK_RUNS if quick else None]
+    drives = recorded_drives(folder, quick)
     runs, duration = (QUICK_RUNS, QUICK_DURATION) if quick else (RUNS, DURATION)
     seeds = range(FIRST_SEED, FIRST_SEED + runs)
     with ProcessPoolExecutor() as pool:
@@ -81,8 +81,7 @@ def figures_of(drive: StampedDrive) -> np.ndarray:
 def _motion(drive: StampedDrive, stamps: np.ndarray) -> List[float]:
     known = estimated(drive, LABELS[KNOWN])
     reference, _ = most_probable_drive(drive, known)
-    at_scans = np.clip(stamps + known.clock_offset, drive.stamps[0], drive.stamps[-1])
-    odometry = interpolated(drive, at_scans, np.array([known.scale, known.scale, known.turn_scale]))
+    odometry = odometry_at_scans(drive, known)
     moved, off = [], []
     for first, second in _pairs(stamps):
         step = relative(reference[first], reference[second])

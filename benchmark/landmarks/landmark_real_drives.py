@@ -16,7 +16,7 @@ import numpy as np
 from tables import Table, Value
 
 import sextant
-from landmarks.commanded_drive import ROBOTS, SETS, read_commanded_drive
+from landmarks.commanded_drive import read_commanded_drive, recorded_drives
 from landmarks.most_probable_drive import DriveGraph, most_probable
 from landmarks.stamped_drive import (
     KNOWN,
@@ -30,7 +30,6 @@ from landmarks.stamped_drive import (
 )
 from sextant.geometry.plane_poses import composed, relative
 
-QUICK = 1  # drives
 STANDS = 1e-6  # m and rad: a standing robot's standard deviation between two scans
 COLUMNS = [
     "maps exact",
@@ -48,7 +47,7 @@ COLUMNS = [
 
 def real_drive_tables(folder: Path, quick: bool) -> List[Table]:
     """One table; a quick run is of few drives, without bars. :raises OSError: there is no data"""
-    drives = [(folder, number, robot) for number in SETS for robot in ROBOTS][: QUICK if quick else None]
+    drives = recorded_drives(folder, quick)
     with ProcessPoolExecutor() as pool:
         scores = np.array(list(pool.map(_scores, *zip(*drives))), dtype=float)  # drive, row, field
     rows = [
@@ -94,8 +93,7 @@ def most_probable_drive(drive: StampedDrive, known: Estimate) -> Tuple[np.ndarra
     :param known: where the search begins
     """
     stamps = np.array([stamp for stamp, _ in drive.scans]) + known.clock_offset
-    scales = np.array([known.scale, known.scale, known.turn_scale])
-    at_scans = interpolated(drive, np.clip(stamps, drive.stamps[0], drive.stamps[-1]), scales)
+    at_scans = odometry_at_scans(drive, known)
     steps = np.array([relative(*pair) for pair in zip(at_scans, at_scans[1:])])
     index_of = {subject: index for index, subject in enumerate(known.subjects)}
     seen, observations = [], []
@@ -111,8 +109,11 @@ def most_probable_drive(drive: StampedDrive, known: Estimate) -> Tuple[np.ndarra
     return poses, dict(zip(known.subjects, landmarks))
 
 
-def interpolated(drive: StampedDrive, stamps: np.ndarray, scales: np.ndarray) -> np.ndarray:
-    """Poses (n, 3) at other stamps, by odometry whose steps are multiplied by scales (3,)."""
+def odometry_at_scans(drive: StampedDrive, known: Estimate) -> np.ndarray:
+    """Poses (n, 3) at the scans, by odometry with the scales and the clock offset that were estimated."""
+    stamps = np.array([stamp for stamp, _ in drive.scans]) + known.clock_offset
+    stamps = np.clip(stamps, drive.stamps[0], drive.stamps[-1])
+    scales = np.array([known.scale, known.scale, known.turn_scale])
     poses = [drive.poses[0]]
     for pair in zip(drive.poses, drive.poses[1:]):
         poses.append(composed(poses[-1], relative(*pair) * scales))

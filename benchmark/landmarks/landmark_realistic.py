@@ -32,7 +32,7 @@ from sextant.geometry.plane_poses import composed, in_frame, relative
 from sextant.simulation.landmark_world import LandmarkScan, LandmarkWorld, LandmarkWorldParams
 
 RUNS, DURATION = 100, 720.0  # seconds
-QUICK_RUNS, QUICK_DURATION = 2, 60.0
+QUICK_RUNS, QUICK_DURATION = 2, 240.0
 FAULTS: Dict[str, Tuple[float, float]] = {  # least and largest
     "scale": (1 / 0.95, 1 / 0.88),
     "turn_scale": (1 / 0.93, 1 / 0.86),

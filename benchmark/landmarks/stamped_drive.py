@@ -132,6 +132,7 @@ def arriving(drive: StampedDrive, timeline) -> Iterator[Tuple[float, List[Sighti
 
 
 def labelled(sighting: Sighting, label: Callable[[int], object]):
+    """sextant.LabelledObservation with one of LABELS."""
     return sextant.LabelledObservation(label(sighting.subject), sighting.observation)
 
 

@@ -47,8 +47,8 @@ ParamList LandmarkSlamParams::fields() {
       {"read_only", &read_only, Allowed(), "",
        "no landmark is added, merged or removed; the positions of mapped landmarks are still refined"},
       {"lost_after", &lost_after, Range::closed(0, 10000), "",
-       "number of scans that contradict the map after which the robot is lost; each scan that confirms the "
-       "map cancels three of them; 0: never"},
+       "number of scans that contradict the map after which the robot is lost, a slip of odometry counts "
+       "as three; each scan that confirms the map cancels three of them; 0: never"},
       {"hypotheses", &hypotheses, Range::closed(1, 20), "",
        "maximum number of states that are kept while it is open which landmarks were observed, or whether "
        "odometry slipped; each one costs as much as one filter; 1: ambiguous observations are not used"},
