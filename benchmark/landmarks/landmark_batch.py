@@ -22,7 +22,7 @@ from landmarks.stamped_drive import (
     LABELS,
     RIGHT,
     StampedDrive,
-    aligned_distances,
+    aligned,
     arriving,
     estimated,
     labelled,
@@ -76,7 +76,7 @@ def _scores(folder: Path, number: int, robot: int) -> List[MapScore]:
     drive = read_commanded_drive(folder, number, robot)
     _, known = most_probable_drive(drive, estimated(drive, LABELS[KNOWN]))
     surveyed = np.array([drive.positions[subject] for subject in known])
-    reference = rms(aligned_distances(np.array(list(known.values())), surveyed) ** 2)
+    reference = rms(aligned(np.array(list(known.values())), surveyed)[1] ** 2)
     return [_score(drive, known, reference, label) for name, label in LABELS.items() if name != KNOWN]
 
 
@@ -87,7 +87,7 @@ def _score(drive: StampedDrive, known: dict, reference: float, label) -> MapScor
     subjects = list(known)
     nearest = [int(np.hypot(*(np.array(list(known.values())) - each).T).argmin()) for each in found]
     surveyed = np.array([drive.positions[subjects[index]] for index in nearest])
-    distances = aligned_distances(found, surveyed)
+    _, distances = aligned(found, surveyed)
     right = {index for index, distance in zip(nearest, distances) if distance < RIGHT}
     error = rms(distances**2)
     return MapScore(len(right) == len(found) == len(drive.positions), error, error / reference, seconds)

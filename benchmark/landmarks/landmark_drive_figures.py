@@ -15,14 +15,14 @@ from tables import Table, Value
 
 from landmarks.commanded_drive import read_commanded_drive, recorded_drives
 from landmarks.landmark_real_drives import most_probable_drive, odometry_at_scans
-from landmarks.landmark_realistic import DURATION, SEPARATIONS, realistic_params, simulated_drive
+from landmarks.landmark_realistic import DURATION, SEPARATIONS, realistic_world, simulated_drive
 from landmarks.stamped_drive import KNOWN, LABELS, StampedDrive, estimated
 from sextant.geometry.plane_poses import relative, wrapped
-from sextant.simulation.landmark_world import LandmarkWorld
 
 RUNS, QUICK_RUNS, QUICK_DURATION = 15, 1, 300.0  # simulated drives, seconds
 FIRST_SEED = 1000  # of drives other than those of landmark_realistic
 BLIND = 2.0  # seconds: shortest gap that counts as blind
+FIRST = (10.0, 30.0)  # seconds of a drive
 GAPS = (3.0, 10.0, 20.0)  # seconds
 PER = 1500.0  # seconds: numbers of gaps are in so much time
 APART, LATER = 10.0, 1.2  # seconds between two scans, at least; at most so many times that
@@ -30,6 +30,7 @@ LEAST, MOST = 0.6, 1.7  # simulated over recorded
 COLUMNS = [
     "observations a second",
     "blind, % of the time",
+    *(f"landmarks in the first {first:g} s" for first in FIRST),
     *(f"gaps > {gap:g} s in 25 min" for gap in GAPS),
     f"moved in {APART:g} s, m",
     "turned, rad",
@@ -38,7 +39,7 @@ COLUMNS = [
     "rad: median",
     "rad: 95 %",
 ]
-DIGITS = [2, 0, *[1] * len(GAPS), 2, 2, 3, 3, 3, 3]
+DIGITS = [2, 0, *[1] * len(FIRST), *[1] * len(GAPS), 2, 2, 3, 3, 3, 3]
 
 
 def drive_figure_tables(folder: Path, quick: bool) -> List[Table]:
@@ -63,8 +64,7 @@ def _of_recorded(folder: Path, number: int, robot: int) -> np.ndarray:
 
 
 def _of_simulated(seed: int, duration: float) -> np.ndarray:
-    world = LandmarkWorld(realistic_params(seed, SEPARATIONS["three classes"], duration))
-    return figures_of(simulated_drive(world)[0])
+    return figures_of(simulated_drive(realistic_world(seed, SEPARATIONS["three classes"], duration))[0])
 
 
 def figures_of(drive: StampedDrive) -> np.ndarray:
@@ -73,9 +73,13 @@ def figures_of(drive: StampedDrive) -> np.ndarray:
     duration, gaps = drive.stamps[-1] - drive.stamps[0], np.diff(stamps)
     observations = sum(len(sightings) for _, sightings in drive.scans)
     in_sight = [observations / duration, 100 * gaps[gaps > BLIND].sum() / duration]
-    return np.array(
-        [*in_sight, *((gaps > gap).sum() * PER / duration for gap in GAPS), *_motion(drive, stamps)]
-    )
+    first = [_distinct(drive, end) for end in FIRST]
+    frequent = [(gaps > gap).sum() * PER / duration for gap in GAPS]
+    return np.array([*in_sight, *first, *frequent, *_motion(drive, stamps)])
+
+
+def _distinct(drive: StampedDrive, end: float) -> int:
+    return len({each.subject for stamp, sightings in drive.scans if stamp < end for each in sightings})
 
 
 def _motion(drive: StampedDrive, stamps: np.ndarray) -> List[float]:

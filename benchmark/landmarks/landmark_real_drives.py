@@ -4,7 +4,7 @@
 
 `three classes`: the remainder of the id divided by three; `one class`: all are alike. The reference of the
 poses is the most probable drive of all commands and observations with known ids, with the scales and the
-clock offset that the filter estimated with known ids; both begin at the origin. Positions are those of the
+clock offset that the filter estimated with known ids. Positions are those of the
 survey.
 """
 
@@ -83,8 +83,8 @@ def _scores(folder: Path, number: int, robot: int) -> List[Score]:
     """By row."""
     drive = read_commanded_drive(folder, number, robot)
     estimates = {name: estimated(drive, label) for name, label in LABELS.items()}
-    reference, _ = most_probable_drive(drive, estimates[KNOWN])
-    return [score(drive, each, reference) for each in estimates.values()]
+    reference = most_probable_drive(drive, estimates[KNOWN])
+    return [score(drive, each, *reference) for each in estimates.values()]
 
 
 def most_probable_drive(drive: StampedDrive, known: Estimate) -> Tuple[np.ndarray, Dict[int, np.ndarray]]:

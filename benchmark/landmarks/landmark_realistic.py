@@ -5,8 +5,8 @@
 Odometry is the command: it leads the motion, its distances and angles have scales. Ranges have gross errors,
 the sensor's mount is off, nothing is detected for a while, and detections jump between neighbours. Each drive
 draws its faults from the ranges FAULTS, which are those of the recorded drives, as are motion and noise in
-WORLD (landmark_drive_figures compares them); the filter is given the same parameters as there. NEES is over
-its three degrees of freedom.
+WORLD (landmark_drive_figures compares them); the filter is given the same parameters as there. Drives begin
+at the edge, where many landmarks are in view, as there. NEES is over its three degrees of freedom.
 """
 
 from concurrent.futures import ProcessPoolExecutor
@@ -58,6 +58,7 @@ WORLD = {
     "translation_from_rotation": 0.03,
     "lateral_from_translation": 0.05,
 }
+START, TURNED = 0.75, 1.0  # distance from the centre, of half_side; largest angle to its direction, rad
 SEPARATIONS = {KNOWN: 0.4, "three classes": 0.4, "one class": 0.8}  # m, between two landmarks
 COLUMNS = [
     "maps exact, %",
@@ -134,25 +135,30 @@ def _figures(judged: List[Judged], bars: Bars) -> List[Value]:
 
 def judge(seed: int, name: str, duration: float) -> Judged:
     """One drive with these labels and with known ids."""
-    world = LandmarkWorld(realistic_params(seed, SEPARATIONS[name], duration))
+    world = realistic_world(seed, SEPARATIONS[name], duration)
     drive, truth = simulated_drive(world)
     scan_stamps = np.array([stamp for stamp, _ in drive.scans])
     reference = truth[np.searchsorted(drive.stamps, scan_stamps - 1e-6)]
     found = estimated(drive, LABELS[name])
     known = found if name == KNOWN else estimated(drive, LABELS[KNOWN])
-    own, with_ids = score(drive, found, reference), score(drive, known, reference)
+    own, with_ids = (score(drive, each, reference, drive.positions) for each in (found, known))
     nees_of_pose = _mean_nees(drive, truth, found, world.params.lead)
     return Judged(own, nees_of_pose, own.pose / with_ids.pose)
 
 
-def realistic_params(seed: int, min_separation: float, duration: float) -> LandmarkWorldParams:
-    """Faults drawn from the seed."""
+def realistic_world(seed: int, min_separation: float, duration: float) -> LandmarkWorld:
+    """Faults and start drawn from the seed."""
     rng = np.random.default_rng([seed, 2])
     faults = {name: rng.uniform(*limits) for name, limits in FAULTS.items()}
     noise = (rng.uniform(*RANGE_NOISE), 0.0)
-    return LandmarkWorldParams(
+    params = LandmarkWorldParams(
         seed=seed, duration=duration, min_separation=min_separation, range_noise=noise, **WORLD, **faults
     )
+    world = LandmarkWorld(params)
+    centre = rng.uniform(-np.pi, np.pi)  # its direction
+    position = -START * params.half_side * np.array([np.cos(centre), np.sin(centre)])
+    world.start = np.array([*position, centre + rng.uniform(-TURNED, TURNED)])
+    return world
 
 
 def simulated_drive(world: LandmarkWorld) -> Tuple[StampedDrive, np.ndarray]:

@@ -4,6 +4,7 @@
 
 The same parameters for all of them, as landmark_slam takes them. A landmark is right within RIGHT of its true
 position, after the map was aligned with the true one; which one it is, is that of most of its observations.
+The pose is compared in the map, too, as its frame is that of the first poses, which no landmark confirms.
 A drive is lost if the robot does not know its pose at the end, or if the RMSE of its pose in the last quarter
 is above LOST.
 """
@@ -16,6 +17,7 @@ import numpy as np
 
 import sextant
 from landmarks.landmark_drives import rms
+from sextant.geometry.plane_poses import composed
 
 RIGHT, LOST = 0.5, 1.0  # metres
 LAG, DELAY, EVERY = 2.0, 1.0, 4  # seconds; seconds of the scans; of the readings of odometry
@@ -136,15 +138,18 @@ def labelled(sighting: Sighting, label: Callable[[int], object]):
     return sextant.LabelledObservation(label(sighting.subject), sighting.observation)
 
 
-def score(drive: StampedDrive, found: Estimate, reference: np.ndarray) -> Score:
-    known = [index for index, subject in enumerate(found.subjects) if subject]
-    if len(known) < 2:
-        return Score(False, len(known), True, found.wrong, np.inf, np.inf, found.seconds)
-    surveyed = np.array([drive.positions[found.subjects[index]] for index in known])
-    distances = aligned_distances(found.landmarks[known], surveyed)
-    right = {found.subjects[index] for index, distance in zip(known, distances) if distance < RIGHT}
+def score(
+    drive: StampedDrive, found: Estimate, reference: np.ndarray, landmarks: Dict[int, np.ndarray]
+) -> Score:
+    """:param reference, landmarks: poses (n, 3) after each scan and positions (2,) in one frame"""
+    if sum(map(bool, found.subjects)) < 2:
+        return Score(False, 0, True, found.wrong, np.inf, np.inf, found.seconds)
+    subjects, _, distances = _fitted(found, drive.positions)
+    right = set(np.array(subjects)[distances < RIGHT])
     is_exact = len(right) == len(found.landmarks) == len(drive.positions)
-    squares = np.sum((found.poses[:, :2] - reference[:, :2]) ** 2, axis=1)
+    _, to_reference, _ = _fitted(found, landmarks)
+    poses = np.array([composed(to_reference, pose)[:2] for pose in found.poses])
+    squares = np.sum((poses - reference[:, :2]) ** 2, axis=1)
     return Score(
         is_exact,
         len(right),
@@ -156,8 +161,18 @@ def score(drive: StampedDrive, found: Estimate, reference: np.ndarray) -> Score:
     )
 
 
-def aligned_distances(points: np.ndarray, others: np.ndarray) -> np.ndarray:
-    """(n,) after the rigid motion that fits most of them best; those that are far off do not count in it."""
+def _fitted(found: Estimate, positions: Dict[int, np.ndarray]) -> Tuple[List[int], np.ndarray, np.ndarray]:
+    """Subjects of the landmarks that are among the positions, and the result of aligned() for these."""
+    known = [index for index, subject in enumerate(found.subjects) if subject in positions]
+    subjects = [found.subjects[index] for index in known]
+    return (subjects, *aligned(found.landmarks[known], np.array([positions[each] for each in subjects])))
+
+
+def aligned(points: np.ndarray, others: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    """Rigid motion (3,) of points (n, 2) that fits most of the others best, and the distances (n,) after it.
+
+    Those that are far off do not count in it.
+    """
     use = np.ones(len(points), bool)
     for _ in range(3):
         centre, centre_of_others = points[use].mean(axis=0), others[use].mean(axis=0)
@@ -165,7 +180,7 @@ def aligned_distances(points: np.ndarray, others: np.ndarray) -> np.ndarray:
         R = U @ np.diag([1.0, np.linalg.det(U @ Vt)]) @ Vt
         distances = np.hypot(*((points - centre) @ R.T + centre_of_others - others).T)
         use = distances <= max(RIGHT, np.median(distances))
-    return distances
+    return np.array([*(centre_of_others - R @ centre), np.arctan2(R[1, 0], R[0, 0])]), distances
 
 
 def observation_of(distance: float, bearing: float):
