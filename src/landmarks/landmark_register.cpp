@@ -18,7 +18,6 @@ using Eigen::Vector2d;
 constexpr double kMaxLogOdds = 8.0;   // upper bound
 constexpr double kMinLogOdds = -4.0;  // at which a landmark is removed
 constexpr double kNextTo = 1.0;       // metres between two landmarks that are seen from the same direction
-constexpr double kNewView = 0.2;  // motion over distance at which a landmark is seen from another direction
 
 }  // namespace
 
@@ -72,8 +71,7 @@ bool LandmarkRegister::isNewMiss(size_t landmark, const std::vector<size_t>& obs
   const auto distance = [&](const Vector2d& point) { return (landmarks[landmark].position - point).norm(); };
   const auto is_near = [&](size_t other) { return distance(landmarks[other].position) < kNextTo; };
   if (std::any_of(observed.begin(), observed.end(), is_near)) return true;
-  const Vector2d& from = filter_.pose().position;
-  return !last || (*last - from).norm() > kNewView * distance(from);
+  return !last || isNewView(*last, filter_.pose().position, landmarks[landmark].position);
 }
 
 void LandmarkRegister::noteMisses(const std::vector<size_t>& missed, const std::vector<size_t>& observed) {

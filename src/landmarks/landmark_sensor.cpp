@@ -14,6 +14,7 @@ using Eigen::Vector2d;
 namespace {
 
 constexpr double kViewDeviations = 3.0;  // tolerated errors of robot and landmarks
+constexpr double kNewView = 0.2;         // motion over distance at which the direction is another one
 constexpr double kPriorWeight = 20;      // counted landmarks that weigh as much as the parameter
 constexpr double kLeast = 0.01;          // bounds of the detection probability: it and 1 minus it
 constexpr double kLeastRatio = 1.5;      // of detections over false alarms
@@ -30,6 +31,10 @@ double offOf(const ObservationPrediction& expected, Index which) {
 
 double largestDeviation(const Eigen::Matrix2d& covariance) {
   return std::sqrt(std::max(0.0, covariance.selfadjointView<Eigen::Lower>().eigenvalues().maxCoeff()));
+}
+
+bool isNewView(const Vector2d& last, const Vector2d& from, const Vector2d& landmark) {
+  return (last - from).norm() > kNewView * (landmark - from).norm();
 }
 
 ParamList LandmarkSensorParams::fields() {

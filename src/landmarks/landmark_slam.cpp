@@ -86,7 +86,7 @@ LandmarkReport LandmarkSlam::observe(double stamp, const std::vector<LabelledObs
 LandmarkReport LandmarkSlam::observe(double stamp, const std::vector<LabelledObservation>& observations,
                                      const Pose2& T_base_sensor, const ScanInterpretation& how) {
   if (isLost()) return observeLost(stamp, observations, T_base_sensor, how);
-  return observeLocalized(stamp, corrected(observations, T_base_sensor), how);
+  return observeLocalized(stamp, corrected(observations, T_base_sensor), T_base_sensor, how);
 }
 
 /// Turned by the estimated error of the mount.
@@ -101,7 +101,7 @@ std::vector<LabelledObservation> LandmarkSlam::corrected(const std::vector<Label
 
 LandmarkReport LandmarkSlam::observeLocalized(double stamp,
                                               const std::vector<LabelledObservation>& observations,
-                                              const ScanInterpretation& how) {
+                                              const Pose2& T_base_sensor, const ScanInterpretation& how) {
   if (how.slipped) register_.filter().predict({Pose2{}, slipCovariance(), 0});
   LandmarkReport report;
   ScanAssociation scan = groupByOutcome(how, observations, report);
@@ -113,7 +113,7 @@ LandmarkReport LandmarkSlam::observeLocalized(double stamp,
     report.nis = filter().nis(), report.nis_dof = filter().nisDof();
     if (!how.slipped) noise_.add(report.nis, report.nis_dof, filter().nisStateShare());
   }
-  register_.noteMisses(scan.missed, scan.observed);
+  noteView(scan, T_base_sensor);
   unused_.observe(stamp, scan.unused);
   detectKidnapping(scan, report, how.slipped);
   if (isLost()) {
@@ -130,9 +130,13 @@ LandmarkReport LandmarkSlam::observeLocalized(double stamp,
     report.merged = register_.mergeDuplicates(scan.observed, params_.sensor.min_separation, report.keys);
     report.removed = register_.removeUnlikely();
   }
-  new_ += report.initialized;
-  known_ += report.associated;
   return report;
+}
+
+/// The area counts as explored if an observed landmark confirms the pose.
+void LandmarkSlam::noteView(const ScanAssociation& scan, const Pose2& T_base_sensor) {
+  register_.noteMisses(scan.missed, scan.observed);
+  if (!scan.observed.empty()) explored_.look(filter().pose() * T_base_sensor, sensor_);
 }
 
 /// A landmark counts only in scans that detect another one, as only in these it is evidence to miss it.
@@ -149,8 +153,7 @@ void LandmarkSlam::countDetections(const ScanAssociation& scan) {
 std::vector<ScanInterpretation> LandmarkSlam::interpretations(
     const std::vector<LabelledObservation>& observations, const Pose2& T_base_sensor, size_t most) {
   if (isLost()) return {local_.front().interpretations(observations, T_base_sensor, 1).front()};
-  const MapKnowledge knowledge{sensor_, params_.association, candidates_, unused_, new_,
-                               known_,  unconfirmed_};
+  const MapKnowledge knowledge{sensor_, params_.association, candidates_, unused_, explored_, unconfirmed_};
   return interpretScan(register_, knowledge, corrected(observations, T_base_sensor), T_base_sensor, most);
 }
 
@@ -307,7 +310,7 @@ void LandmarkSlam::setPose(const Pose2& T_map_base, const Matrix3d& covariance) 
 void LandmarkSlam::setMap(const Pose2& T_map_base, const std::vector<Landmark2D>& landmarks,
                           const std::vector<LandmarkLabel>& labels, const MatrixXd& covariance) {
   register_.setMap(T_map_base, landmarks, labels, covariance);
-  new_ = known_ = 0;
+  explored_ = {};
   clearHypotheses();
 }
 

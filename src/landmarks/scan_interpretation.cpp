@@ -21,7 +21,7 @@ constexpr double kDeviations = 3.0;  // tolerated pose error
 const double kLogSlip = std::log(0.01);
 constexpr double kSlip = 0.5, kSlipTurn = 0.3;  // metres, radians
 constexpr double kMargin = 1.0;                 // metres around the mapped landmarks
-constexpr double kRepeated = 10;                // observations of a landmark in a row
+constexpr double kLeastUnknown = 0.02;          // share of landmarks that are unknown where the sensor looked
 constexpr double kMinUnconfirmed = 0.5;         // metres and radians driven
 
 /// Adds the covariance of a slip to that of predicted observations.
@@ -80,7 +80,7 @@ class Interpreter {
   /// An id determines the landmark, unless the observation is outside of its gate.
   JointAssociation associateById(const LabelledObservation& observation, bool slipped) {
     const auto which = map_.find(observation.label);
-    const double log_density_of_none = logDensityOfNew(observation.label);
+    const double log_density_of_none = logDensityOfNew(observation);
     if (!which) return {{{}}, log_density_of_none};
     const Landmark2D& landmark = map_.filter().landmarks()[*which];
     const bool heading = commonDimension(observation.observation, landmark) == 3;
@@ -106,7 +106,7 @@ class Interpreter {
     if (knowledge_.unconfirmed < kMinUnconfirmed || map_.labels().empty()) return false;
     if (std::any_of(how.outcomes.begin(), how.outcomes.end(), isAssociated)) return false;
     return std::any_of(observations.begin(), observations.end(), [&](const LabelledObservation& each) {
-      return logDensityOfNone(each) <= logDensityOfNew(each.label);
+      return logDensityOfNone(each) <= logDensityOfNew(each);
     });
   }
 
@@ -181,24 +181,25 @@ class Interpreter {
         how.log_likelihood += std::log(1 - knowledge_.sensor.detectionProbability());
   }
 
-  /// Landmarks with a label are about as dense where the map does not know them yet as where it does; the
-  /// share of observations that were of new ones is the share that it does not know.
-  double logDensityOfNew(const LandmarkLabel& label) const {
+  /// Landmarks with a label are about as dense where the map does not know them yet as where it does. Where
+  /// the sensor looked, those are left that it missed each time.
+  double logDensityOfNew(const LabelledObservation& seen) const {
     Vector2d low = map_.filter().pose().position, high = low;
     double same = 1;
     for (size_t i = 0; i < map_.labels().size(); ++i) {
       low = low.cwiseMin(map_.filter().landmarks()[i].position);
       high = high.cwiseMax(map_.filter().landmarks()[i].position);
-      same += map_.labels()[i].class_name == label.class_name;
+      same += map_.labels()[i].class_name == seen.label.class_name;
     }
     const double area = (high - low + Vector2d::Constant(2 * kMargin)).prod();
-    return std::log(same / area * (1 + knowledge_.initialized) /
-                    (1 + knowledge_.initialized + knowledge_.associated / kRepeated));
+    const int looks = knowledge_.explored.looks(inMap(map_.filter().pose(), seen).position);
+    const double unknown = std::pow(1 - knowledge_.sensor.detectionProbability(), looks);
+    return std::log(same / area * std::max(kLeastUnknown, unknown));
   }
 
   /// If it is not of a landmark in the map: of a candidate, or of something new.
   double logDensityOfNone(const LabelledObservation& seen) const {
-    const double density_of_new = logDensityOfNew(seen.label);
+    const double density_of_new = logDensityOfNew(seen);
     const auto of = [&](const LandmarkCandidates& some) {
       return some.logDensityOf(inMap(map_.filter().pose(), seen)).value_or(density_of_new);
     };

@@ -45,13 +45,19 @@ class LandmarkSensor {
   double detectionProbability() const;
   double maxRange() const { return params_.max_range; }  ///< as in the parameters, metres
 
+  /// Whether a position in the sensor frame is in view, whatever its error. @param off largest error, metres
+  bool isInView(const Eigen::Vector2d& position, double off = 0) const;
+
  private:
-  bool isInView(const Eigen::Vector2d& position, double off) const;
   bool isOccluded(const ObservationPrediction& expected, Eigen::Index which) const;
 
   LandmarkSensorParams params_;
   double detected_ = 0, expected_ = 0;  // counted landmarks
 };
+
+/// Whether a landmark is seen from another direction than before: only then a miss is new evidence.
+/// @param last position of the earlier view @param from that of this one
+bool isNewView(const Eigen::Vector2d& last, const Eigen::Vector2d& from, const Eigen::Vector2d& landmark);
 
 /// Largest standard deviation in any direction.
 double largestDeviation(const Eigen::Matrix2d& covariance);

@@ -28,7 +28,7 @@ struct LandmarkSlamParams {
   LandmarkSensorParams sensor;         ///< of the sensor's field of view
   LandmarkMapMatchingParams matching;  ///< of relocalization
   int lost_after = 10;
-  int hypotheses = 4;
+  int hypotheses = 8;
   bool read_only = false;
 
   ParamList fields();  ///< names, ranges, units and descriptions
@@ -108,7 +108,7 @@ class LandmarkSlam {
     std::vector<size_t> relocated;            // landmarks whose id was observed outside of the gate
   };
   LandmarkReport observeLocalized(double stamp, const std::vector<LabelledObservation>& observations,
-                                  const ScanInterpretation& how);
+                                  const Pose2& T_base_sensor, const ScanInterpretation& how);
   LandmarkReport observeLost(double stamp, const std::vector<LabelledObservation>& observations,
                              const Pose2& T_base_sensor, const ScanInterpretation& how);
   std::vector<LabelledObservation> corrected(const std::vector<LabelledObservation>& observations,
@@ -118,6 +118,7 @@ class LandmarkSlam {
                                  LandmarkReport& report) const;
   bool canInitialize(const LabelledObservation& seen) const;
   void initialize(double stamp, const std::vector<LabelledObservation>& unknown, LandmarkReport& report);
+  void noteView(const ScanAssociation& scan, const Pose2& T_base_sensor);
   void countDetections(const ScanAssociation& scan);
   void detectKidnapping(const ScanAssociation& scan, const LandmarkReport& report, bool slipped);
   bool provisionalLandmarksMatchElsewhere();
@@ -127,6 +128,7 @@ class LandmarkSlam {
   LandmarkSlamParams params_;
   LandmarkSensor sensor_;
   LandmarkRegister register_;
+  ExploredArea explored_;
   LandmarkCandidates candidates_;
   LandmarkCandidates unused_;  // of ambiguous observations, which do not become landmarks
   KidnapDetector kidnap_detector_;
@@ -135,7 +137,6 @@ class LandmarkSlam {
   std::shared_ptr<const LandmarkRegister> trusted_;
   size_t matched_size_ = 0;          // number of provisional landmarks at the last matching
   int lost_scans_ = 0;               // scans while lost
-  double new_ = 0, known_ = 0;       // observations that initialized a landmark, and that were associated
   double unconfirmed_ = 0;           // metres and radians driven since a landmark was associated
   std::vector<LandmarkSlam> local_;  // local map while lost, in its own frame: one or none
 };

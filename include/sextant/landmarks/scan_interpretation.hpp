@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "sextant/landmarks/explored_area.hpp"
 #include "sextant/landmarks/landmark_association.hpp"
 #include "sextant/landmarks/landmark_candidates.hpp"
 #include "sextant/landmarks/landmark_register.hpp"
@@ -25,8 +26,7 @@ struct MapKnowledge {
   const AssociationParams& association;  ///< its parameters
   const LandmarkCandidates& candidates;  ///< that may become landmarks
   const LandmarkCandidates& unused;      ///< of ambiguous observations
-  double initialized;                    ///< observations that initialized a landmark
-  double associated;                     ///< observations that were associated with a landmark
+  const ExploredArea& explored;          ///< where unknown landmarks are improbable
   double unconfirmed;                    ///< metres and radians driven since a landmark was associated
 };
 

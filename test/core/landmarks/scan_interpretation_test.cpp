@@ -31,8 +31,7 @@ struct Known {
   }
 
   std::vector<ScanInterpretation> interpreted(const std::vector<LabelledObservation>& scan, size_t most = 4) {
-    const MapKnowledge knowledge{sensor,      association, candidates, unused,
-                                 initialized, associated,  unconfirmed};
+    const MapKnowledge knowledge{sensor, association, candidates, unused, explored, unconfirmed};
     return interpretScan(map, knowledge, scan, {}, most);
   }
 
@@ -40,7 +39,8 @@ struct Known {
   LandmarkSensor sensor{LandmarkSensorParams()};
   AssociationParams association;
   LandmarkCandidates candidates{CandidateParams()}, unused{CandidateParams()};
-  double initialized = 0, associated = 0, unconfirmed = 0;
+  ExploredArea explored;
+  double unconfirmed = 0;
 };
 
 TEST(ScanInterpretation, WhatIsCertainHasOne) {
@@ -66,13 +66,15 @@ TEST(ScanInterpretation, BetweenTwoLandmarksThereIsOneForEach) {
   EXPECT_EQ(best[0].outcomes[0].outcome, Outcome::ambiguous);
 }
 
-// One landmark of the label, the unknown one, on the 2 m by 2 m around the robot; none is known of late.
+// One landmark of the label, the unknown one, on the 2 m by 2 m around the robot; where it looked twice,
+// those are left that it missed twice.
 TEST(ScanInterpretation, ANewLandmarkIsAsLikelyAsTheMapIsDense) {
   Known empty({});
   EXPECT_NEAR(empty.interpreted({seen(3, 0)})[0].log_likelihood, std::log(1.0 / 4), 1e-9);
-  empty.initialized = 3;
-  empty.associated = 40;
-  EXPECT_NEAR(empty.interpreted({seen(3, 0)})[0].log_likelihood, std::log(1.0 / 4 * 4 / 8), 1e-9);
+  for (const double x : {-1.0, 0.0}) empty.explored.look({{x, 0}, 0}, empty.sensor);
+  const double missed_twice = std::pow(1 - empty.sensor.detectionProbability(), 2);
+  EXPECT_NEAR(empty.interpreted({seen(3, 0)})[0].log_likelihood, std::log(1.0 / 4 * missed_twice), 1e-9);
+  EXPECT_NEAR(empty.interpreted({seen(-3, 0)})[0].log_likelihood, std::log(1.0 / 4), 1e-9);
   Known one({{-20, 8}}, kBlue);
   EXPECT_NEAR(one.interpreted({seen(3, 0)})[0].log_likelihood, std::log(1.0 / (22 * 10)), 1e-9);
   EXPECT_NEAR(one.interpreted({seen(3, 0, kBlue)})[0].log_likelihood, std::log(2.0 / (22 * 10)), 1e-9);
