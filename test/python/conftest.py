@@ -1,8 +1,13 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""What several tests begin with; the marker `slow`."""
+"""What several tests begin with; the marker `slow`; the modules of the benchmarks."""
+
+import sys
+from pathlib import Path
 
 import pytest
+
+sys.path.append(str(Path(__file__).resolve().parents[2] / "benchmark"))
 
 
 def pytest_configure(config):

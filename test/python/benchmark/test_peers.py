@@ -2,15 +2,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Other packages that Sextant works with, really run: what is not installed is skipped."""
 
-import json
-import subprocess
-import sys
-from pathlib import Path
-
 import pytest
 import rospkg
+from quick_run import topics_of
 
-PEERS = Path(__file__).resolve().parents[3] / "benchmark" / "peers.py"
 INSTALLED = set(rospkg.RosPack().list())
 
 
@@ -21,10 +16,7 @@ def needs(*packages):
 
 def rows_of(topic):
     """Rows of a quick run by name."""
-    command = [sys.executable, str(PEERS), "--quick", "--only", topic, "--json", "-"]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=300)
-    assert done.returncode == 0, done.stderr
-    (table,) = json.loads(done.stdout)["topics"][topic]
+    (table,) = topics_of("peers.py", "--only", topic)[topic]
     return {row["name"]: row for row in table["rows"]}
 
 

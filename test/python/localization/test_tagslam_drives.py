@@ -2,20 +2,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The locator on recorded corners, against poses that tagslam optimized from them."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
+import real_data
+from under_test import locator
 
 import sextant
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "benchmark"))
-
-import real_data  # noqa: E402
-from under_test import locator  # noqa: E402
-
-from markers import recorded_drives  # noqa: E402
+from markers import recorded_drives
 
 FOLDER = real_data.EXTERNAL / "markers"
 pytestmark = pytest.mark.skipif(

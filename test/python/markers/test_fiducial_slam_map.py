@@ -1,19 +1,15 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
 import re
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
 from foreign_maps import CORNERS, DATA, PRINTS, corners_in_map, read_file, refused, variances
+from opencv_aruco import opencv_marker
 
 import sextant
 from sextant.markers.formats.format_types import MapFileError, MapFormatParams
 from sextant.markers.map_formats import read_map
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "benchmark"))
-from opencv_aruco import opencv_marker  # noqa: E402
 
 
 def test_variance_of_fiducial_slam_is_of_all_six_axes():

@@ -2,20 +2,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Photos of real prints; what is expected comes from other detectors (benchmark/real_data.py)."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
+import real_data
+from under_test import detector
 
 import sextant
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "benchmark"))
-
-import real_data  # noqa: E402
-from under_test import detector  # noqa: E402
-
-from markers import real_photos  # noqa: E402
+from markers import real_photos
 
 FOLDER = real_data.EXTERNAL / "markers/photos"
 pytestmark = pytest.mark.skipif(

@@ -2,15 +2,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The benchmark of located objects, on few worlds."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "benchmark"))
-
-from ball.object_places import jittered, judged_objects, place_tables  # noqa: E402
+from ball.object_places import jittered, judged_objects, place_tables
 
 
 @pytest.mark.slow

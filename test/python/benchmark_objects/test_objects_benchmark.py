@@ -2,28 +2,18 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The benchmark of object detection in a quick run: what needs no PyTorch, data or minutes."""
 
-import json
-import subprocess
-import sys
-from pathlib import Path
-
 import onnx.utils
 import pytest
+from quick_run import tables_of
 
 from sextant.objects.shipped_model import shipped_model
 
 pytestmark = pytest.mark.skipif(not hasattr(onnx.utils, "extract_model"), reason="onnx is older than 1.8")
-SCRIPT = Path(__file__).resolve().parents[3] / "benchmark/objects.py"
 
 
 @pytest.mark.slow
 def test_the_network_is_measured(tmp_path):
-    outputs = ["--json", str(tmp_path / "figures.json"), "--plots", str(tmp_path)]
-    command = [sys.executable, str(SCRIPT), "--quick", "--only", "network", *outputs]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=400)
-    assert done.returncode == 0, done.stderr
-    topics = json.loads((tmp_path / "figures.json").read_text())["topics"]
-    usual, hard, facts, runtimes = topics["network"]
+    usual, hard, facts, runtimes = tables_of("objects.py", "network", tmp_path)
     assert [len(table["rows"]) for table in (usual, hard)] == [5, 5]
     (row,) = facts["rows"]
     assert row["MB"]["value"] == pytest.approx(shipped_model().stat().st_size / 1e6)

@@ -2,14 +2,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The most probable drive that the benchmark compares the filter with, where it is known."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "benchmark"))
-from landmarks.most_probable_drive import DriveGraph, most_probable  # noqa: E402
-from sextant.geometry.plane_poses import composed, in_frame  # noqa: E402
+from landmarks.most_probable_drive import DriveGraph, most_probable
+from sextant.geometry.plane_poses import composed, in_frame
 
 
 def test_what_contradicts_is_shared_by_all_that_is_as_sure():
