@@ -4,8 +4,7 @@
 
 `three classes`: the remainder of the id divided by three; `one class`: all are alike. The reference of the
 poses is the most probable drive of all commands and observations with known ids, with the scales and the
-clock offset that the filter estimated with known ids. Positions are those of the
-survey.
+clock offset that the filter estimated with known ids. Positions are those of the survey.
 """
 
 from concurrent.futures import ProcessPoolExecutor

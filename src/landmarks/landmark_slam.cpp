@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 namespace sextant {
 namespace {
@@ -223,7 +224,8 @@ void LandmarkSlam::detectKidnapping(const ScanAssociation& scan, const LandmarkR
   const bool is_consistent =
       kidnap_detector_.isConsistent() && kidnap_detector_.firstProvisional() == register_.nextKey();
   if (is_consistent) trusted_.reset(), matched_size_ = 0;
-  if (!is_consistent && !trusted_) trusted_ = std::make_shared<const LandmarkRegister>(register_);
+  if (!is_consistent && !trusted_)
+    trusted_ = std::make_shared<const std::pair<LandmarkRegister, ExploredArea>>(register_, explored_);
   if (kidnap_detector_.isLost() || provisionalLandmarksMatchElsewhere()) relocalize();
 }
 
@@ -248,7 +250,7 @@ void LandmarkSlam::relocalize() {
   const Pose2 pose = filter().pose();
   const Matrix3d covariance = filter().covariance({});
   const int first_provisional = kidnap_detector_.firstProvisional();
-  if (trusted_) register_ = *trusted_;
+  if (trusted_) std::tie(register_, explored_) = *trusted_;
   register_.removeFrom(first_provisional);
   setPose(pose, covariance);
   if (labels().empty()) return;

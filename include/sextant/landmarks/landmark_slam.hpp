@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "sextant/base/params.hpp"
@@ -133,8 +134,8 @@ class LandmarkSlam {
   LandmarkCandidates unused_;  // of ambiguous observations, which do not become landmarks
   KidnapDetector kidnap_detector_;
   NoiseMonitor noise_;
-  // register before the first scan that suggests that the robot is lost
-  std::shared_ptr<const LandmarkRegister> trusted_;
+  // register and area before the first scan that suggests that the robot is lost
+  std::shared_ptr<const std::pair<LandmarkRegister, ExploredArea>> trusted_;
   size_t matched_size_ = 0;          // number of provisional landmarks at the last matching
   int lost_scans_ = 0;               // scans while lost
   double unconfirmed_ = 0;           // metres and radians driven since a landmark was associated
