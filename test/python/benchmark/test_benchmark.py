@@ -12,16 +12,8 @@ from tables import Table, Value
 
 @pytest.mark.slow
 def test_quick_run_of_a_simulated_drive(tmp_path):
-    done = run(
-        "markers.py",
-        "--quick",
-        "--only",
-        "simulated",
-        "--json",
-        tmp_path / "figures.json",
-        "--plots",
-        tmp_path,
-    )
+    outputs = ["--json", tmp_path / "figures.json", "--plots", tmp_path]
+    done = run("markers.py", "--quick", "--only", "simulated", *outputs)
     assert done.returncode == 0, done.stderr
     assert "joint, seed 1" in done.stdout and "every bar holds" in done.stdout
     figures = json.loads((tmp_path / "figures.json").read_text())
