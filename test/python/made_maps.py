@@ -2,13 +2,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Maps for tests of their judgement: one made of a simulated drive, and ones written down by hand."""
 
-import sys
 from collections import namedtuple
 from dataclasses import replace
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
+from simulated_observations import FAMILY, SIZE, SimulatedCamera, wall_map
 
 import sextant
 from sextant.mapping.map_links import Cut
@@ -19,10 +18,6 @@ from sextant.mapping.map_quality import (
     Unconnected,
     WrongEntry,
 )
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmark"))
-
-from simulated_observations import FAMILY, SIZE, SimulatedCamera, wall_map  # noqa: E402
 
 Drive = namedtuple("Drive", "made instants known")
 
