@@ -50,6 +50,9 @@ ParamList LandmarkSlamNodeParams::fields() {
       {"pose_sigma", &pose_sigma, Allowed("3, each (0, 1000]", requireSigmas), "m, m, rad",
        "standard deviations of `start_pose`"},
       {"cameras", &cameras, topics(), "", "topics of sextant/MarkerArray, one per camera, e.g. `[markers]`"},
+      {"places", &places, Allowed(), "",
+       "topic of sextant/PlaceHypotheses, e.g. `places/hypotheses`: the recognized places relocalize a lost "
+       "robot; empty: none"},
       {"marker_map_file", &marker_map_file, Allowed(), "",
        "[marker map](marker_map.md) file; empty: the topic `marker_map/entries`, if published"},
       {"map_frame", &map_frame, notEmpty(), "", "frame of a new map; a map file has its own"},

@@ -28,6 +28,10 @@ Eigen::Vector2d Pose2::operator*(const Eigen::Vector2d& point) const {
 
 Pose2 Pose2::inverse() const { return {-(rotation2(-heading) * position), -heading}; }
 
+Eigen::Vector3d difference(const Pose2& a, const Pose2& b) {
+  return {a.position.x() - b.position.x(), a.position.y() - b.position.y(), wrapped(a.heading - b.heading)};
+}
+
 Eigen::Matrix2d leftJacobian2(double angle) {
   constexpr double kSmall = 1e-4;  // below it the next term of the series is less than the rounding error
   const bool small = std::abs(angle) < kSmall;

@@ -16,10 +16,6 @@ constexpr double kNegligible = -9;      // log weight at which a hypothesis is d
 constexpr double kMostNumbers = 2.5e6;  // in the covariances of all: two hypotheses about 550 landmarks
 constexpr double kEqual = 0.1;          // squared Mahalanobis distance below which two states are the same
 
-Vector3d difference(const Pose2& a, const Pose2& b) {
-  return {a.position.x() - b.position.x(), a.position.y() - b.position.y(), wrapped(a.heading - b.heading)};
-}
-
 /// Whether two hypotheses have the same landmarks, at the same places, and the same pose.
 bool areEqual(const LandmarkSlam& a, const LandmarkSlam& b) {
   if (a.labels() != b.labels() || a.isLost() != b.isLost()) return false;
@@ -68,7 +64,22 @@ LandmarkReport LandmarkHypotheses::observe(double stamp, const std::vector<Label
     next.back().report = next.back().slam.observe(stamp, observations, T_base_sensor, each.how);
   }
   all_ = sorted(withoutEqual(withoutLost(std::move(next))));
+  is_confirmed_ = is_confirmed_ || all_.front().report.associated > 0;
   return all_.front().report;
+}
+
+void LandmarkHypotheses::place(const std::vector<PossiblePose>& poses) {
+  LandmarkSlam& slam = settled();
+  if (!slam.isLost()) slam.relocalize();
+  std::vector<Hypothesis> placed;
+  for (const PossiblePose& each : poses) {
+    placed.push_back({slam, std::log(each.probability), {}});
+    placed.back().slam.setPose(each.T_map_base, each.covariance);
+  }
+  placed = sorted(std::move(placed));
+  placed.erase(placed.begin() + static_cast<long>(std::min(placed.size(), affordable())), placed.end());
+  all_ = std::move(placed);
+  is_confirmed_ = false;
 }
 
 /// Fewer for a large map, so that time and memory stay within bounds.

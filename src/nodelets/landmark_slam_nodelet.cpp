@@ -24,6 +24,7 @@
 #include "sextant/ros/base/subscription_lock.hpp"
 #include "sextant/ros/base/trouble_log.hpp"
 #include "sextant/ros/geometry/map_transform.hpp"
+#include "sextant/ros/geometry/pose_conversions.hpp"
 #include "sextant/ros/geometry/transform_queue.hpp"
 #include "sextant/ros/landmarks/landmark_conversions.hpp"
 #include "sextant/ros/landmarks/landmark_services.hpp"
@@ -49,7 +50,8 @@ class LandmarkSlamNodelet : public nodelet::Nodelet {
   ~LandmarkSlamNodelet() override {
     const SubscriptionLock lock;
     marker_subs_.clear();
-    for (ros::Subscriber* sub : {&odom_sub_, &landmarks_sub_, &pose_sub_, &map_sub_}) sub->shutdown();
+    for (ros::Subscriber* sub : {&odom_sub_, &landmarks_sub_, &places_sub_, &pose_sub_, &map_sub_})
+      sub->shutdown();
     tf_listener_.reset();
   }
 
@@ -107,6 +109,8 @@ class LandmarkSlamNodelet : public nodelet::Nodelet {
     const auto fast = ros::TransportHints().tcpNoDelay();
     odom_sub_ = node.subscribe("odom", 100, &LandmarkSlamNodelet::onOdometry, this, fast);
     landmarks_sub_ = node.subscribe("landmarks", 20, &LandmarkSlamNodelet::onLandmarks, this, fast);
+    if (!params_.places.empty())
+      places_sub_ = node.subscribe(params_.places, 5, &LandmarkSlamNodelet::onPlaces, this, fast);
     pose_sub_ = node.subscribe("initialpose", 1, &LandmarkSlamNodelet::onInitialPose, this);
     for (size_t i = 0; i < params_.cameras.size(); ++i)
       marker_subs_.push_back(node.subscribe<MarkerArray>(
@@ -138,6 +142,27 @@ class LandmarkSlamNodelet : public nodelet::Nodelet {
     } catch (const std::exception& error) {
       trouble_->refused("initialpose", pose_sub_.getTopic() + " is not used: " + error.what());
     }
+  }
+
+  void onPlaces(const PlaceHypothesesConstPtr& msg) {
+    try {
+      const auto poses = fromMsg(*msg, transformFrom(msg->frame));
+      const PlaceUse use = session_->timeline().observePlaces(secondsOf(msg->header.stamp), poses);
+      report_->placesUsed(use);
+      if (use == PlaceUse::relocalized) publishPose();
+    } catch (const std::exception& error) {
+      trouble_->report("places", places_sub_.getTopic() + " is not used: " + error.what());
+    }
+  }
+
+  /// T_map_frame. @throws std::invalid_argument if the frame is empty, tf2::TransformException if there is no
+  /// transform
+  Pose2 transformFrom(const std::string& frame) const {
+    if (frame.empty())
+      throw std::invalid_argument("its map has no frame: add one to the place map, see its metric header");
+    if (frame == session_->frame()) return {};
+    return planarFromMsg(
+        toPoseMsg(fromMsg(tf_.lookupTransform(session_->frame(), frame, ros::Time(0)).transform)));
   }
 
   // ---- odometry
@@ -332,7 +357,7 @@ class LandmarkSlamNodelet : public nodelet::Nodelet {
   std::unique_ptr<StartInQueue> start_;
   ros::WallTimer diagnostics_timer_, retry_timer_;
   ros::Publisher filtered_pub_, pose_pub_, initialpose_pub_, visualization_pub_, entries_pub_;
-  ros::Subscriber odom_sub_, landmarks_sub_, pose_sub_, map_sub_;
+  ros::Subscriber odom_sub_, landmarks_sub_, places_sub_, pose_sub_, map_sub_;
   std::vector<ros::Subscriber> marker_subs_;
   std::vector<ros::ServiceServer> services_;
 };

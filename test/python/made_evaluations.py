@@ -30,7 +30,7 @@ def found_of(answers, distances=(1.0,), matches=3, unknown=0.0):
     )
     nothing = np.zeros((matches, 2))
     match = MatchedPhoto(PLACES[0], nothing, nothing, np.ones(matches))
-    hypotheses = [PlaceHypothesis(PLACES[number], probability) for number, probability in answers]
+    hypotheses = [PlaceHypothesis(PLACES[number], probability, None) for number, probability in answers]
     status = Status.AMBIGUOUS if answers else Status.UNUSABLE
     return Localization(status, hypotheses, unknown, None, False, statistics, match)
 

@@ -17,6 +17,7 @@ struct LandmarkSlamNodeParams {
   LandmarkTimelineParams timeline;  ///< of the buffer of late measurements
   MarkerLandmarkParams markers;     ///< of markers as landmarks
   std::vector<std::string> cameras;
+  std::string places;
   std::string map_file;
   std::string marker_map_file;
   std::string start = "origin";

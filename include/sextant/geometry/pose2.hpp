@@ -30,6 +30,9 @@ struct Pose2 {
   bool operator==(const Pose2& other) const { return position == other.position && heading == other.heading; }
 };
 
+/// Returns (x, y, heading) of a minus that of b, both in the same frame; the heading is wrapped.
+Eigen::Vector3d difference(const Pose2& a, const Pose2& b);
+
 /// Returns the left Jacobian of SE(2): exp(v, angle) translates by leftJacobian2(angle) v. With x = angle,
 /// its elements are sin(x) / x and +-(1 - cos(x)) / x.
 Eigen::Matrix2d leftJacobian2(double angle);

@@ -8,6 +8,13 @@
 
 namespace sextant {
 
+/// One pose that the robot may have, of several.
+struct PossiblePose {
+  Pose2 T_map_base;
+  Eigen::Matrix3d covariance;  ///< of (x, y, heading) in the map frame
+  double probability;          ///< (0, 1]
+};
+
 /// LandmarkSlam in which ambiguous decisions stay open (multi-hypothesis tracking, Reid 1979): while it is
 /// not certain which landmarks were observed, or whether odometry slipped, one state is kept for each answer.
 /// Later scans are more likely in the right one. The number of states is bounded, in large maps more than in
@@ -23,6 +30,13 @@ class LandmarkHypotheses {
   /// Applies one scan, as LandmarkSlam::observe(). @returns the report of the best hypothesis
   LandmarkReport observe(double stamp, const std::vector<LabelledObservation>& observations,
                          const Pose2& T_base_sensor = {});
+
+  /// Makes one hypothesis of each pose, of the most probable ones if there are too many. The map is that of
+  /// the best hypothesis, without the landmarks that may have been initialized at a wrong pose.
+  /// @param poses at least one
+  void place(const std::vector<PossiblePose>& poses);
+  /// Whether a landmark was associated since the last place(); true before the first one.
+  bool isConfirmed() const { return is_confirmed_; }
 
   /// Pose of the best hypothesis after a step; its covariance covers the poses of the others.
   PoseEstimate2D predictPose(const OdometryStep& step) const;
@@ -47,6 +61,7 @@ class LandmarkHypotheses {
   std::vector<double> probabilities() const;
 
   std::vector<Hypothesis> all_;  // the best first; never empty
+  bool is_confirmed_ = true;
 };
 
 }  // namespace sextant

@@ -31,6 +31,15 @@ enum class Arrival {
   too_large,  ///< more observations than max_observations
 };
 
+/// What is done with the places at which an image may have been taken.
+enum class PlaceUse {
+  unused,       ///< the place is probably unknown, or there is no odometry of the stamp
+  agrees,       ///< the pose is at one of the probable places; it is not changed
+  contradicts,  ///< the pose is at another place; it is not changed, as landmarks or too few images support
+                ///< it
+  relocalized,  ///< the pose is one of these places, until landmarks confirm one of them
+};
+
 /// Runs LandmarkSlam on scans that arrive late, twice or out of order: each is applied at its own stamp, and
 /// later scans are applied again after it.
 class LandmarkTimeline {
@@ -45,6 +54,13 @@ class LandmarkTimeline {
   /// Adds a scan, as LandmarkSlam::observe(). @param stamp seconds, by the clock of the sensor
   Arrival observe(double stamp, const std::vector<LabelledObservation>& observations,
                   const Pose2& T_base_sensor = {});
+
+  /// Adds the recognized places of an image. They are the pose of a lost robot, and of one that was placed by
+  /// an earlier image if no landmark was associated since. Another robot is only lost if it is elsewhere in
+  /// several images in a row between which no landmark was associated.
+  /// @param stamp seconds, by the clock of odometry @param poses their probabilities sum to at most 1; the
+  /// rest is that of an unknown place
+  PlaceUse observePlaces(double stamp, const std::vector<PossiblePose>& poses);
 
   /// Pose of the robot at the newest odometry.
   struct Now {
@@ -107,6 +123,8 @@ class LandmarkTimeline {
   void wait(const Scan& scan);
   bool isJump(double stamp, const Pose2& T_odom_base) const;
   void restartLost();
+  static double probabilityOf(const Pose2& T_map_base, const Eigen::Matrix3d& covariance,
+                              const std::vector<PossiblePose>& poses);
   static bool isBefore(const Scan& a, const Scan& b) { return a.stamp < b.stamp; }
   Scans::iterator firstToReplay(Scans::iterator scan);
   bool isKept(Scans::iterator scan);
@@ -118,6 +136,7 @@ class LandmarkTimeline {
   Scans scans_;                // by stamp
   std::vector<Scan> waiting_;  // by stamp
   int jumps_ = 0;
+  int elsewhere_ = 0;  // images in a row whose places contradict the pose
   std::vector<Applied> applied_;
 };
 

@@ -21,6 +21,9 @@ constexpr int kPlanar[] = {0, 1, 5};   // indices of x, y, heading in x, y, z, r
 constexpr double kMinCosTilt = 0.999;  // of a frame whose z axis is up
 constexpr double kMaxDistance = 1e8;   // metres: larger values lose too much numeric resolution
 
+constexpr int kHeadings = 4;               // poses of a place at which the heading is not known
+constexpr double kMaxHeadingVariance = 1;  // square radians: if it is larger, the heading is not known
+
 constexpr double kMaxObserved = 1e4;  // metres to a landmark, and of a standard deviation: as kMaxDistance
 
 bool isPositiveDefinite(const Eigen::MatrixXd& matrix) {
@@ -135,6 +138,29 @@ std::vector<LabelledObservation> fromMsg(const MarkerArray& msg, const Pose& T_b
     requireObservation(all.back());
   }
   return all;
+}
+
+std::vector<PossiblePose> fromMsg(const PlaceHypotheses& msg, const Pose2& T_map_frame) {
+  std::vector<PossiblePose> poses;
+  if (msg.status == PlaceHypotheses::UNUSABLE) return poses;
+  Matrix3d turn = Matrix3d::Identity();
+  turn.topLeftCorner<2, 2>() = rotation2(T_map_frame.heading);
+  for (const PlaceHypothesis& place : msg.places) {
+    if (!(place.probability > 0 && place.probability <= 1.001))
+      throw std::invalid_argument("the probability of place " + std::to_string(place.id) + " is " +
+                                  std::to_string(place.probability));
+    const PoseEstimate2D at = planarFromMsg(place.pose);
+    Matrix3d covariance = turn * at.covariance * turn.transpose();
+    const int headings = covariance(2, 2) > kMaxHeadingVariance ? kHeadings : 1;
+    if (headings > 1) {  // uniform between the headings
+      covariance.row(2).setZero(), covariance.col(2).setZero();
+      covariance(2, 2) = std::pow(2 * M_PI / headings, 2) / 12;
+    }
+    Pose2 pose = T_map_frame * at.pose;
+    for (int i = 0; i < headings; ++i, pose.heading = wrapped(pose.heading + 2 * M_PI / headings))
+      poses.push_back({pose, covariance, place.probability / headings});
+  }
+  return poses;
 }
 
 LandmarkMapEntries toMsg(const LandmarkSlam& slam) {

@@ -18,6 +18,12 @@ constexpr double kWrong = 2.0;    // times the stated standard deviation
 constexpr const char* kOdometryRemedy = "raise ~rotation_from_rotation and the other noise parameters";
 constexpr const char* kSensorRemedy = "the covariances that the detector publishes are too small";
 constexpr size_t kNis = 50;  // scans
+constexpr std::pair<PlaceUse, const char*> kPlaceUses[] = {
+    {PlaceUse::unused, "images of an unknown place, or not used"},
+    {PlaceUse::agrees, "images of the place of the pose"},
+    {PlaceUse::contradicts, "images of another place"},
+    {PlaceUse::relocalized, "images that relocalized the robot"},
+};
 
 /// Warning for a topic without recent messages; empty if there are some.
 std::string silence(const std::string& what, const std::string& topic,
@@ -121,6 +127,8 @@ void LandmarkSlamReport::fillTotals(diagnostic_updater::DiagnosticStatusWrapper&
   status.add("scans too late", too_late_);
   status.add("scans duplicate", duplicate_);
   status.add("scans waiting", waiting);
+  for (const auto& [use, name] : kPlaceUses)
+    if (!places_.empty()) status.add(name, places_.count(use) ? places_.at(use) : 0);
   double nis = 0;
   int width = 0;
   for (const auto& [value, degrees] : nis_) nis += value, width += degrees;

@@ -14,7 +14,7 @@ from sextant.base.strict_params import parse_params
 from sextant.place_maps.place_map import PlaceMap
 from sextant.places.place_evaluation import PlaceEvaluation, evaluate
 from sextant.places.place_index_update import PlaceIndexer
-from sextant.places.place_localizer import VOTES, PlaceHypothesis
+from sextant.places.place_localizer import VOTES
 from sextant.places.place_method_params import PlaceMethodParams
 from sextant.places.place_queries import queries_in_clusters, queries_of_photos
 
@@ -134,9 +134,7 @@ def in_clusters(evaluation: PlaceEvaluation, place_map: PlaceMap, clusters: Plac
     queries = queries_in_clusters([each.query for each in evaluation.results], place_map, clusters)
     results = []
     for query, result in zip(queries, evaluation.results):
-        hypotheses = [
-            PlaceHypothesis(merged[each.photo.id], each.probability) for each in result.found.hypotheses
-        ]
+        hypotheses = [each._replace(photo=merged[each.photo.id]) for each in result.found.hypotheses]
         found = result.found._replace(hypotheses=hypotheses)
         results.append(result._replace(query=query, found=found))
     return replace(evaluation, results=results)

@@ -55,6 +55,7 @@ class PlaceHypothesis(NamedTuple):
 
     photo: Photo  # the most likely photo of the place
     probability: float  # of the place and its neighbours
+    estimate: PlaceEstimate  # from the place and its neighbours
 
 
 class Localization(NamedTuple):
@@ -170,9 +171,12 @@ class PlaceLocalizer:
         belief = self._mode.belief
         peaks, unknown = belief.hypotheses(self._params.max_places)
         photos = recognition.best_photos
-        hypotheses = [PlaceHypothesis(photos[peak.place], peak.probability) for peak in peaks]
+        hypotheses = [
+            PlaceHypothesis(photos[peak.place], peak.probability, self._estimate(peak, recognition))
+            for peak in peaks
+        ]
         status = _status(hypotheses, unknown) if recognition.usable else Status.UNUSABLE
-        estimated = self._estimate(peaks[0], recognition) if status == Status.LOCALIZED else None
+        estimated = hypotheses[0].estimate if status == Status.LOCALIZED else None
         position = self._positions[peaks[0].place] * self._metres_per_pixel if estimated else None
         relocalized = self._relocalization.update(status, position, driven)
         statistics, match = recognition.statistics, recognition.match
@@ -182,6 +186,9 @@ class PlaceLocalizer:
         yaws = [recognition.best_photos[place].yaw for place in peak.around]
         probabilities = self._mode.belief.places[peak.around]
         return estimate(self._positions[peak.around], probabilities, yaws, self._spacing)
+
+    def _estimate_of(self, photo: Photo) -> PlaceEstimate:
+        return estimate(np.array([[photo.x, photo.y]]), np.ones(1), [photo.yaw], self._spacing)
 
     def _with_heading(
         self, place: PlaceEstimate, match: MatchedPhoto, camera: "sextant.CameraModel"
@@ -197,13 +204,15 @@ class PlaceLocalizer:
 
     def _localize_by_votes(self, image: np.ndarray) -> Localization:
         votes = self._votes.count(image)
-        hypotheses = [PlaceHypothesis(*each) for each in zip(votes.photos, votes.shares)]
+        hypotheses = [
+            PlaceHypothesis(photo, share, self._estimate_of(photo))
+            for photo, share in zip(votes.photos, votes.shares)
+        ]
         status = _status(hypotheses, 0.0) if hypotheses else Status.UNUSABLE
         estimated, position = None, None
         if status == Status.LOCALIZED:
-            photo = hypotheses[0].photo
-            estimated = estimate(np.array([[photo.x, photo.y]]), np.ones(1), [photo.yaw], self._spacing)
-            position = np.array([photo.x, photo.y]) * self._metres_per_pixel
+            estimated = hypotheses[0].estimate
+            position = np.array([estimated.x, estimated.y]) * self._metres_per_pixel
         relocalized = self._relocalization.update(status, position, None)
         return Localization(status, hypotheses, 0.0, estimated, relocalized, votes.statistics, votes.match)
 

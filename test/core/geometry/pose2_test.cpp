@@ -44,5 +44,10 @@ TEST(Pose2, LeftJacobianIsThatOfTheMatrixExponential) {
   }
 }
 
+TEST(Pose2, TheDifferenceOfHeadingsIsWrapped) {
+  const Eigen::Vector3d off = difference({{1, 2}, 3}, {{0.5, 3}, -3});
+  EXPECT_LT((off - Eigen::Vector3d(0.5, -1, 6 - 2 * M_PI)).norm(), 1e-12);
+}
+
 }  // namespace
 }  // namespace sextant

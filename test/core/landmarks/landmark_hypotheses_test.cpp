@@ -112,5 +112,49 @@ TEST(LandmarkHypotheses, ASlipIsRecognizedByTheNextLandmarks) {
   }
 }
 
+/// Two rooms 20 m apart: a red and a blue landmark in the first, two red ones in the second.
+LandmarkHypotheses lostAmongRooms() {
+  LandmarkSlamParams params;
+  params.sensor.field_of_view = 6;
+  LandmarkSlam slam(params, {}, Matrix3d::Identity());
+  const std::vector<Landmark2D> landmarks{{{2, 0}, {}}, {{2, 1}, {}}, {{22, 0}, {}}, {{22, 1}, {}}};
+  slam.setMap({}, landmarks, {kRed, kBlue, kRed, kRed}, 1e-4 * MatrixXd::Identity(11, 11));
+  slam.relocalize();
+  return LandmarkHypotheses(slam);
+}
+
+const Matrix3d kRough = Eigen::Vector3d(0.25, 0.25, 0.04).asDiagonal();
+const PossiblePose kFirstRoom{{{0.3, 0.2}, 0.1}, kRough, 0.7}, kSecondRoom{{{20.3, -0.2}, 0.1}, kRough, 0.3};
+
+TEST(LandmarkHypotheses, LandmarksDecideAtWhichPlaceALostRobotIs) {
+  LandmarkHypotheses all = lostAmongRooms();
+  ASSERT_TRUE(all.best().isLost());
+  all.place({kSecondRoom, kFirstRoom});
+  EXPECT_FALSE(all.best().isLost());
+  EXPECT_FALSE(all.isConfirmed());
+  EXPECT_NEAR(all.probability(), 0.7, 1e-9);
+  EXPECT_EQ(all.best().filter().pose(), kFirstRoom.T_map_base);  // the more probable one
+  const Pose2 truth{{20, 0}, 0};
+  for (int i = 0; i < 5; ++i) all.observe(0.1 * i, {seen(truth, {22, 0}), seen(truth, {22, 1})});
+  EXPECT_TRUE(all.isConfirmed());
+  EXPECT_GT(all.probability(), 0.999);
+  EXPECT_LT(difference(all.best().filter().pose(), truth).norm(), 0.05);
+}
+
+TEST(LandmarkHypotheses, TheCovarianceCoversAllPlaces) {
+  LandmarkHypotheses all = lostAmongRooms();
+  all.place({kFirstRoom, kSecondRoom});
+  EXPECT_NEAR(all.predictPose({}).covariance(0, 0), 0.25 + 0.3 * 20 * 20, 1e-6);
+}
+
+TEST(LandmarkHypotheses, WhatTheRobotMappedAtAWrongPoseIsNotKept) {
+  LandmarkHypotheses all = lostAmongRooms();
+  all.place({{{{8, 8}, 0}, kRough, 0.9}});
+  for (int i = 0; i < 30; ++i)
+    all.observe(0.1 * i, {seen({{20, 0}, 0}, {22, 0}), seen({{20, 0}, 0}, {22, 1})});
+  all.place({kSecondRoom});
+  EXPECT_EQ(all.best().labels().size(), 4u);
+}
+
 }  // namespace
 }  // namespace sextant

@@ -338,5 +338,63 @@ TEST(LandmarkTimeline, AChangeIsAppliedAtTheNewestOdometry) {
   EXPECT_LT((timeline.now()->T_map_base.position - elsewhere * Vector2d(1, 0)).norm(), 1e-9);
 }
 
+// ---- places
+
+const Matrix3d kRough = Eigen::Vector3d(0.25, 0.25, 0.04).asDiagonal();
+const std::vector<PossiblePose> kElsewhere{{{{30, 0}, 0}, kRough, 0.98}};
+
+/// A drive of ten seconds with odometry, and with all scans or none.
+LandmarkTimeline drivenTimeline(const Drive& drawn, bool with_scans) {
+  LandmarkTimeline timeline = timelineOf(drawn);
+  for (int i = 0; i <= 500; ++i) timeline.odometry(drawn.odometry[i].first, drawn.odometry[i].second);
+  for (size_t i = 91; with_scans && i <= 100; ++i)
+    timeline.observe(drawn.scans[i].stamp, drawn.scans[i].observations);
+  return timeline;
+}
+
+TEST(LandmarkTimeline, PlacesDoNotChangeAPoseThatLandmarksConfirm) {
+  const Drive drawn = drive(2);
+  LandmarkTimeline timeline = drivenTimeline(drawn, true);
+  for (size_t i = 101; i < 150; ++i) {
+    for (size_t k = 5 * i - 4; k <= 5 * i; ++k)
+      timeline.odometry(drawn.odometry[k].first, drawn.odometry[k].second);
+    timeline.observe(drawn.scans[i].stamp, drawn.scans[i].observations);
+    EXPECT_EQ(timeline.observePlaces(drawn.scans[i].stamp, kElsewhere), PlaceUse::contradicts);
+    EXPECT_LT((timeline.now()->T_map_base.position - drawn.truth[5 * i].second.position).norm(), 0.3);
+  }
+}
+
+TEST(LandmarkTimeline, ImagesOfAnotherPlaceRelocalizeARobotThatObservesNothing) {
+  LandmarkTimeline timeline = drivenTimeline(drive(3), false);
+  const Pose2 before = timeline.now()->T_map_base;
+  EXPECT_EQ(timeline.observePlaces(19.9, kElsewhere), PlaceUse::contradicts);
+  EXPECT_EQ(timeline.observePlaces(19.9, {{before, kRough, 0.9}}), PlaceUse::agrees);  // counts from here
+  for (int i = 0; i < 2; ++i) EXPECT_EQ(timeline.observePlaces(19.9, kElsewhere), PlaceUse::contradicts);
+  EXPECT_EQ(timeline.now()->T_map_base, before);
+  EXPECT_EQ(timeline.observePlaces(19.9, kElsewhere), PlaceUse::relocalized);
+  EXPECT_LT((timeline.now()->T_map_base.position - Vector2d(30, 0)).norm(), 0.1);
+  EXPECT_EQ(timeline.observePlaces(19.9, {{before, kRough, 0.9}}), PlaceUse::relocalized);  // not confirmed
+}
+
+TEST(LandmarkTimeline, APlaceIsThatOfTheImageNotOfItsArrival) {
+  const Drive drawn = drive(4);
+  LandmarkTimeline timeline = drivenTimeline(drawn, false);
+  timeline.change([](LandmarkSlam& slam) { slam.relocalize(); });
+  const auto& [stamp, truth] = drawn.truth[450];
+  EXPECT_EQ(timeline.observePlaces(stamp, {{truth, 1e-6 * kRough, 0.6}}), PlaceUse::relocalized);
+  EXPECT_LT(difference(timeline.now()->T_map_base, drawn.truth[500].second).norm(), 0.1);
+  EXPECT_GT((truth.position - drawn.truth[500].second.position).norm(), 0.4);
+}
+
+TEST(LandmarkTimeline, UnknownPlacesAndThoseWithoutOdometryAreNotUsed) {
+  LandmarkTimeline timeline = drivenTimeline(drive(5), false);
+  timeline.change([](LandmarkSlam& slam) { slam.relocalize(); });
+  EXPECT_EQ(timeline.observePlaces(19.9, {}), PlaceUse::unused);
+  EXPECT_EQ(timeline.observePlaces(19.9, {{{}, kRough, 0.4}}), PlaceUse::unused);
+  EXPECT_EQ(timeline.observePlaces(3.0, kElsewhere), PlaceUse::unused);
+  EXPECT_EQ(timeline.observePlaces(21.0, kElsewhere), PlaceUse::unused);
+  EXPECT_TRUE(timeline.slam().isLost());
+}
+
 }  // namespace
 }  // namespace sextant

@@ -35,7 +35,7 @@ PLACES = [Photo(i, f"{i}.png", 10.0 * i, 5.0) for i in range(12)]
 def outcome(right, answers, status=Status.AMBIGUOUS, estimate=None, position=None, seconds=0.1):
     """:param right: numbers of places; answers: pairs of a number and a probability"""
     query = Query(Path("q.png"), frozenset((PLACES[i].x, PLACES[i].y) for i in right), position)
-    hypotheses = [PlaceHypothesis(PLACES[number], probability) for number, probability in answers]
+    hypotheses = [PlaceHypothesis(PLACES[number], probability, None) for number, probability in answers]
     return QueryResult(query, Localization(status, hypotheses, 0.0, estimate, False, None, None), seconds)
 
 

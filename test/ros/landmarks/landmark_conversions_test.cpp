@@ -251,5 +251,55 @@ TEST(LandmarkVisualization, TheEllipseIsTwoSigmaAndRemovedLandmarksAreDeleted) {
   EXPECT_TRUE(visualization.update(empty, "hall", ros::Time(7)).markers.empty());
 }
 
+/// At (2, 1), turned by a quarter.
+PlaceHypotheses somePlaces(double heading_variance = 0.1) {
+  PlaceHypothesis place;
+  place.id = 4;
+  place.probability = 0.8F;
+  place.pose =
+      toPoseWithCovarianceMsg({{2, 1}, M_PI_2}, Eigen::Vector3d(0.3, 0.2, heading_variance).asDiagonal());
+  PlaceHypotheses msg;
+  msg.places = {place};
+  return msg;
+}
+
+TEST(LandmarkConversions, PlacesArePosesInTheMap) {
+  const auto poses = fromMsg(somePlaces(), Pose2{{10, 0}, M_PI_2});
+  ASSERT_EQ(poses.size(), 1u);
+  EXPECT_LT(difference(poses[0].T_map_base, {{9, 2}, M_PI}).norm(), 1e-9);
+  EXPECT_LT((poses[0].covariance - Matrix3d(Eigen::Vector3d(0.2, 0.3, 0.1).asDiagonal())).norm(), 1e-9);
+  EXPECT_NEAR(poses[0].probability, 0.8, 1e-6);
+}
+
+TEST(LandmarkConversions, APlaceWithoutAHeadingHasPosesInAllDirections) {
+  const auto poses = fromMsg(somePlaces(M_PI * M_PI / 3), Pose2{});
+  double sum = 0, squares = 0;
+  for (const PossiblePose& each : poses) {
+    const double off = wrapped(each.T_map_base.heading);
+    sum += each.probability;
+    squares += each.probability / 0.8 * (each.covariance(2, 2) + off * off);
+    EXPECT_EQ(each.T_map_base.position, Vector2d(2, 1));
+  }
+  EXPECT_NEAR(sum, 0.8, 1e-6);
+  EXPECT_NEAR(squares, M_PI * M_PI / 3, 0.7);  // that of a uniform angle, which also has -pi beside pi
+}
+
+TEST(LandmarkConversions, PlacesOfAnImageThatIsNotUsableAreNotUsed) {
+  PlaceHypotheses msg = somePlaces();
+  msg.status = PlaceHypotheses::UNUSABLE;
+  EXPECT_TRUE(fromMsg(msg, Pose2{}).empty());
+}
+
+TEST(LandmarkConversions, RefusesPlacesThatCannotBe) {
+  for (const float probability : {0.0F, -0.5F, 1.5F, std::numeric_limits<float>::quiet_NaN()}) {
+    PlaceHypotheses msg = somePlaces();
+    msg.places[0].probability = probability;
+    EXPECT_THROW(fromMsg(msg, Pose2{}), std::invalid_argument);
+  }
+  PlaceHypotheses msg = somePlaces();
+  msg.places[0].pose.pose.position.x = kNotFinite;
+  EXPECT_THROW(fromMsg(msg, Pose2{}), std::invalid_argument);
+}
+
 }  // namespace
 }  // namespace sextant

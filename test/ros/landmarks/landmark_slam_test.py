@@ -25,6 +25,7 @@ from visualization_msgs.msg import Marker as Shape
 from visualization_msgs.msg import MarkerArray as Shapes
 
 import sextant
+from sextant.msg import PlaceHypotheses, PlaceHypothesis
 from sextant.simulation.landmark_world import SimulatedObservation
 from sextant.srv import LandmarkMapFile
 
@@ -237,6 +238,36 @@ class LandmarkSlamTest(unittest.TestCase):
         self.assertLess(squared_distance(robot.poses.at(robot.stamp).pose, robot.truth[robot.stamp]), 25)
         robot.publish_odometry(robot.pose + [3, 0, 0], robot.stamp + rospy.Duration(0.05))
         self.assertTrue(self.diagnostics.reaches(self.status(), "not used: odometry jump", 1))
+
+    def places(self, robot, frame, *poses):
+        """Of the newest image: pairs of a pose (3,) and its probability."""
+        msg = PlaceHypotheses(frame=frame)
+        msg.header.stamp = robot.stamp
+        for number, (pose, probability) in enumerate(poses):
+            place = PlaceHypothesis(id=number, probability=probability)
+            place.pose.pose = odometry_msg(robot.stamp, pose, self.name).pose.pose
+            place.pose.covariance = np.diag([0.1, 0.1, 1e6, 3.0, 3.0, 0.1]).ravel().tolist()
+            msg.places.append(place)
+        return msg
+
+    def test_a_lost_robot_is_at_the_recognized_places_until_landmarks_decide(self):
+        robot = self.robot("e")
+        self.assert_drives(robot, 40)
+        publisher = rospy.Publisher("/e/places/hypotheses", PlaceHypotheses, queue_size=5)
+        self.assertTrue(until(lambda: publisher.get_num_connections() > 0))
+        self.assertTrue(self.call("relocalize").success)
+        truth = robot.truth[max(robot.truth)]
+        elsewhere = truth + [3.0, -2.0, 1.0]
+        for number, frame in enumerate(("", "nowhere"), 1):
+            publisher.publish(self.places(robot, frame, (truth, 0.9)))
+            self.assertTrue(self.diagnostics.reaches(self.status(), "not used: places", number))
+        publisher.publish(self.places(robot, "map", (elsewhere, 0.5), (truth, 0.4)))
+        self.assertTrue(self.diagnostics.reaches(self.status(), "images that relocalized the robot", 1))
+        self.assertTrue(self.diagnostics.reaches(self.status(), "hypotheses", 2))
+        self.assert_drives(robot, 5)
+        seen = max(robot.truth)
+        self.assertLess(squared_distance(robot.poses.at(seen).pose, robot.truth[seen]), 25)
+        self.assertLess(np.trace(planar_covariance(robot.poses.at(seen).pose)), 0.3)
 
     def test_a_recording_that_is_played_twice(self):
         robot = self.robot("d")

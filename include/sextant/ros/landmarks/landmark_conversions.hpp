@@ -9,10 +9,11 @@
 #include "sextant/LandmarkMapEntries.h"
 #include "sextant/LandmarkObservations.h"
 #include "sextant/MarkerArray.h"
+#include "sextant/PlaceHypotheses.h"
 #include "sextant/fusion/marker_landmarks.hpp"
 #include "sextant/geometry/pose.hpp"
 #include "sextant/geometry/pose2.hpp"
-#include "sextant/landmarks/landmark_slam.hpp"
+#include "sextant/landmarks/landmark_hypotheses.hpp"
 
 namespace sextant {
 
@@ -46,6 +47,12 @@ std::vector<LabelledObservation> fromMsg(const LandmarkObservations& msg, const 
 /// @throws std::invalid_argument that names the first invalid marker
 std::vector<LabelledObservation> fromMsg(const MarkerArray& msg, const Pose& T_base_camera,
                                          const MarkerLandmarkParams& params);
+
+/// Converts the places of an image to poses of the robot in the map; none if the image is not usable. A
+/// place at which the heading is not known becomes several poses with different headings.
+/// @param T_map_frame of the frame of the message
+/// @throws std::invalid_argument that names the first invalid place
+std::vector<PossiblePose> fromMsg(const PlaceHypotheses& msg, const Pose2& T_map_frame);
 
 /// Converts all landmarks; the header is not set.
 LandmarkMapEntries toMsg(const LandmarkSlam& slam);

@@ -6,6 +6,7 @@
 #include <ros/time.h>
 
 #include <deque>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -33,6 +34,9 @@ class LandmarkSlamReport {
   /// Records a scan that was applied. @param stamp of the scan @param now stamp of the newest odometry
   void applied(const LandmarkReport& report, const ros::Time& stamp, const ros::Time& now);
 
+  /// Records what was done with the places of an image.
+  void placesUsed(PlaceUse use) { ++places_[use]; }
+
   /// Fills the diagnostics. @param waiting number of waiting scans @param odometry, observations topics
   void fill(diagnostic_updater::DiagnosticStatusWrapper& status, const LandmarkHypotheses& all,
             size_t waiting, const std::string& odometry, const std::string& observations);
@@ -47,6 +51,7 @@ class LandmarkSlamReport {
   TroubleLog& trouble_;
   std::optional<ros::SteadyTime> odometry_received_, observations_received_;  // time of the last message
   unsigned long too_late_ = 0, duplicate_ = 0;
+  std::map<PlaceUse, unsigned long> places_;  // number of images
   LandmarkReport totals_;
   std::deque<std::pair<double, int>> nis_;  // with its degrees of freedom
   LatencyClock latency_;

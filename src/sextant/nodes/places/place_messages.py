@@ -5,7 +5,8 @@
 import math
 from typing import List
 
-from geometry_msgs.msg import Point, PoseWithCovarianceStamped
+import numpy as np
+from geometry_msgs.msg import Point, Pose, PoseWithCovariance, PoseWithCovarianceStamped, Quaternion
 from sensor_msgs.msg import NavSatFix, NavSatStatus
 from std_msgs.msg import Header
 
@@ -27,23 +28,30 @@ def places_message(found: Localization, header: Header) -> msg.Places:
 
 
 def hypotheses_message(place_map: PlaceMap, found: Localization, header: Header) -> msg.PlaceHypotheses:
-    """Status, hypotheses with their positions, and probability of an unknown place."""
+    """Status, hypotheses with their poses, and probability of an unknown place."""
     frame = place_map.georeference
     name = frame.frame if isinstance(frame, MetricFrame) else ""
     places = [_hypothesis(place_map, hypothesis) for hypothesis in found.hypotheses]
+    if name and found.estimate:
+        places[0].pose = pose_message(place_map, found, header.stamp).pose
     return msg.PlaceHypotheses(header, int(found.status), found.unknown_probability, name, places)
 
 
 def _hypothesis(place_map: PlaceMap, hypothesis: PlaceHypothesis) -> msg.PlaceHypothesis:
     photo, frame = hypothesis.photo, place_map.georeference
-    position, latitude, longitude = Point(NAN, NAN, NAN), NAN, NAN
+    pose = PoseWithCovariance(Pose(Point(NAN, NAN, NAN), Quaternion(NAN, NAN, NAN, NAN)), [NAN] * 36)
+    latitude, longitude = NAN, NAN
     if isinstance(frame, MetricFrame):
-        position = Point(*frame.position(place_map.overview, photo.x, photo.y), 0.0)
+        pose = _pose(*metric_pose(frame, place_map.overview, hypothesis.estimate))
     if isinstance(frame, GeoCorners):
         latitude, longitude = frame.coordinates(place_map.overview, photo.x, photo.y)
     return msg.PlaceHypothesis(
-        photo.id, photo.image, hypothesis.probability, photo.x, photo.y, position, latitude, longitude
+        photo.id, photo.image, hypothesis.probability, photo.x, photo.y, pose, latitude, longitude
     )
+
+
+def _pose(T: np.ndarray, covariance: np.ndarray) -> PoseWithCovariance:
+    return PoseWithCovariance(pose_to_message(T), covariance.ravel().tolist())
 
 
 def hypotheses_from_message(message: msg.Places) -> List[Hypothesis]:
@@ -65,9 +73,8 @@ def pose_message(place_map: PlaceMap, found: Localization, stamp) -> PoseWithCov
         T, covariance = found.pose.T_map_body(), found.pose.covariance
     else:
         T, covariance = metric_pose(place_map.georeference, place_map.overview, found.estimate)
-    message = PoseWithCovarianceStamped(header=Header(stamp=stamp, frame_id=place_map.georeference.frame))
-    message.pose.pose, message.pose.covariance = pose_to_message(T), covariance.ravel().tolist()
-    return message
+    header = Header(stamp=stamp, frame_id=place_map.georeference.frame)
+    return PoseWithCovarianceStamped(header, _pose(T, covariance))
 
 
 def fix_message(place_map: PlaceMap, place: PlaceEstimate, header: Header) -> NavSatFix:
