@@ -52,7 +52,7 @@ ParamList LandmarkSlamNodeParams::fields() {
       {"cameras", &cameras, topics(), "", "topics of sextant/MarkerArray, one per camera, e.g. `[markers]`"},
       {"places", &places, Allowed(), "",
        "topic of sextant/PlaceHypotheses, e.g. `places/hypotheses`: the recognized places relocalize a lost "
-       "robot; empty: none"},
+       "robot; empty: no topic"},
       {"marker_map_file", &marker_map_file, Allowed(), "",
        "[marker map](marker_map.md) file; empty: the topic `marker_map/entries`, if published"},
       {"map_frame", &map_frame, notEmpty(), "", "frame of a new map; a map file has its own"},

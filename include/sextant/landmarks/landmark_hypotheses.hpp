@@ -10,7 +10,7 @@ namespace sextant {
 
 /// One pose that the robot may have, of several.
 struct PossiblePose {
-  Pose2 T_map_base;
+  Pose2 T_map_base;            ///< of the robot
   Eigen::Matrix3d covariance;  ///< of (x, y, heading) in the map frame
   double probability;          ///< (0, 1]
 };
