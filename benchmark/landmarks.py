@@ -2,8 +2,8 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
 """Measures landmark SLAM: consistency, data association, recorded drives and their maps by all observations,
-simulated drives with their faults, what makes both difficult, time, late observations, printed markers, and
-relocalization.
+simulated drives with their faults, what makes both difficult, time, bad messages and hours in a large map,
+late observations, printed markers, and relocalization.
 
 Exit status: 0 when every bar holds, 1 when one fails, 2 when something could not be measured.
 """
@@ -20,6 +20,7 @@ from landmarks.landmark_delay import delay_tables
 from landmarks.landmark_drive_figures import drive_figure_tables
 from landmarks.landmark_fusion import fusion_tables
 from landmarks.landmark_kidnap import kidnap_tables
+from landmarks.landmark_limits import limit_tables
 from landmarks.landmark_real_drives import real_drive_tables
 from landmarks.landmark_realistic import realistic_tables
 from landmarks.landmark_victoria_park import victoria_park_tables
@@ -35,6 +36,7 @@ TOPICS = {
     ),
     "realistic": lambda options: realistic_tables(options.quick),
     "cost": lambda options: cost_tables(options.quick),
+    "limits": lambda options: limit_tables(options.quick),
     "delay": lambda options: delay_tables(options.quick),
     "fusion": lambda options: fusion_tables(options.quick),
     "kidnap": lambda options: kidnap_tables(options.quick),

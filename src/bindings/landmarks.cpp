@@ -43,7 +43,15 @@ void bindLandmarks2D(py::module_& module) {
            "position (2,) metres; covariance (2, 2), or (3, 3) with a heading in radians")
       .def_readonly("position", &Observation2D::position, "(2,) metres")
       .def_readonly("heading", &Observation2D::heading, "radians, or None")
-      .def_readonly("covariance", &Observation2D::covariance, "(3, 3) of x, y, heading");
+      .def_readonly("covariance", &Observation2D::covariance, "(3, 3) of x, y, heading")
+      .def(py::pickle(
+          [](const Observation2D& self) {
+            return py::make_tuple(self.position, self.heading, self.covariance);
+          },
+          [](const py::tuple& state) {
+            return Observation2D{state[0].cast<Eigen::Vector2d>(), state[1].cast<std::optional<double>>(),
+                                 state[2].cast<Eigen::Matrix3d>()};
+          }));
 }
 
 void bindLabels(py::module_& module) {
@@ -55,10 +63,16 @@ void bindLabels(py::module_& module) {
       .def(py::self == py::self)
       .def("__hash__",
            [](const LandmarkLabel& self) { return py::hash(py::make_tuple(self.class_name, self.id)); })
-      .def("__repr__", [](const LandmarkLabel& self) {
-        return "LandmarkLabel('" + self.class_name + "'" + (self.id ? ", " + std::to_string(*self.id) : "") +
-               ")";
-      });
+      .def("__repr__",
+           [](const LandmarkLabel& self) {
+             return "LandmarkLabel('" + self.class_name + "'" +
+                    (self.id ? ", " + std::to_string(*self.id) : "") + ")";
+           })
+      .def(py::pickle(
+          [](const LandmarkLabel& self) { return py::make_tuple(self.class_name, self.id); },
+          [](const py::tuple& state) {
+            return LandmarkLabel{state[0].cast<std::string>(), state[1].cast<std::optional<int>>()};
+          }));
   py::class_<LabelledObservation>(module, "LabelledObservation",
                                   "An observation with the label of its landmark.")
       .def(py::init<LandmarkLabel, Observation2D, bool>(), "label"_a, "observation"_a,
@@ -66,7 +80,15 @@ void bindLabels(py::module_& module) {
       .def_readonly("label", &LabelledObservation::label, "LandmarkLabel")
       .def_readonly("observation", &LabelledObservation::observation, "Observation2D")
       .def_readonly("can_initialize", &LabelledObservation::can_initialize,
-                    "whether it may initialize a landmark");
+                    "whether it may initialize a landmark")
+      .def(py::pickle(
+          [](const LabelledObservation& self) {
+            return py::make_tuple(self.label, self.observation, self.can_initialize);
+          },
+          [](const py::tuple& state) {
+            return LabelledObservation{state[0].cast<LandmarkLabel>(), state[1].cast<Observation2D>(),
+                                       state[2].cast<bool>()};
+          }));
 }
 
 void bindObservations(py::module_& module) {

@@ -45,19 +45,26 @@ def write_world(path, world, begin=1.0, delay=0.0, frame="base_link", mount=(0.0
     :param arrivals: of [(arrival, message)], returns those that come instead
     :returns: {seconds: true pose (3,) where the drive begins}
     """
-    odometry, truth, sets = np.zeros(3), {}, []
     with WrittenBag(path) as bag:
-        bag.odometry("/odom", planar(odometry), begin)
-        for step in world.steps():
-            seconds = begin + step.stamp
-            odometry = composed(odometry, step.odometry_step)
-            bag.odometry("/odom", planar(odometry), seconds)
-            truth[seconds] = relative(world.start, step.pose)
-            if step.scan:
-                message = observations_message(seconds, seen_messages(step.scan.observations, mount), frame)
-                sets.append((seconds + delay + 1e-3, message))
-        for arrival, message in arrivals(sets) if arrivals else sets:
-            bag.write("/landmarks", message, arrival)  # the bag's index has them in this order
+        return write_drive(lambda seconds: bag, world, begin, delay, frame, mount, arrivals)
+
+
+def write_drive(
+    bag_at, world, begin=1.0, delay=0.0, frame="base_link", mount=(0.0, 0.0, 0.0), arrivals=None
+):
+    """write_world() into several bags. :param bag_at: the open WrittenBag of a time of reception, seconds"""
+    odometry, truth, sets = np.zeros(3), {}, []
+    bag_at(begin).odometry("/odom", planar(odometry), begin)
+    for step in world.steps():
+        seconds = begin + step.stamp
+        odometry = composed(odometry, step.odometry_step)
+        bag_at(seconds).odometry("/odom", planar(odometry), seconds)
+        truth[seconds] = relative(world.start, step.pose)
+        if step.scan:
+            message = observations_message(seconds, seen_messages(step.scan.observations, mount), frame)
+            sets.append((seconds + delay + 1e-3, message))
+    for arrival, message in arrivals(sets) if arrivals else sets:
+        bag_at(arrival).write("/landmarks", message, arrival)  # the bag's index has them in this order
     return truth
 
 

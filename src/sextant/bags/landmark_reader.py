@@ -3,16 +3,31 @@
 """Reads odometry and observations of recorded drives in the order of their reception."""
 
 from dataclasses import dataclass, field
-from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence
+from typing import (
+    Any,
+    Callable,
+    Dict,
+    Iterable,
+    Iterator,
+    List,
+    Mapping,
+    NamedTuple,
+    Optional,
+    Sequence,
+    Tuple,
+    Union,
+)
 
 import numpy as np
 
-from sextant.bags.bag_file import BagFile, Recorded, listed
+import sextant
+from sextant.bags.bag_file import BagError, BagFile, Recorded, listed
 from sextant.bags.camera_topics import MARKERS
 from sextant.bags.mounts import Mount, mount_of
 from sextant.bags.odometry import ODOMETRY, odometry_topic
 from sextant.bags.stamps import Losses, StampOrder
 from sextant.bags.transforms import TransformTree, read_transforms
+from sextant.base.strict_params import parse_struct
 from sextant.landmarks.slam_run import SlamRun
 from sextant.messages.damaged_message import DamagedMessage
 from sextant.messages.frame_name import frame_name
@@ -28,7 +43,7 @@ LANDMARKS = "sextant/LandmarkObservations"
 LONGEST_BREAK = 2.0  # seconds between two bags of one drive; a split recording has a smaller gap
 OVERLAP = 1.0  # seconds by which two bags of one drive may overlap
 
-Progress = Callable[[float], None]  # called with the fraction of all bags that is read, 0 to 1
+Progress = Callable[[float], None]  # called with the fraction that is done, 0 to 1
 
 
 @dataclass(frozen=True)
@@ -40,6 +55,7 @@ class LandmarkTopics:
     cameras: Sequence[str] = ()  # sextant/MarkerArray; empty: all, or none if there are landmarks
     base_frame: str = ""  # empty: odometry's child_frame_id
     mounts: Mapping[str, np.ndarray] = field(default_factory=dict)  # T_base_frame by frame; overrides tf
+    marker_params: Mapping[str, float] = field(default_factory=dict)  # of sextant.MarkerLandmarkParams
     start: float = 0.0  # seconds after a bag's first message
     end: float = float("inf")  # seconds after a bag's first message
 
@@ -49,46 +65,79 @@ class LandmarkTopics:
             raise ValueError(f"start is {self.start} and end {self.end}, allowed is 0 <= start < end")
 
 
-def run_on_bags(
-    paths: Sequence[str], topics: LandmarkTopics, run: SlamRun, progress: Optional[Progress] = None
+class OdometryReading(NamedTuple):
+    """A pose of the robot in the odometry frame."""
+
+    stamp: int  # nanoseconds
+    pose: np.ndarray  # (3,) x, y, heading
+
+
+class SensorScan(NamedTuple):
+    """The observations of one message."""
+
+    stamp: int  # nanoseconds
+    observations: List["sextant.LabelledObservation"]  # in the robot frame
+    T_base_sensor: np.ndarray  # (3,)
+
+
+class RecordedLandmarks(NamedTuple):
+    """Odometry and observations of one bag."""
+
+    path: str  # of the bag
+    start: float  # seconds, by reception
+    end: float  # seconds, by reception
+    messages: List[Union[OdometryReading, SensorScan]]  # in the order of their reception
+    warnings: Tuple[str, ...]  # how the bag was read
+
+
+def read_landmarks(path: str, topics: LandmarkTopics, paths: Sequence[str] = ()) -> RecordedLandmarks:
+    """Reads a bag.
+
+    :param paths: all bags of a recording that was split: static transforms may only be in an earlier one
+    :raises BagError: the bag cannot be read, lacks a topic, or nothing on a topic can be used
+    """
+    with BagFile(path, topics.start, topics.end) as bag:
+        return _Drive(bag, topics, paths).read()
+
+
+def run_on_recorded(
+    recorded: Iterable[RecordedLandmarks], run: SlamRun, progress: Optional[Progress] = None
 ) -> List[str]:
     """Runs SLAM on the messages of the bags in the order of their times.
 
     A bag that begins more than LONGEST_BREAK after the end of the last one is another drive.
 
-    :returns: notes on how the bags were read
-    :raises BagError: a bag cannot be read, lacks a topic, or nothing on a topic can be used
+    :returns: notes on the order of the bags
     :raises ValueError: two bags overlap in time
     """
-    tree, notes, before = TransformTree(), [], None
-    for index, path in enumerate(_in_order(paths, topics)):
-        with BagFile(path, topics.start, topics.end) as bag:
-            if before is not None and bag.start - before > LONGEST_BREAK:
-                run.start_drive()
-                notes.append(f"{path}: begins {bag.start - before:.0f} s later: read as another drive")
-            read = _Drive(bag, topics, run, tree).read(_of_part(progress, index, len(paths)))
-            notes += [f"{path}: {note}" for note in read]
-            before = bag.end
-    return list(dict.fromkeys([*notes, *tree.notes]))
+    in_order = sorted(recorded, key=lambda each: each.start)
+    _check_order(in_order)
+    total, done, notes, before = sum(len(each.messages) for each in in_order), 0, [], None
+    for bag in in_order:
+        if before is not None and bag.start - before > LONGEST_BREAK:
+            run.start_drive()
+            notes.append(f"{bag.path}: begins {bag.start - before:.0f} s later: read as another drive")
+        before, old = bag.end, 0
+        for message in bag.messages:
+            if isinstance(message, OdometryReading):
+                old += not run.odometry(*message)
+            else:
+                run.observe(*message)
+            done += 1
+            if progress:
+                progress(done / total)
+        if old:
+            notes.append(f"{bag.path}: {old} readings of odometry are not newer than those of the bag before")
+    return notes
 
 
-def _of_part(progress: Optional[Progress], index: int, count: int) -> Progress:
-    """Progress of one bag as a part of all."""
-    return (lambda share: progress((index + share) / count)) if progress else (lambda share: None)
-
-
-def _in_order(paths: Sequence[str], topics: LandmarkTopics) -> List[str]:
-    spans = []
-    for path in paths:
-        with BagFile(path, topics.start, topics.end) as bag:
-            spans.append((bag.start, bag.end, str(path)))
-    spans.sort()
-    for (_, end, first), (start, _, second) in zip(spans, spans[1:]):
-        if start < end - OVERLAP:
+def _check_order(bags: Sequence[RecordedLandmarks]) -> None:
+    for first, second in zip(bags, bags[1:]):
+        if second.start < first.end - OVERLAP:
             raise ValueError(
-                f"{second}: overlaps {first} in time; map one of them, then continue its map with the other"
+                f"{second.path}: overlaps {first.path} in time; map one of them, then continue its map with "
+                "the other"
             )
-    return [path for _, _, path in spans]
 
 
 class _Drive:
@@ -97,13 +146,13 @@ class _Drive:
     :raises BagError: a topic does not exist
     """
 
-    def __init__(self, bag: BagFile, topics: LandmarkTopics, run: SlamRun, tree: TransformTree):
-        self._bag, self._topics, self._run = bag, topics, run
+    def __init__(self, bag: BagFile, topics: LandmarkTopics, paths: Sequence[str]):
+        self._bag, self._topics, self._paths = bag, topics, paths
         self._odometry = odometry_topic(bag, topics.odometry)
         if not self._odometry:
             what = f"it contains no {ODOMETRY}, or --odometry is none"
             raise bag.error(what, f"its topics are: {listed(bag.types)}")
-        self._tree = read_transforms(bag, tree)
+        self._tree = read_transforms(bag)
         self._sources = self._named(LANDMARKS, [topics.landmarks] if topics.landmarks else [])
         if len(self._sources) > 1:
             there = listed(self._sources)
@@ -116,14 +165,19 @@ class _Drive:
         self._mounts: Dict[str, Optional[Mount]] = {}
         self._order, self._losses = StampOrder(bag), Losses()
         self._base = frame_name(topics.base_frame)
+        self._marker_params = parse_struct(
+            sextant.MarkerLandmarkParams, dict(topics.marker_params), "marker_params", ": "
+        )
+        self._messages: List[Union[OdometryReading, SensorScan]] = []
+        self._newest = 0  # stamp of odometry
 
     def _named(self, message_type: str, names: Sequence[str]) -> List[str]:
         """Topics of a type: the named ones, or else all."""
         found = [self._bag.named(name, message_type, message_type) for name in names]
         return found or list(self._bag.topics(message_type))
 
-    def read(self, progress: Progress) -> List[str]:
-        """:raises BagError: as run_on_bags()"""
+    def read(self) -> RecordedLandmarks:
+        """:raises BagError: as read_landmarks()"""
         self._base = self._base or self._child_frame()
         for recorded in self._bag.messages([self._odometry, *self._sources]):
             try:
@@ -135,7 +189,6 @@ class _Drive:
                 self._losses.used(recorded.topic)
             except ValueError as error:
                 self._losses.lost(recorded.topic, str(error))
-            progress(self._bag.fraction_read(recorded.received))
         for topic in (self._odometry, *self._sources):
             self._losses.check(self._bag, topic)
         unused = {frame_name(name) for name in self._topics.mounts} - set(self._mounts)
@@ -143,7 +196,8 @@ class _Drive:
         notes = [
             f"no message has the frame '{name}' of mounts; the frames are: {there}" for name in sorted(unused)
         ]
-        return [*self._losses.notes(), *notes]
+        warnings = tuple(dict.fromkeys([*self._losses.notes(), *notes, *self._tree.notes]))
+        return RecordedLandmarks(self._bag.path, self._bag.start, self._bag.end, self._messages, warnings)
 
     def _child_frame(self) -> str:
         first = self._bag.first(self._odometry)
@@ -156,8 +210,10 @@ class _Drive:
     def _add_odometry(self, recorded: Recorded, message: Any) -> None:
         pose, stamp = planar_pose(message.pose.pose), message.header.stamp.to_nsec()
         self._order.check(recorded, stamp)
-        if not self._run.odometry(stamp, pose):
+        if stamp <= self._newest:
             raise DamagedMessage("its stamp is not newer than that of the last one")
+        self._newest = stamp
+        self._messages.append(OdometryReading(stamp, pose))
 
     def _add_observations(self, recorded: Recorded, message: Any) -> None:
         self._check_version(recorded.topic, message)
@@ -168,14 +224,14 @@ class _Drive:
         if self._bag.types[recorded.topic] == LANDMARKS:
             observations = landmark_observations(message, T)
         else:
-            observations = marker_observations(message, T, self._run.params.markers)
+            observations = marker_observations(message, T, self._marker_params)
             for marker in message.markers:
                 if not marker.size > 0.0:
                     self._losses.lost(
                         f"{recorded.topic}, marker {marker.id}",
                         "it has no size, set marker_size of its detector",
                     )
-        self._run.observe(stamp, observations, planar_sensor_pose(T))
+        self._messages.append(SensorScan(stamp, observations, planar_sensor_pose(T)))
 
     def _check_version(self, topic: str, message: Any) -> None:
         expected = {LANDMARKS: LandmarkObservations, MARKERS: MarkerArray}[self._bag.types[topic]]
@@ -183,12 +239,34 @@ class _Drive:
             what = f"the messages on {topic} were recorded by another version of Sextant"
             raise self._bag.error(what, "read it with that version")
 
+    def _mount(self, frame: str, tree: TransformTree) -> Optional[Mount]:
+        given = {frame_name(name): np.asarray(T) for name, T in self._topics.mounts.items()}
+        return mount_of(self._bag, frame, self._base, given, tree)
+
+    def _whole_tree(self) -> TransformTree:
+        """With the transforms of earlier bags: static ones are recorded once, in the first of a recording."""
+        tree = TransformTree()
+        for start, path in sorted(self._starts()):
+            if start < self._bag.start:
+                with BagFile(path) as bag:
+                    read_transforms(bag, tree)
+        self._tree = read_transforms(self._bag, tree)
+        return self._tree
+
+    def _starts(self) -> Iterator[Tuple[float, str]]:
+        """Of all bags that can be read; what is wrong with the others is reported where they are read."""
+        for path in self._paths:
+            try:
+                with BagFile(path) as bag:
+                    yield bag.start, path
+            except BagError:
+                continue
+
     def _T_base_frame(self, frame: str, stamp: int) -> np.ndarray:
         if not frame:
             raise DamagedMessage("it has no frame_id")
         if frame not in self._mounts:
-            given = {frame_name(name): np.asarray(T) for name, T in self._topics.mounts.items()}
-            self._mounts[frame] = mount_of(self._bag, frame, self._base, given, self._tree)
+            self._mounts[frame] = self._mount(frame, self._tree) or self._mount(frame, self._whole_tree())
         mount = self._mounts[frame]
         if mount is None:
             there = listed(self._tree.frames)

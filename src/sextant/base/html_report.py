@@ -68,6 +68,16 @@ MACROS = """\
 {%- endfor %}
 </table>
 {%- endmacro %}
+{%- macro findings_list(findings) %}
+{%- if findings %}
+<h2>Findings</h2>
+<ol class="findings">
+{%- for finding in findings %}
+<li><b>{{ finding.fact }}</b>: <span class="advice">{{ finding.advice }}</span></li>
+{%- endfor %}
+</ol>
+{%- endif %}
+{%- endmacro %}
 {%- macro gallery(photos) %}
 <div class="photos">
 {%- for photo in photos %}

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Figures that are written to files."""
 
+import io
 from pathlib import Path
 from typing import Union
 
@@ -36,6 +37,13 @@ def save_figure(path: Union[str, Path], figure: Figure) -> None:
     """
     with atomic_file(path, "wb") as file:
         figure.savefig(file, format=_format(path), dpi=DPI)
+
+
+def figure_png(figure: Figure) -> bytes:
+    """Returns a figure as PNG, for a page."""
+    file = io.BytesIO()
+    figure.savefig(file, format="png", dpi=DPI)
+    return file.getvalue()
 
 
 def _format(path: Union[str, Path]) -> str:

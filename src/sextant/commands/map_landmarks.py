@@ -6,24 +6,28 @@ map_landmarks drive.bag -o map.yaml --plot map.png             the initial pose 
 map_landmarks drive.bag --start-map map.yaml --read-only --trajectory poses.tum        only localizes
 map_landmarks next.bag -o better.yaml --start-map map.yaml --lost         starts at an unknown pose
 
-It runs the filter of the nodelet landmark_slam first; --online gives its results.
+It runs the filter of the nodelet landmark_slam first; --online gives its results. It also writes a report
+next to the map, map.html.
 """
 
 import argparse
+import functools
 from pathlib import Path
-from typing import List, Optional, Sequence, Tuple
+from typing import Dict, List, Optional, Sequence, Tuple
 
 from tqdm import tqdm
 
 import sextant
-from sextant.bags.landmark_reader import LandmarkTopics, run_on_bags
+from sextant.bags.landmark_reader import LandmarkTopics, read_landmarks, run_on_recorded
 from sextant.base.params_file import read_params_file
 from sextant.base.strict_params import parse_struct
-from sextant.commands.bag_options import pair, read_mounts
+from sextant.commands.bag_options import add_job_options, pair, read_bags, read_mounts
 from sextant.commands.command_line import Answer, CommandParser, check_output, run
 from sextant.evaluation.trajectory_files import SEPARATORS, write_trajectory
-from sextant.landmarks.batch_map import batch_map
+from sextant.landmarks.batch_map import ROUNDS, batch_map
 from sextant.landmarks.landmark_drawing import ENDINGS, write_plot
+from sextant.landmarks.landmark_findings import list_findings, verdict
+from sextant.landmarks.landmark_report import write_landmark_report
 from sextant.landmarks.slam_run import LandmarkResult, SlamRun
 from sextant.landmarks.slam_summary import summary, warnings
 
@@ -43,7 +47,9 @@ def _parser() -> CommandParser:
     parser.add_argument("--force", action="store_true", help="overwrite existing files")
     _add_outputs(parser.add_argument_group("outputs"))
     _add_start(parser.add_argument_group("initial map"))
-    _add_bags(parser.add_argument_group("bags"))
+    bags = parser.add_argument_group("bags")
+    for add in (_add_bags, add_job_options):
+        add(bags)
     return parser
 
 
@@ -51,6 +57,9 @@ def _add_outputs(group) -> None:
     group.add_argument("-o", "--output", type=Path, metavar="MAP", help="landmark map, .yaml")
     group.add_argument(
         "--trajectory", type=Path, metavar="FILE", help=f"poses of the robot: {', '.join(SEPARATORS)}"
+    )
+    group.add_argument(
+        "--report", type=Path, metavar="PAGE", help="report to write (default: next to the map, .html)"
     )
     group.add_argument("--plot", type=Path, metavar="IMAGE", help=f"plot from above: {', '.join(ENDINGS)}")
 
@@ -91,18 +100,27 @@ def _add_bags(group) -> None:
 
 
 def _make(options: argparse.Namespace) -> Answer:
-    """Runs the filter over the bags and writes the outputs."""
+    """Reads the bags, runs the filter over them, and writes the outputs."""
     _check_outputs(options)
     params = _params(options)
     slam_run = SlamRun(params)
-    with tqdm(total=100, desc="bags", unit="%", disable=None, bar_format="{l_bar}{bar}| {elapsed}") as bar:
-        notes = run_on_bags(
-            options.bags, _topics(options, params), slam_run, lambda share: bar.update(100 * share - bar.n)
+    reading = functools.partial(read_landmarks, topics=_topics(options, params), paths=options.bags)
+    read, notes = read_bags(reading, options.bags, options)
+    with _bar("filter", 100, "%") as bar:
+        notes += run_on_recorded(
+            [recorded for _, recorded in read], slam_run, lambda share: bar.update(100 * share - bar.n)
         )
-    result, problems = _result(slam_run, options.online or params.read_only)
-    lines = [*notes, *summary(slam_run, result)]
-    problems = [f"warning: {warning}" for warning in [*warnings(slam_run), *problems]]
-    return Answer([*lines, *problems, *_written(options, result)])
+    is_online = options.online or params.read_only
+    result, problems = _result(slam_run, is_online)
+    problems = [*warnings(slam_run), *problems]
+    lines = [*notes, *summary(slam_run, result), *(f"warning: {problem}" for problem in problems)]
+    if result.sightings:
+        lines += [verdict(result), *(f"- {finding}" for finding in list_findings(result))]
+    return Answer([*lines, *_written(options, result), *_reported(options, slam_run, result, problems)])
+
+
+def _bar(name: str, total: int, unit: str) -> tqdm:
+    return tqdm(total=total, desc=name, unit=unit, disable=None, bar_format="{l_bar}{bar}| {elapsed}")
 
 
 def _result(slam_run: SlamRun, is_online: bool) -> Tuple[LandmarkResult, List[str]]:
@@ -110,7 +128,8 @@ def _result(slam_run: SlamRun, is_online: bool) -> Tuple[LandmarkResult, List[st
     if is_online or not slam_run.session.map.landmarks:
         return slam_run.result(), []
     try:
-        return batch_map(slam_run), []
+        with _bar("adjustment", ROUNDS, "round") as bar:
+            return batch_map(slam_run, bar.update), []
     except RuntimeError as error:
         return slam_run.result(), [f"{error}: the map is that of the filter"]
 
@@ -124,8 +143,17 @@ def _check_outputs(options: argparse.Namespace) -> None:
     for path, endings in ((options.trajectory, SEPARATORS), (options.plot, ENDINGS)):
         if path and path.suffix.lower() not in endings:
             raise ValueError(f"{path}: its ending must be one of {', '.join(endings)}")
-    for path in filter(None, (options.output, options.trajectory, options.plot)):
+    for path in filter(None, (options.output, options.trajectory, options.plot, _report(options))):
         check_output(path, options.force)
+
+
+def _report(options: argparse.Namespace) -> Optional[Path]:
+    """Nothing if there will be none. :raises ValueError: there will be none, but a file is named"""
+    if not (options.online or options.read_only):
+        return options.report or options.output.with_suffix(".html")
+    if options.report:
+        raise ValueError("--report is of maps by all observations: leave out --online and --read-only")
+    return None
 
 
 def _params(options: argparse.Namespace) -> "sextant.LandmarkSlamNodeParams":
@@ -149,6 +177,9 @@ def _topics(options: argparse.Namespace, params: "sextant.LandmarkSlamNodeParams
         cameras=tuple(options.markers or params.cameras),
         base_frame=options.base_frame or params.base_frame,
         mounts=read_mounts(options.mounts), start=options.start, end=options.end,
+        marker_params={
+            name: getattr(params.markers, name) for name, *_ in sextant.MarkerLandmarkParams.fields()
+        },
     )  # fmt: skip
 
 
@@ -170,3 +201,19 @@ def _written(options: argparse.Namespace, result: LandmarkResult) -> List[str]:
         write_plot(options.plot, result)
         lines.append(f"{options.plot}: plot from above")
     return lines
+
+
+def _reported(
+    options: argparse.Namespace, slam_run: SlamRun, result: LandmarkResult, problems: List[str]
+) -> List[str]:
+    """Writes the report. :returns: a line on it; none without an adjustment"""
+    path = _report(options)
+    if not (path and result.sightings):
+        return []
+    values: Dict[str, object] = {
+        "recording": ", ".join(options.bags), "params": options.params, "start_map": options.start_map,
+        "lost": options.lost, "marker_map": options.marker_map,
+    }  # fmt: skip
+    origin = {name: value for name, value in values.items() if value}
+    write_landmark_report(path, result, summary(slam_run, result), problems, origin)
+    return [f"{path}: report with a plot"]

@@ -3,25 +3,27 @@
 """The map of whole drives: all poses and landmarks are estimated together, and observations are associated
 again with what all of them show, until nothing changes. It begins with the result of the filter."""
 
-from typing import List, Sequence
+from typing import Callable, List, Sequence, Tuple
 
 import numpy as np
 
 import sextant
+from sextant.geometry.plane_poses import in_frame, rotation
 from sextant.landmarks.batch_association import BatchAssociation, Map, Scan
 from sextant.landmarks.batch_drives import at_odometry, recorded_drives
-from sextant.landmarks.slam_run import DriveSegment, LandmarkResult, RecordedScan, SlamRun
+from sextant.landmarks.slam_run import DriveSegment, LandmarkResult, LandmarkSightings, RecordedScan, SlamRun
 
 ROUNDS = 15  # at most
 SETTLED = 1e-3  # share of the observations that change their landmark, below which nothing changes
 
 
-def batch_map(run: SlamRun) -> LandmarkResult:
+def batch_map(run: SlamRun, progress: Callable[[], None] = lambda: None) -> LandmarkResult:
     """Map and drives by all observations.
 
+    :param progress: called after each of at most ROUNDS rounds
     :raises RuntimeError: the drives do not determine a map
     """
-    return _Batch(run).solve()
+    return _Batch(run).solve(progress)
 
 
 class _Batch:
@@ -51,7 +53,7 @@ class _Batch:
             scan.T_base_sensor,
         )
 
-    def solve(self) -> LandmarkResult:
+    def solve(self, progress: Callable[[], None]) -> LandmarkResult:
         assigned = [self._of_filter(scan) for _, scan in self._drives.scans]
         errors = self._filter.scale, self._filter.turn_scale, self._filter.bearing
         state = self._adjusted(assigned, sextant.AdjustedLandmarks(list(self._drives.begin), [], *errors))
@@ -64,6 +66,7 @@ class _Batch:
             if not is_same:
                 assigned, self._map = self._association.associate(self._map)
             state = self._adjusted(assigned, state)
+            progress()
             if is_same and _changed(before, assigned) <= SETTLED:
                 break
         return self._result(assigned, state)
@@ -136,7 +139,22 @@ class _Batch:
             note += f", {name} of odometry x {scale:.3f}" if scale != 1.0 else ""
         parts = state.poses[-1], state.landmarks, labels, state.covariance
         landmark_map = sextant.LandmarkMap(made.frame, *parts, made.is_lost)
-        return LandmarkResult(landmark_map, counts, self._segments(np.array(state.poses)), [note])
+        segments, sightings = self._segments(np.array(state.poses)), self._sightings(assigned, state)
+        return LandmarkResult(landmark_map, counts, segments, [note], sightings)
+
+    def _sightings(self, assigned: List[np.ndarray], state) -> List[LandmarkSightings]:
+        """Of each landmark."""
+        rows: List[List[Tuple[float, float, float]]] = [[] for _ in self._map.positions]
+        for (pose, scan), of in zip(self._drives.scans, assigned):
+            at = np.array(state.poses[pose])
+            for seen, landmark in zip(scan.observations, of):
+                if landmark >= 0:
+                    place = self._map.positions[landmark]
+                    direction = np.arctan2(*(at[:2] - place)[::-1])
+                    turned = _turned(seen.observation, scan.T_base_sensor, state.bearing)
+                    rows[landmark].append((scan.stamp, direction, _distance(*turned, in_frame(at, place))))
+        columns = [np.array(each).reshape(-1, 3).T for each in rows]
+        return [LandmarkSightings(*each, rate) for each, rate in zip(columns, self._map.detection)]
 
     def _segments(self, poses: np.ndarray) -> List[DriveSegment]:
         """Those of the run, with the poses by all observations at the stamps of odometry."""
@@ -146,6 +164,20 @@ class _Batch:
             robot = at_odometry(segment, self._drives.stamps[of], poses[of]) if of.any() else {}
             segments.append(segment._replace(robot=robot))
         return segments
+
+
+def _turned(
+    seen: "sextant.Observation2D", T_base_sensor: np.ndarray, angle: float
+) -> Tuple[np.ndarray, np.ndarray]:
+    """Position (2,) and covariance (2, 2) in the robot frame, with an angle added to the bearing."""
+    turn, origin = rotation(angle), T_base_sensor[:2]
+    return origin + turn @ (seen.position - origin), turn @ seen.covariance[:2, :2] @ turn.T
+
+
+def _distance(position: np.ndarray, covariance: np.ndarray, expected: np.ndarray) -> float:
+    """Mahalanobis distance."""
+    off = position - expected
+    return float(np.sqrt(off @ np.linalg.solve(covariance, off)))
 
 
 def _positions(landmarks: Sequence) -> np.ndarray:

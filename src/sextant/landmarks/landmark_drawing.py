@@ -8,11 +8,12 @@ from typing import List, Union
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Ellipse
 
 import sextant
-from sextant.base.plot_file import new_figure, save_figure
+from sextant.base.plot_file import figure_png, new_figure, save_figure
 from sextant.landmarks.landmark_colours import colour_of_class
 from sextant.landmarks.slam_run import DriveSegment, LandmarkResult
 
@@ -32,6 +33,15 @@ def write_plot(path: Union[str, Path], result: LandmarkResult) -> None:
     :param path: image file; its ending sets the format (ENDINGS)
     :raises OSError: it cannot be written
     """
+    save_figure(path, _figure(path, result))
+
+
+def plot_png(result: LandmarkResult) -> bytes:
+    """The plot of write_plot() for a page."""
+    return figure_png(_figure("map.png", result))
+
+
+def _figure(path: Union[str, Path], result: LandmarkResult) -> Figure:
     landmark_map = result.map
     segments = [segment for segment in result.segments if segment.robot]
     low, high = _limits(landmark_map, segments)
@@ -53,7 +63,7 @@ def write_plot(path: Union[str, Path], result: LandmarkResult) -> None:
     _draw_landmarks(axes, landmark_map)
     place = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.0), "ncol": LEGEND_COLUMNS, "frameon": False}
     axes.legend(handles=legend, **place)
-    save_figure(path, figure)
+    return figure
 
 
 def _limits(landmark_map: "sextant.LandmarkMap", segments: List[DriveSegment]):

@@ -30,6 +30,15 @@ class DriveSegment(NamedTuple):
     scans: List[RecordedScan]  # in order of arrival
 
 
+class LandmarkSightings(NamedTuple):
+    """How one landmark was observed, n times."""
+
+    stamps: np.ndarray  # (n,) seconds
+    directions: np.ndarray  # (n,) of the robot from the landmark, radians in the map frame
+    distances: np.ndarray  # (n,) Mahalanobis distances from the landmark, by the sensor's covariances
+    detection: float  # share of the scans it was in view of that observed it
+
+
 class LandmarkResult(NamedTuple):
     """Map and drives, online or by all observations."""
 
@@ -37,6 +46,7 @@ class LandmarkResult(NamedTuple):
     observations: List[int]  # number of each landmark
     segments: List[DriveSegment]  # of all drives
     notes: List[str] = []  # how it was estimated
+    sightings: List[LandmarkSightings] = []  # of each landmark; none online
 
 
 @dataclass

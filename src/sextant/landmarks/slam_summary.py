@@ -34,12 +34,20 @@ def summary(run: SlamRun, result: LandmarkResult) -> List[str]:
 
 
 def _classes(result: LandmarkResult) -> List[str]:
-    covariance, at, of_class = result.map.covariance, 3, defaultdict(list)
-    for landmark, label, count in zip(result.map.landmarks, result.map.labels, result.observations):
-        block = covariance[at : at + 2, at : at + 2]
-        at += 2 if landmark.heading is None else 3
-        of_class[label.class_name].append((np.sqrt(np.linalg.eigvalsh(block)[-1]), count))
+    of_class = defaultdict(list)
+    for label, *row in zip(result.map.labels, position_sigmas(result.map), result.observations):
+        of_class[label.class_name].append(row)
     return [_class(name, rows) for name, rows in sorted(of_class.items())] or ["no landmark"]
+
+
+def position_sigmas(landmark_map: "sextant.LandmarkMap") -> np.ndarray:
+    """Standard deviations (n,) of the positions of all landmarks, metres, each along its worst axis."""
+    sigmas, at = [], 3  # row of the covariance; the first three are the robot's
+    for landmark in landmark_map.landmarks:
+        block = landmark_map.covariance[at : at + 2, at : at + 2]
+        sigmas.append(np.sqrt(np.linalg.eigvalsh(block)[-1]))
+        at += 2 if landmark.heading is None else 3
+    return np.array(sigmas)
 
 
 def _class(name: str, rows: List) -> str:

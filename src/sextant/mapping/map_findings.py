@@ -2,28 +2,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Findings about a new marker map and what to do about them, as sentences."""
 
-from dataclasses import dataclass
-from typing import Callable, Collection, Dict, Iterator, List, Sequence, Tuple
+from typing import Callable, Collection, Dict, Iterator, List, Sequence
 
 import numpy as np
 
+from sextant.base.findings import Finding, count_text, listed_names, verdict_text
 from sextant.mapping.map_links import Cut, Key, Pair
 from sextant.mapping.map_quality import MapQuality, WrongEntry
-
-NAMED = 8  # maximum number of markers in a sentence
-
-
-@dataclass(frozen=True)
-class Finding:
-    """A problem of one or more markers."""
-
-    keys: Tuple[Key, ...]  # markers concerned
-    word: str  # the problem in a few words, for a table
-    fact: str  # the problem in a sentence
-    advice: str  # what to do
-
-    def __str__(self) -> str:
-        return f"{self.fact}: {self.advice}"
 
 
 def findings(quality: MapQuality) -> List[str]:
@@ -40,10 +25,8 @@ def verdict(quality: MapQuality) -> str:
     """Summarizes the map in one line."""
     unmapped = len(quality.unmapped)
     named = {key for finding in list_findings(quality) for key in finding.keys}
-    mapped = f"{len(quality.markers)} {_plural('marker', len(quality.markers))} mapped"
     seen = f", {unmapped} seen but not mapped" if unmapped else ""
-    check = f"check {len(named)} {_plural('marker', len(named))} named below" if named else ""
-    return f"{mapped}{seen}; {check or 'no problem found'}"
+    return verdict_text(f"{count_text(len(quality.markers), 'marker')} mapped{seen}", len(named), "marker")
 
 
 def _swapped(quality: MapQuality) -> Iterator[Finding]:
@@ -236,16 +219,4 @@ _KINDS: Sequence[Callable[[MapQuality], Iterator[Finding]]] = (
 
 def names(quality: MapQuality, keys: Collection[Key]) -> str:
     """Lists markers, e.g. 3, 4 and 7."""
-    listed = [quality.name(key) for key in sorted(keys)]
-    if len(listed) > NAMED:
-        listed = [*listed[: NAMED - 1], f"{len(listed) - NAMED + 1} more"]
-    return " and ".join(filter(None, [", ".join(listed[:-1]), listed[-1]]))
-
-
-def count_text(number: int, noun: str) -> str:
-    """Formats a count, e.g. 1 image, 2 images."""
-    return f"{number} {_plural(noun, number)}"
-
-
-def _plural(noun: str, number: int) -> str:
-    return noun if number == 1 else f"{noun}s"
+    return listed_names([quality.name(key) for key in sorted(keys)])

@@ -2,7 +2,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Plots of a marker map from a recording: top view, and residuals of the observations."""
 
-import io
 from typing import List, Sequence
 
 import numpy as np
@@ -13,11 +12,11 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from sextant.base.plot_colours import COLOURS
+from sextant.base.plot_file import figure_png
 from sextant.mapping.map_drawing import MapPlan
 from sextant.mapping.map_quality import MapQuality, MarkerQuality
 
 BLUE, RED = COLOURS[0], COLOURS[1]
-DOTS_PER_INCH = 110
 ROW = 50  # markers per row of boxes, limited by the width of their names
 MIN_RESIDUAL = 0.01  # px: a logarithmic axis has no zero
 
@@ -32,7 +31,7 @@ def plan_view(result, quality: MapQuality) -> bytes:
     figure = Figure(figsize=plan.figure_size)
     FigureCanvasAgg(figure)  # not pyplot, which needs a window system and has global state
     plan.draw(figure.add_axes(plan.axes_place))
-    return _png(figure)
+    return figure_png(figure)
 
 
 def residual_boxes(quality: MapQuality) -> bytes:
@@ -51,7 +50,7 @@ def residual_boxes(quality: MapQuality) -> bytes:
         axes.set_xlim(0.4, 0.6 + (len(row) if len(rows) == 1 else ROW))
     panels[-1].set_xlabel("marker")
     panels[0].legend(handles=_legend(), loc="lower right", bbox_to_anchor=(1.0, 1.0), ncol=2, frameon=False)
-    return _png(figure)
+    return figure_png(figure)
 
 
 def _draw_boxes(axes: Axes, markers: Sequence[MarkerQuality], names: List[str]) -> None:
@@ -90,9 +89,3 @@ def _legend() -> List[Line2D]:
         Line2D([], [], color=BLUE, alpha=0.5, linewidth=8, label="used observations"),
         Line2D([], [], color=RED, linestyle="", marker=".", label="left out, since they do not fit"),
     ]
-
-
-def _png(figure: Figure) -> bytes:
-    file = io.BytesIO()
-    figure.savefig(file, format="png", dpi=DOTS_PER_INCH)
-    return file.getvalue()

@@ -8,8 +8,9 @@ from typing import Dict, List, Mapping, Sequence, Union
 
 import numpy as np
 
+from sextant.base.findings import count_text
 from sextant.base.html_report import Row, Table, embedded, write_report
-from sextant.mapping.map_findings import count_text, list_findings, verdict
+from sextant.mapping.map_findings import list_findings, verdict
 from sextant.mapping.map_links import Key
 from sextant.mapping.map_plots import plan_view, residual_boxes
 from sextant.mapping.map_quality import MapQuality, MarkerQuality

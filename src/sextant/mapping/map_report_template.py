@@ -4,18 +4,11 @@
 
 TEMPLATE = """\
 {% extends "report" %}
-{% from "macros" import table %}
+{% from "macros" import findings_list, table %}
 {% block content %}
 <h1>Marker map</h1>
 <p class="verdict">{{ verdict }}</p>
-{% if findings %}
-<h2>Findings</h2>
-<ol class="findings">
-{%- for finding in findings %}
-<li><b>{{ finding.fact }}</b>: <span class="advice">{{ finding.advice }}</span></li>
-{%- endfor %}
-</ol>
-{% endif %}
+{{ findings_list(findings) }}
 <h2>Top view</h2>
 <p class="note">Lines are markers, squares are horizontal markers; the short stroke is a marker's normal.
 Names of markers with findings are bold.</p>

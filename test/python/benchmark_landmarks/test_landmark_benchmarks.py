@@ -2,11 +2,17 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Quick runs of the benchmarks of landmarks."""
 
+import numpy as np
 import pytest
 from quick_run import tables_of
 from real_data import EXTERNAL
 
+import sextant
+from landmarks import drive_bag
+from landmarks.commanded_drive import read_commanded_drive
 from landmarks.landmark_kidnap import Check, outcome
+from landmarks.stamped_drive import LABELS, estimated
+from sextant.commands import map_landmarks
 
 
 @pytest.mark.slow
@@ -59,6 +65,20 @@ def test_quick_run_of_maps_of_recorded_drives(tmp_path):
     (table,) = tables_of("landmarks.py", "batch", tmp_path)
     for row in table["rows"]:
         assert row["maps exact"]["value"] == 1 and 0.8 < row["over known ids: median"]["value"] < 1.2
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not (EXTERNAL / "landmarks").is_dir(), reason="external test data")
+def test_a_recorded_drive_as_a_bag_gives_the_map_of_the_benchmark(tmp_path):
+    bag, out = tmp_path / "drive.bag", tmp_path / "map.yaml"
+    folder = EXTERNAL / "landmarks" / "mrclam"
+    assert drive_bag.main([str(folder), "1", "1", "-o", str(bag)]) == 0
+    params = ["--params", str(bag.with_suffix(".yaml"))]
+    assert map_landmarks.main([str(bag), "-o", str(out), "--online", *params]) == 0
+    drive = read_commanded_drive(folder, 1, 1)
+    expected = estimated(drive, LABELS["three classes"])
+    found = np.array([each.position for each in sextant.read_landmark_map(str(out)).landmarks])
+    assert found == pytest.approx(expected.landmarks, abs=1e-3)
 
 
 @pytest.mark.slow

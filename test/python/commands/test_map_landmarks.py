@@ -9,8 +9,9 @@ import cv2
 import numpy as np
 import pytest
 import rosbag
-from landmark_bags import observations_message, refused, write_world
-from written_bags import nanoseconds
+from html_page import Page
+from landmark_bags import observations_message, refused, write_drive, write_world
+from written_bags import WrittenBag, nanoseconds
 
 import sextant
 from sextant.commands.map_landmarks import main
@@ -207,6 +208,34 @@ def test_a_second_drive_goes_on_with_the_map(drive, tmp_path, capsys):
     made = sextant.read_landmark_map(str(tmp_path / "m.yaml"))
     assert len(made.landmarks) <= 12
     assert "overlaps" in refused(capsys, first, first, "-o", tmp_path / "n.yaml")
+
+
+def test_bags_that_are_read_in_parallel_give_the_same_map(tmp_path, capsys):
+    """The second half of a split recording has its static transforms in the first."""
+    world = LandmarkWorld(LandmarkWorldParams(seed=5, duration=20.0, landmarks=12, half_side=5.0))
+    with WrittenBag(tmp_path / "1.bag") as first, WrittenBag(tmp_path / "2.bag") as second:
+        first.transforms([("base_link", "sensor", np.eye(4))])
+        write_drive(lambda seconds: first if seconds < 10.0 else second, world, frame="sensor")
+    (tmp_path / "damaged.bag").write_bytes(b"no bag")
+    both, damaged = [str(tmp_path / name) for name in ("2.bag", "1.bag")], str(tmp_path / "damaged.bag")
+    maps = []
+    for jobs, bags in (("1", both), ("2", [damaged, *both])):
+        out = tmp_path / f"{jobs}.yaml"
+        assert main([*bags, "-o", str(out), "--jobs", jobs, "--skip"]) == 0
+        maps.append(out.read_text())
+        assert Page((tmp_path / f"{jobs}.html").read_text()).rows
+    assert maps[0] == maps[1] and "class: " in maps[0]
+    out = capsys.readouterr().out
+    assert f"skipped: {damaged}: " in out and "another drive" not in out
+    assert "damaged.bag" in refused(capsys, *both, damaged, "-o", tmp_path / "n.yaml")
+
+
+def test_the_report_is_of_maps_by_all_observations_only(drive, tmp_path, capsys):
+    report = (drive[0] / "map.html").read_text()
+    assert "Landmark map" in report and "blue_pillar" in report
+    given = [drive[0] / "a.bag", "-o", tmp_path / "m.yaml", "--online"]
+    assert "by all observations" in refused(capsys, *given, "--report", tmp_path / "m.html")
+    assert main(list(map(str, given))) == 0 and not (tmp_path / "m.html").exists()
 
 
 @pytest.mark.slow

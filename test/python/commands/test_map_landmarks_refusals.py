@@ -145,7 +145,7 @@ def test_ctrl_c_ends_with_one_line(tmp_path, capsys, monkeypatch):
     def interrupted(*args):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("sextant.commands.map_landmarks.run_on_bags", interrupted)
+    monkeypatch.setattr("sextant.commands.map_landmarks.read_bags", interrupted)
     assert main(["a.bag", "-o", str(tmp_path / "m.yaml")]) == 130
     assert capsys.readouterr().err == "map_landmarks: interrupted\n" and list(tmp_path.iterdir()) == []
 

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from made_maps import faulty_quality, key, map_of, marker_quality
 
-from sextant.mapping.map_findings import NAMED, findings, list_findings, names, verdict
+from sextant.base.findings import NAMED
+from sextant.mapping.map_findings import findings, list_findings, names, verdict
 from sextant.mapping.map_links import Cut
 from sextant.mapping.map_quality import Unconnected
 
