@@ -19,7 +19,7 @@ from tf2_msgs.msg import TFMessage
 from sextant.nodes.base.init_node import mend_rospy
 
 mend_rospy()
-WAIT = 15.0  # s, far beyond what is needed
+WAIT = 60.0  # s, far beyond what is needed: nodes may start at once, on a cold and busy machine
 
 os.environ["PYTHONUNBUFFERED"] = "1"  # of nodes that a test starts: their output is in their log at once
 

@@ -12,9 +12,8 @@ import unittest
 import rospy
 import rostest
 from geometry_msgs.msg import Twist
-from ros_probe import until
+from ros_probe import WAIT, until
 
-WAIT = 20.0
 STOP = (0.0, 0.0)
 
 

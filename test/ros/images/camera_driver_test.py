@@ -12,10 +12,10 @@ import numpy as np
 import rospy
 import rostest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from ros_probe import WAIT
 from sensor_msgs.msg import CameraInfo, Image
 from sensor_msgs.srv import SetCameraInfo
 
-WAIT = 20.0
 WIDTH, HEIGHT = 64, 48
 CALIBRATION = """image_width: 64
 image_height: 48

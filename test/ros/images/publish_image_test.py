@@ -10,10 +10,9 @@ import numpy as np
 import rospy
 import rostest
 from PIL import Image as Picture
-from ros_probe import Recorder, until
+from ros_probe import WAIT, Recorder, until
 from sensor_msgs.msg import Image
 
-WAIT = 20.0
 ORIENTATION, TURNED = 0x0112, 6  # in EXIF: the camera was turned, what is left belongs up
 
 

@@ -12,6 +12,7 @@ import rospy
 import rostest
 from geometry_msgs.msg import Point, Pose, PoseWithCovariance, Quaternion
 from opencv_aruco import opencv_detector
+from ros_probe import WAIT
 from std_srvs.srv import Trigger
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker, MarkerArray
@@ -20,7 +21,6 @@ from sextant.msg import MarkerMapEntries, MarkerMapEntry
 from sextant.srv import AddMarker
 
 HALF = np.sqrt(0.5)
-WAIT = 20.0
 TEXT_MAP = """# name Tx Ty Tz Rx Ry Rz
 Id7 1 2 3 0 0 1.5707963267948966
 9 -1 0 0.5 1.5707963267948966 0 0

@@ -10,13 +10,13 @@ import rospy
 import rostest
 from made_network import root_network
 from made_photos import picture, shifted, written_photos
-from ros_probe import Diagnostics, Recorder, stamps, until
+from ros_probe import WAIT, Diagnostics, Recorder, stamps, until
 from sensor_msgs.msg import Image
 from std_msgs.msg import Header
 
 from sextant.msg import Places
 
-WAIT, DIAGNOSTICS = 20.0, "place_localizer: places"
+DIAGNOSTICS = "place_localizer: places"
 
 
 class PlaceLocalizerNetworkTest(unittest.TestCase):

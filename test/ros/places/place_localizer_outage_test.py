@@ -11,9 +11,7 @@ from pathlib import Path
 
 import rostest
 from made_photos import written_photos
-from ros_probe import until
-
-WAIT = 20.0
+from ros_probe import WAIT, until
 
 
 class PlaceLocalizerOutageTest(unittest.TestCase):

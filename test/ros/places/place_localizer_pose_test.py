@@ -11,13 +11,11 @@ import rospy
 import rostest
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from posed_street import CAMERA, view, write_street
-from ros_probe import Recorder, matrix, stamps, until
+from ros_probe import WAIT, Recorder, matrix, stamps, until
 from sensor_msgs.msg import CameraInfo, Image
 from std_msgs.msg import Header
 
 from sextant.messages.camera_messages import calibration_to_message
-
-WAIT = 60.0  # s: the node starts, perhaps on a cold and busy machine
 
 
 class PlaceLocalizerPoseTest(unittest.TestCase):

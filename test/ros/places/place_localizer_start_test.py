@@ -8,8 +8,8 @@ from pathlib import Path
 
 import rostest
 from made_photos import written_photos
+from ros_probe import WAIT
 
-WAIT = 60.0  # s: all nodes start at once, perhaps on a cold and busy machine
 PHOTOS = [f"{number};{number}.png;1;1" for number in range(3)]
 
 

@@ -15,14 +15,14 @@ import rostest
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from made_photos import picture, shifted
 from nav_msgs.msg import Odometry
-from ros_probe import Diagnostics, Recorder, stamps, subscribers_of, until
+from ros_probe import WAIT, Diagnostics, Recorder, stamps, subscribers_of, until
 from sensor_msgs.msg import CompressedImage, Image, NavSatFix
 from std_msgs.msg import Header
 from std_srvs.srv import Trigger
 
 from sextant.msg import PlaceHypotheses, Places
 
-WAIT, COUNT = 60.0, 12  # s: two nodes start at once, perhaps on a cold and busy machine
+COUNT = 12
 # 10 pixels from photo to photo are 1 m; the frame is turned by a quarter to the left
 METRIC = "frame=town;resolution=0.1;origin=7,3," + repr(math.pi / 2)
 CORNERS = "north_west=55.01,13.0;south_east=55.0,13.02"  # of 1000 x 100 pixels

@@ -13,7 +13,7 @@ import rospy
 import rostest
 from nav_msgs.msg import OccupancyGrid
 from PIL import Image as Picture
-from ros_probe import Recorder, stamps, until
+from ros_probe import WAIT, Recorder, stamps, until
 from sensor_msgs.msg import Image
 from std_msgs.msg import Header
 from std_srvs.srv import Trigger
@@ -23,7 +23,6 @@ from sextant.msg import Places
 from sextant.place_maps.overview_renderer import PLACE
 from sextant.place_maps.probability_colours import probability_colour
 
-WAIT = 20.0
 # 40 m x 20 m, turned by a quarter to the left; the overview is shown at twice its size
 METRIC = "frame=town;resolution=0.1;origin=7,3," + repr(math.pi / 2)
 EXACT = {1: (50, 50), 2: (150, 50), 3: (250, 150), 4: (350, 150)}
