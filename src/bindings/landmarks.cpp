@@ -297,9 +297,16 @@ void bindLandmarkTimelineParts(py::module_& module) {
       .value("TOO_LATE", Arrival::too_late, "delayed by more than the lag, or older than the first odometry")
       .value("DUPLICATE", Arrival::duplicate, "received before")
       .value("TOO_LARGE", Arrival::too_large, "more observations than max_observations");
+  py::enum_<PlaceUse>(module, "PlaceUse",
+                      "What is done with the places at which an image may have been taken.")
+      .value("UNUSED", PlaceUse::unused, "the place is probably unknown")
+      .value("AGREES", PlaceUse::agrees, "the pose is at one of the probable places")
+      .value("CONTRADICTS", PlaceUse::contradicts, "the pose is at another place")
+      .value("RELOCALIZED", PlaceUse::relocalized, "the pose is now one of these places");
   py::class_<LandmarkTimeline::Applied>(module, "AppliedScan", "A scan that was applied.")
       .def_readonly("stamp", &LandmarkTimeline::Applied::stamp, "seconds, as received")
-      .def_readonly("report", &LandmarkTimeline::Applied::report, "LandmarkReport");
+      .def_readonly("report", &LandmarkTimeline::Applied::report, "LandmarkReport of a scan")
+      .def_readonly("places", &LandmarkTimeline::Applied::places, "PlaceUse of an image, or None");
   py::class_<LandmarkTimeline::Now>(module, "LandmarkEstimate", "Pose of the robot at the newest odometry.")
       .def_readonly("stamp", &LandmarkTimeline::Now::stamp, "seconds")
       .def_readonly("pose", &LandmarkTimeline::Now::T_map_base, "(3,) in the map")
@@ -318,6 +325,19 @@ py::class_<LandmarkTimeline> bindLandmarkTimelineState(py::module_& module) {
            "Adds an odometry pose (3,), stamp in seconds; False: ignored, it is not newer than the last one")
       .def("observe", &LandmarkTimeline::observe, "stamp"_a, "observations"_a, "T_base_sensor"_a = Pose2{},
            "Adds one scan, a list of LabelledObservation with its stamp in seconds, and returns its Arrival")
+      .def(
+          "observe_places",
+          [](LandmarkTimeline& self, double stamp,
+             const std::vector<std::tuple<Pose2, Eigen::Matrix3d, double>>& places) {
+            std::vector<PossiblePose> poses;
+            for (const auto& [pose, covariance, probability] : places)
+              poses.push_back({pose, covariance, probability});
+            return self.observePlaces(stamp, poses);
+          },
+          "stamp"_a, "places"_a,
+          "Adds the recognized places of an image with its stamp in seconds: (pose (3,), covariance (3, 3), "
+          "probability) of each; the rest of the probability is that of an unknown place. Returns its "
+          "Arrival")
       .def_property_readonly("now", &LandmarkTimeline::now,
                              "LandmarkEstimate, or None before the first odometry")
       .def_property_readonly(

@@ -49,13 +49,15 @@ void KidnapDetector::updateMisses(int observed, const std::vector<int>& missed, 
     missed_.insert(missed.begin(), missed.end());
     contradicted_ = contradicted_ || contradicting > 0;
   }
+  is_blank_ = is_blank_ && evidence.observed.empty() && unknown == 0 && contradicting == 0;
   if (!isConsistent()) return;
+  is_blank_ = true;
   missed_.clear();
   contradicted_ = false;
 }
 
 bool KidnapDetector::isLost() const {
-  return lost_after_ > 0 && misses_ >= lost_after_ && (missed_.size() >= 2 || contradicted_);
+  return lost_after_ > 0 && misses_ >= lost_after_ && !is_blank_ && (missed_.size() >= 2 || contradicted_);
 }
 
 }  // namespace sextant

@@ -4,7 +4,9 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 namespace sextant {
@@ -15,6 +17,16 @@ using Eigen::Vector3d;
 constexpr double kNegligible = -9;      // log weight at which a hypothesis is dropped
 constexpr double kMostNumbers = 2.5e6;  // in the covariances of all: two hypotheses about 550 landmarks
 constexpr double kEqual = 0.1;          // squared Mahalanobis distance below which two states are the same
+
+constexpr double kMinKnown = 0.5;      // probability that an image is of the map, for it to be used
+constexpr double kMinPlace = 0.05;     // of a place that becomes a hypothesis
+constexpr double kMinUnknown = 0.1;    // share of images whose answer is wrong although it looks certain
+constexpr double kLogCarried = -8;     // of a hypothesis that contradicts all others
+constexpr double kMostAgainst = 9;     // evidence of images against a hypothesis with landmarks
+constexpr double kMoreAgainst = 0.5;   // for each metre without landmarks
+constexpr double kMeasured = 2;        // metres between two corrections by places: images nearby err alike
+constexpr double kSettledPlace = 0.5;  // probability of a place that corrects the pose
+constexpr double kSamePlace = 0.999;   // of the squared distance of a pose from its place
 
 /// Whether two hypotheses have the same landmarks, at the same places, and the same pose.
 bool areEqual(const LandmarkSlam& a, const LandmarkSlam& b) {
@@ -29,10 +41,24 @@ bool areEqual(const LandmarkSlam& a, const LandmarkSlam& b) {
   return true;
 }
 
+/// Whether a pose may be at a place.
+bool isAt(const PoseEstimate2D& robot, const PossiblePose& place) {
+  static const double gate = quantile(boost::math::chi_squared(3), kSamePlace);
+  const Vector3d off = difference(place.T_map_base, robot.pose);
+  return off.dot((place.covariance + robot.covariance).inverse() * off) < gate;
+}
+
+PoseEstimate2D poseOf(const LandmarkSlam& slam) {
+  return {slam.filter().pose(), slam.filter().covariance({})};
+}
+
 }  // namespace
 
 void LandmarkHypotheses::predict(const OdometryStep& step, double duration) {
-  for (Hypothesis& each : all_) each.slam.predict(step, duration);
+  for (Hypothesis& each : all_) {
+    each.slam.predict(step, duration);
+    each.unmeasured += step.distance;
+  }
 }
 
 LandmarkReport LandmarkHypotheses::observe(double stamp, const std::vector<LabelledObservation>& observations,
@@ -46,7 +72,7 @@ LandmarkReport LandmarkHypotheses::observe(double stamp, const std::vector<Label
   std::vector<Child> children;
   for (size_t i = 0; i < all_.size(); ++i)
     for (ScanInterpretation& how : all_[i].slam.interpretations(observations, T_base_sensor, of_each))
-      children.push_back({i, how, all_[i].log_weight + how.log_likelihood});
+      children.push_back({i, how, all_[i].weight() + how.log_likelihood});
   std::stable_sort(children.begin(), children.end(),
                    [](const Child& a, const Child& b) { return a.log_weight > b.log_weight; });
   const double best_weight = children.front().log_weight;
@@ -60,26 +86,101 @@ LandmarkReport LandmarkHypotheses::observe(double stamp, const std::vector<Label
   for (const Child& each : children) {
     Hypothesis& parent = all_[each.parent];
     next.push_back(--left[each.parent] > 0 ? parent : std::move(parent));
-    next.back().log_weight = each.log_weight - best_weight;
-    next.back().report = next.back().slam.observe(stamp, observations, T_base_sensor, each.how);
+    Hypothesis& child = next.back();
+    child.log_weight = each.log_weight - best_weight - child.log_places;
+    child.report = child.slam.observe(stamp, observations, T_base_sensor, each.how);
+    if (child.report.associated > 0) child.is_confirmed = true, child.unmeasured = 0;
   }
   all_ = sorted(withoutEqual(withoutLost(std::move(next))));
-  is_confirmed_ = is_confirmed_ || all_.front().report.associated > 0;
   return all_.front().report;
 }
 
+// ---- places
+
+PlaceUse LandmarkHypotheses::observePlaces(const std::vector<PossiblePose>& poses) {
+  double known = 0;
+  for (const PossiblePose& each : poses) known += each.probability;
+  if (known < kMinKnown) return PlaceUse::unused;
+  if (best().isLost()) {
+    place(poses);
+    return PlaceUse::relocalized;
+  }
+  const Pose2 before = best().filter().pose();
+  addPlaces(poses);
+  judge(all_, poses);
+  all_ = likely(std::move(all_));
+  const PoseEstimate2D now = poseOf(best());
+  const bool is_at_one = std::any_of(poses.begin(), poses.end(), [&](const auto& each) {
+    return each.probability >= kMinPlace && isAt(now, each);
+  });
+  if (is_at_one && !isAt({before, Eigen::Matrix3d::Zero()}, {now.pose, now.covariance, 1}))
+    return PlaceUse::relocalized;
+  return is_at_one ? PlaceUse::agrees : PlaceUse::contradicts;
+}
+
+/// The map is that of the best hypothesis, without the landmarks that may have been initialized at a wrong
+/// pose.
 void LandmarkHypotheses::place(const std::vector<PossiblePose>& poses) {
   LandmarkSlam& slam = settled();
-  if (!slam.isLost()) slam.relocalize();
   std::vector<Hypothesis> placed;
   for (const PossiblePose& each : poses) {
-    placed.push_back({slam, std::log(each.probability), {}});
+    if (each.probability < kMinPlace) continue;
+    placed.push_back({slam, std::log(each.probability), 0, false});
     placed.back().slam.setPose(each.T_map_base, each.covariance);
   }
-  placed = sorted(std::move(placed));
-  placed.erase(placed.begin() + static_cast<long>(std::min(placed.size(), affordable())), placed.end());
-  all_ = std::move(placed);
-  is_confirmed_ = false;
+  all_ = likely(withoutEqual(std::move(placed)));
+}
+
+/// Adds a hypothesis for each place at which none is.
+void LandmarkHypotheses::addPlaces(const std::vector<PossiblePose>& poses) {
+  std::vector<Hypothesis> added;
+  for (const PossiblePose& each : poses) {
+    const bool is_known = std::any_of(all_.begin(), all_.end(), [&](const Hypothesis& hypothesis) {
+      return isAt(poseOf(hypothesis.slam), each);
+    });
+    if (each.probability < kMinPlace || is_known) continue;
+    added.push_back({best(), kLogCarried, 0, false});
+    LandmarkSlam& slam = added.back().slam;
+    slam.relocalize();
+    slam.setPose(each.T_map_base, each.covariance);
+  }
+  std::move(added.begin(), added.end(), std::back_inserter(all_));
+}
+
+/// Adds the evidence of an image, and corrects the poses by places.
+void LandmarkHypotheses::judge(std::vector<Hypothesis>& all, const std::vector<PossiblePose>& poses) {
+  double most = -1e9;
+  for (Hypothesis& each : all) {
+    const PoseEstimate2D robot = poseOf(each.slam);
+    double here = 0;
+    const PossiblePose* place = nullptr;
+    for (const PossiblePose& pose : poses) {
+      if (!isAt(robot, pose)) continue;
+      here += pose.probability;
+      if (!place || pose.probability > place->probability) place = &pose;
+    }
+    each.log_places += std::log(std::max(here, kMinUnknown));
+    most = std::max(most, each.log_places);
+    if (!place || place->probability < kSettledPlace || each.unmeasured < kMeasured) continue;
+    each.slam.observePose({place->T_map_base, place->covariance});
+    each.unmeasured = 0;
+  }
+  for (Hypothesis& each : all) {
+    each.log_places -= most;
+    if (each.is_confirmed)
+      each.log_places = std::max(each.log_places, -kMostAgainst - kMoreAgainst * each.unmeasured);
+  }
+}
+
+/// The most probable ones, sorted: at most as many as can be afforded.
+std::vector<LandmarkHypotheses::Hypothesis> LandmarkHypotheses::likely(std::vector<Hypothesis> all) const {
+  const size_t most = affordable();
+  all = sorted(std::move(all));
+  const auto end = std::find_if(all.begin() + 1, all.end(),
+                                [](const Hypothesis& each) { return each.weight() < kNegligible; });
+  all.erase(end, all.end());
+  if (all.size() > most) all.erase(all.begin() + static_cast<long>(most), all.end());
+  return all;
 }
 
 /// Fewer for a large map, so that time and memory stay within bounds.
@@ -98,8 +199,8 @@ std::vector<LandmarkHypotheses::Hypothesis> LandmarkHypotheses::withoutLost(std:
 
 std::vector<LandmarkHypotheses::Hypothesis> LandmarkHypotheses::sorted(std::vector<Hypothesis> all) {
   std::stable_sort(all.begin(), all.end(),
-                   [](const Hypothesis& a, const Hypothesis& b) { return a.log_weight > b.log_weight; });
-  const double best_weight = all.front().log_weight;
+                   [](const Hypothesis& a, const Hypothesis& b) { return a.weight() > b.weight(); });
+  const double best_weight = all.front().weight();
   for (Hypothesis& each : all) each.log_weight -= best_weight;
   return all;
 }
@@ -113,7 +214,8 @@ std::vector<LandmarkHypotheses::Hypothesis> LandmarkHypotheses::withoutEqual(std
     if (equal == kept.end()) {
       kept.push_back(std::move(each));
     } else {
-      equal->log_weight += std::log1p(std::exp(each.log_weight - equal->log_weight));
+      equal->log_weight += std::log1p(std::exp(each.weight() - equal->weight()));
+      equal->is_confirmed = equal->is_confirmed || each.is_confirmed;
     }
   }
   return kept;
@@ -123,7 +225,7 @@ std::vector<double> LandmarkHypotheses::probabilities() const {
   std::vector<double> shares;
   double sum = 0;
   for (const Hypothesis& each : all_) {
-    shares.push_back(std::exp(each.log_weight));
+    shares.push_back(std::exp(each.weight()));
     sum += shares.back();
   }
   for (double& each : shares) each /= sum;
@@ -147,7 +249,7 @@ PoseEstimate2D LandmarkHypotheses::predictPose(const OdometryStep& step) const {
 
 LandmarkSlam& LandmarkHypotheses::settled() {
   all_.erase(all_.begin() + 1, all_.end());
-  all_.front().log_weight = 0;
+  all_.front().log_weight = -all_.front().log_places;
   return all_.front().slam;
 }
 

@@ -253,7 +253,15 @@ void LandmarkSlam::relocalize() {
   if (trusted_) std::tie(register_, explored_) = *trusted_;
   register_.removeFrom(first_provisional);
   setPose(pose, covariance);
-  if (labels().empty()) return;
+  if (!labels().empty()) startLocalMap();
+}
+
+void LandmarkSlam::lose() {
+  relocalize();
+  if (!isLost()) startLocalMap();
+}
+
+void LandmarkSlam::startLocalMap() {
   LandmarkSlamParams params = params_;
   params.read_only = false;
   params.lost_after = 0;
@@ -307,6 +315,16 @@ void LandmarkSlam::applyMatch(const LandmarkMapMatch& match) {
 void LandmarkSlam::setPose(const Pose2& T_map_base, const Matrix3d& covariance) {
   register_.filter().setPose(T_map_base, covariance);
   clearHypotheses();
+}
+
+void LandmarkSlam::observePose(const PoseEstimate2D& measured) {
+  const Pose2 pose = filter().pose();
+  const Matrix3d P = filter().covariance({}), gain = P * (P + measured.covariance).inverse();
+  const Vector3d step = gain * difference(measured.pose, pose);
+  const Pose2 corrected{pose.position + step.head<2>(), wrapped(pose.heading + step(2))};
+  const Matrix3d rest = Matrix3d::Identity() - gain;
+  register_.filter().setPose(corrected,
+                             rest * P * rest.transpose() + gain * measured.covariance * gain.transpose());
 }
 
 void LandmarkSlam::setMap(const Pose2& T_map_base, const std::vector<Landmark2D>& landmarks,

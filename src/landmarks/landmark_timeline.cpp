@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sextant/landmarks/landmark_timeline.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 
 namespace sextant {
@@ -11,10 +10,6 @@ namespace {
 constexpr double kSettled = 1.5;  // lags without scans after which the state is predicted
 constexpr size_t kMaxWaiting = 100;
 constexpr double kJump = 1.0, kMaxSpeed = 20.0;  // m and m/s
-constexpr double kMinKnown = 0.5;                // probability that an image is of the map, for it to be used
-constexpr double kMinElsewhere = 0.9;            // probability of other places that contradicts the pose
-constexpr int kContradictions = 3;               // images in a row that do, after which the robot is lost
-constexpr double kPlaceGate = 16.3;              // chi-squared with 3 degrees of freedom: 99.9 %
 constexpr double kStatesPerLag = 4;              // stored states per lag: one of a large map takes 32 MB
 
 }  // namespace
@@ -58,50 +53,29 @@ Arrival LandmarkTimeline::observe(double stamp, const std::vector<LabelledObserv
   if (observations.size() > static_cast<size_t>(params_.max_observations)) return Arrival::too_large;
   const double corrected = stamp + params_.clock_offset + slam().filter().clockOffset();
   const auto is_same = [&](const Scan& other) {
-    return other.received_stamp == stamp && other.T_base_sensor == T_base_sensor &&
+    return !other.places && other.received_stamp == stamp && other.T_base_sensor == T_base_sensor &&
            other.observations == observations;
   };
   if (std::any_of(scans_.begin(), scans_.end(), is_same) ||
       std::any_of(waiting_.begin(), waiting_.end(), is_same))
     return Arrival::duplicate;
-  if (history_.empty() || corrected > history_.last()) {
-    wait({corrected, stamp, observations, T_base_sensor});
+  return add({corrected, stamp, observations, T_base_sensor});
+}
+
+Arrival LandmarkTimeline::observePlaces(double stamp, const std::vector<PossiblePose>& poses) {
+  applied_.clear();
+  return add({stamp, stamp, {}, {}, poses});
+}
+
+/// Applies it, or lets it wait for odometry.
+Arrival LandmarkTimeline::add(const Scan& scan) {
+  if (history_.empty() || scan.stamp > history_.last()) {
+    wait(scan);
     return Arrival::waiting;
   }
-  if (corrected < std::max(base_.stamp, history_.last() - params_.lag)) return Arrival::too_late;
-  apply({corrected, stamp, observations, T_base_sensor});
+  if (scan.stamp < std::max(base_.stamp, history_.last() - params_.lag)) return Arrival::too_late;
+  apply(scan);
   return Arrival::applied;
-}
-
-PlaceUse LandmarkTimeline::observePlaces(double stamp, const std::vector<PossiblePose>& poses) {
-  double known = 0;
-  for (const PossiblePose& each : poses) known += each.probability;
-  const auto step =
-      history_.empty() ? std::nullopt : history_.between(stamp, history_.last());  // since the image
-  if (!step || known < kMinKnown) return PlaceUse::unused;
-  if (!slam().isLost() && hypotheses().isConfirmed()) {
-    const Now now = *this->now();
-    const double here = probabilityOf(now.T_map_base * step->step.inverse(), now.covariance, poses);
-    elsewhere_ = known - here < kMinElsewhere ? 0 : elsewhere_ + 1;
-    if (elsewhere_ < kContradictions) return elsewhere_ > 0 ? PlaceUse::contradicts : PlaceUse::agrees;
-  }
-  State state = advanced(newest(), history_.last());
-  state.hypotheses.place(poses);
-  state.hypotheses.predict(*step);
-  reset(state);
-  elsewhere_ = 0;
-  return PlaceUse::relocalized;
-}
-
-/// Sum of the probabilities of the poses that may be this one.
-double LandmarkTimeline::probabilityOf(const Pose2& T_map_base, const Eigen::Matrix3d& covariance,
-                                       const std::vector<PossiblePose>& poses) {
-  double sum = 0;
-  for (const PossiblePose& each : poses) {
-    const Eigen::Vector3d off = difference(each.T_map_base, T_map_base);
-    if (off.dot((each.covariance + covariance).inverse() * off) < kPlaceGate) sum += each.probability;
-  }
-  return sum;
 }
 
 /// Inserts by stamp; drops the newest one if there are too many.
@@ -132,15 +106,19 @@ void LandmarkTimeline::apply(Scan added) {
   State state = stateBefore(scan);
   for (; scan != scans_.end(); ++scan) {
     state = advanced(std::move(state), scan->stamp);
-    const LandmarkReport report =
-        state.hypotheses.observe(scan->stamp, scan->observations, scan->T_base_sensor);
-    if (!scan->is_reported) applied_.push_back({scan->received_stamp, report});
-    if (!scan->is_reported && report.associated > 0) elsewhere_ = 0;
+    const Applied applied = applyTo(state, *scan);
+    if (!scan->is_reported) applied_.push_back(applied);
     scan->is_reported = true;
     scan->after.reset();
     if (isKept(scan) && std::next(scan) != scans_.end()) scan->after = state;
   }
   scans_.back().after = std::move(state);
+}
+
+LandmarkTimeline::Applied LandmarkTimeline::applyTo(State& state, const Scan& scan) {
+  if (scan.places) return {scan.received_stamp, {}, state.hypotheses.observePlaces(*scan.places)};
+  return {
+      scan.received_stamp, state.hypotheses.observe(scan.stamp, scan.observations, scan.T_base_sensor), {}};
 }
 
 /// State after the newest scan that has one: replaying may have thrown before the end.

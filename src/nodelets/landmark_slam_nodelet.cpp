@@ -147,9 +147,10 @@ class LandmarkSlamNodelet : public nodelet::Nodelet {
   void onPlaces(const PlaceHypothesesConstPtr& msg) {
     try {
       const auto poses = fromMsg(*msg, transformFrom(msg->frame));
-      const PlaceUse use = session_->timeline().observePlaces(secondsOf(msg->header.stamp), poses);
-      report_->placesUsed(use);
-      if (use == PlaceUse::relocalized) publishPose();
+      const Arrival arrival = session_->timeline().observePlaces(secondsOf(msg->header.stamp), poses);
+      if (arrival == Arrival::too_late)
+        throw std::invalid_argument("its image is older than ~lag: raise it, or make the places faster");
+      publishApplied();
     } catch (const std::exception& error) {
       trouble_->report("places", places_sub_.getTopic() + " is not used: " + error.what());
     }
@@ -260,7 +261,11 @@ class LandmarkSlamNodelet : public nodelet::Nodelet {
   void publishApplied() {
     const auto& applied = session_->timeline().applied();
     if (applied.empty() || !odometry_) return;
-    for (const auto& [stamp, report] : applied) {
+    for (const auto& [stamp, report, places] : applied) {
+      if (places) {
+        report_->placesUsed(*places);
+        continue;
+      }
       map_stamp_ = std::max(map_stamp_, ros::Time(stamp));
       report_->applied(report, ros::Time(stamp), odometry_->header.stamp);
     }

@@ -33,13 +33,13 @@ class LandmarkSession {
   /// Discards the map, but not the marker map.
   void reset();
   /// Discards the pose: the robot is lost until it is found in the map.
-  /// @throws std::runtime_error if the map is empty
+  /// @throws std::runtime_error if the map is empty, and there are no places
   void relocalize();
   /// Sets the pose of the robot at the newest odometry; it is not lost then.
   void setPose(const PoseEstimate2D& estimate);
-  /// Replaces the landmarks by those of a marker map, unless they were read from a map file, which may
-  /// contain the same markers. @returns whether the marker map is used
-  bool setMarkerMap(const MarkerMap& map);
+  /// Replaces the landmarks by those of a marker map; only adds those that it does not contain to a map that
+  /// was read from a file. @throws std::invalid_argument if the frames of both differ
+  void setMarkerMap(const MarkerMap& map);
   /// Writes or reads a map file. @param file empty: map_file @returns the absolute path
   /// @throws std::exception with the reason; nothing is changed then @{
   std::string save(const std::string& file) const;
@@ -50,6 +50,9 @@ class LandmarkSession {
   PoseEstimate2D start() const { return {params_.startPose(), params_.startCovariance()}; }
   std::string pathOf(const std::string& file) const;
   void load(const std::string& path, const std::string& start);
+  static LandmarkMap withMarkers(LandmarkMap map, const MarkerMap& marker_map);
+  static void set(LandmarkSlam& slam, const LandmarkMap& map, bool is_lost);
+  bool hasOnlyPlaces() const;
   void applyMarkerMap(const PoseEstimate2D& robot, bool lost);
 
   LandmarkSlamNodeParams params_;

@@ -9,6 +9,7 @@ namespace sextant {
 
 /// Declares the robot lost when established landmarks are not where they are predicted. New landmarks are
 /// provisional until they have been observed together with established ones: they do not count as evidence.
+/// Scans without any observation are not enough: the sensor may have failed.
 class KidnapDetector {
  public:
   /// Result of the data association of one scan.
@@ -47,6 +48,7 @@ class KidnapDetector {
   int lost_after_;
   double misses_ = 0;     // scans
   std::set<int> missed_;  // since misses_ was 0
+  bool is_blank_ = true;  // whether nothing was observed since misses_ was 0
   bool contradicted_ = false;
   int first_provisional_ = 0;
   int confirmations_ = 0;  // successive scans with more established landmarks observed than missed

@@ -15,6 +15,15 @@ struct PossiblePose {
   double probability;          ///< (0, 1]
 };
 
+/// What is done with the places at which an image may have been taken.
+enum class PlaceUse {
+  unused,       ///< the place is probably unknown
+  agrees,       ///< the pose is at one of the probable places
+  contradicts,  ///< the pose is at another place; the places are improbable hypotheses until more supports
+                ///< them
+  relocalized,  ///< the pose is now one of these places
+};
+
 /// LandmarkSlam in which ambiguous decisions stay open (multi-hypothesis tracking, Reid 1979): while it is
 /// not certain which landmarks were observed, or whether odometry slipped, one state is kept for each answer.
 /// Later scans are more likely in the right one. The number of states is bounded, in large maps more than in
@@ -22,7 +31,7 @@ struct PossiblePose {
 class LandmarkHypotheses {
  public:
   /// @param slam the only hypothesis; its parameter `hypotheses` bounds their number
-  explicit LandmarkHypotheses(const LandmarkSlam& slam) : all_{{slam, 0, {}}} {}
+  explicit LandmarkHypotheses(const LandmarkSlam& slam) : all_{{slam}} {}
 
   /// Moves the robot in all of them, as LandmarkSlam::predict().
   void predict(const OdometryStep& step, double duration = 0);
@@ -31,12 +40,15 @@ class LandmarkHypotheses {
   LandmarkReport observe(double stamp, const std::vector<LabelledObservation>& observations,
                          const Pose2& T_base_sensor = {});
 
-  /// Makes one hypothesis of each pose, of the most probable ones if there are too many. The map is that of
-  /// the best hypothesis, without the landmarks that may have been initialized at a wrong pose.
-  /// @param poses at least one
-  void place(const std::vector<PossiblePose>& poses);
-  /// Whether a landmark was associated since the last place(); true before the first one.
-  bool isConfirmed() const { return is_confirmed_; }
+  /// Applies the recognized places of an image, which are evidence for and against each hypothesis; those
+  /// that are in none become improbable hypotheses. The evidence of images against a hypothesis is bounded,
+  /// as they may show the same error again and again, unless no landmark was associated in it for long. A
+  /// lost robot is at one of the places. A hypothesis without landmarks for a while is corrected by its
+  /// place.
+  /// @param poses their probabilities sum to at most 1; the rest is that of an unknown place
+  PlaceUse observePlaces(const std::vector<PossiblePose>& poses);
+  /// Whether a landmark was associated in the best hypothesis, if its pose is that of a place.
+  bool isConfirmed() const { return all_.front().is_confirmed; }
 
   /// Pose of the best hypothesis after a step; its covariance covers the poses of the others.
   PoseEstimate2D predictPose(const OdometryStep& step) const;
@@ -51,17 +63,25 @@ class LandmarkHypotheses {
  private:
   struct Hypothesis {
     LandmarkSlam slam;
-    double log_weight;  // relative to the best
-    LandmarkReport report;
+    double log_weight = 0;     // of observations, relative to the best
+    double log_places = 0;     // of images, relative to that which fits best
+    bool is_confirmed = true;  // whether a landmark was associated since it was at a place
+    double unmeasured = 0;     // metres driven since a landmark was associated or a place corrected the pose
+    LandmarkReport report = {};
+
+    double weight() const { return log_weight + log_places; }  // natural logarithm
   };
   static std::vector<Hypothesis> withoutLost(std::vector<Hypothesis> all);
   static std::vector<Hypothesis> withoutEqual(std::vector<Hypothesis> all);
   static std::vector<Hypothesis> sorted(std::vector<Hypothesis> all);
+  static void judge(std::vector<Hypothesis>& all, const std::vector<PossiblePose>& poses);
+  void place(const std::vector<PossiblePose>& poses);
+  void addPlaces(const std::vector<PossiblePose>& poses);
+  std::vector<Hypothesis> likely(std::vector<Hypothesis> all) const;
   size_t affordable() const;
   std::vector<double> probabilities() const;
 
   std::vector<Hypothesis> all_;  // the best first; never empty
-  bool is_confirmed_ = true;
 };
 
 }  // namespace sextant

@@ -91,6 +91,13 @@ class LandmarkSlam {
   void relocalize();
   bool isLost() const { return !local_.empty(); }  ///< whether the pose is unknown
 
+  /// The robot is lost, also if the map is empty: its pose is known only by setPose().
+  void lose();
+
+  /// Corrects the pose by a measured one with independent errors, whose covariance is of (x, y, heading) in
+  /// the map frame. Correlations of the pose with the landmarks are dropped.
+  void observePose(const PoseEstimate2D& measured);
+
   /// Replaces the pose, as LandmarkFilter::setPose(); ends relocalization.
   void setPose(const Pose2& T_map_base, const Eigen::Matrix3d& covariance);
 
@@ -125,6 +132,7 @@ class LandmarkSlam {
   bool provisionalLandmarksMatchElsewhere();
   void applyMatch(const LandmarkMapMatch& match);
   void clearHypotheses();
+  void startLocalMap();
 
   LandmarkSlamParams params_;
   LandmarkSensor sensor_;

@@ -22,7 +22,7 @@ struct LandmarkTimelineParams {
   ParamList fields();  ///< names, ranges, units and descriptions
 };
 
-/// What is done with a scan when it arrives.
+/// What is done with a scan or an image when it arrives.
 enum class Arrival {
   applied,    ///< applied at its own stamp
   waiting,    ///< waits for odometry of its stamp
@@ -31,17 +31,8 @@ enum class Arrival {
   too_large,  ///< more observations than max_observations
 };
 
-/// What is done with the places at which an image may have been taken.
-enum class PlaceUse {
-  unused,       ///< the place is probably unknown, or there is no odometry of the stamp
-  agrees,       ///< the pose is at one of the probable places; it is not changed
-  contradicts,  ///< the pose is at another place; it is not changed, as landmarks or too few images support
-                ///< it
-  relocalized,  ///< the pose is one of these places, until landmarks confirm one of them
-};
-
-/// Runs LandmarkSlam on scans that arrive late, twice or out of order: each is applied at its own stamp, and
-/// later scans are applied again after it.
+/// Runs LandmarkSlam on scans and images that arrive late, twice or out of order: each is applied at its own
+/// stamp, and later ones are applied again after it.
 class LandmarkTimeline {
  public:
   /// @throws std::invalid_argument as validate(LandmarkTimelineParams)
@@ -55,12 +46,9 @@ class LandmarkTimeline {
   Arrival observe(double stamp, const std::vector<LabelledObservation>& observations,
                   const Pose2& T_base_sensor = {});
 
-  /// Adds the recognized places of an image. They are the pose of a lost robot, and of one that was placed by
-  /// an earlier image if no landmark was associated since. Another robot is only lost if it is elsewhere in
-  /// several images in a row between which no landmark was associated.
-  /// @param stamp seconds, by the clock of odometry @param poses their probabilities sum to at most 1; the
-  /// rest is that of an unknown place
-  PlaceUse observePlaces(double stamp, const std::vector<PossiblePose>& poses);
+  /// Adds the recognized places of an image, as LandmarkHypotheses::observePlaces().
+  /// @param stamp seconds, by the clock of odometry
+  Arrival observePlaces(double stamp, const std::vector<PossiblePose>& poses);
 
   /// Pose of the robot at the newest odometry.
   struct Now {
@@ -78,13 +66,14 @@ class LandmarkTimeline {
   /// The most probable of hypotheses().
   const LandmarkSlam& slam() const { return hypotheses().best(); }
 
-  /// A scan that was applied.
+  /// A scan or an image that was applied.
   struct Applied {
-    double stamp;           ///< seconds, as received
-    LandmarkReport report;  ///< result
+    double stamp;                    ///< seconds, as received
+    LandmarkReport report;           ///< result of a scan
+    std::optional<PlaceUse> places;  ///< result of an image
   };
 
-  /// Scans that the last odometry() or observe() applied for the first time.
+  /// Scans and images that the last odometry(), observe() or observePlaces() applied for the first time.
   const std::vector<Applied>& applied() const { return applied_; }
   /// Number of odometry jumps larger than any robot can drive; odometry restarts and the robot is lost after
   /// each.
@@ -111,6 +100,7 @@ class LandmarkTimeline {
     double stamp, received_stamp;  // by the clock of odometry, and as received
     std::vector<LabelledObservation> observations;
     Pose2 T_base_sensor;
+    std::optional<std::vector<PossiblePose>> places = {};  // of an image, which has no observations
     std::optional<State> after = {};  // state after the scan: of the newest and of some earlier ones
     bool is_reported = false;
   };
@@ -118,13 +108,13 @@ class LandmarkTimeline {
   const State& newest() const;
   State advanced(State state, double stamp) const;
   void reset(const State& state);
+  Arrival add(const Scan& scan);
   void apply(Scan scan);
+  static Applied applyTo(State& state, const Scan& scan);
   void removeSettled();
   void wait(const Scan& scan);
   bool isJump(double stamp, const Pose2& T_odom_base) const;
   void restartLost();
-  static double probabilityOf(const Pose2& T_map_base, const Eigen::Matrix3d& covariance,
-                              const std::vector<PossiblePose>& poses);
   static bool isBefore(const Scan& a, const Scan& b) { return a.stamp < b.stamp; }
   Scans::iterator firstToReplay(Scans::iterator scan);
   bool isKept(Scans::iterator scan);
@@ -136,7 +126,6 @@ class LandmarkTimeline {
   Scans scans_;                // by stamp
   std::vector<Scan> waiting_;  // by stamp
   int jumps_ = 0;
-  int elsewhere_ = 0;  // images in a row whose places contradict the pose
   std::vector<Applied> applied_;
 };
 

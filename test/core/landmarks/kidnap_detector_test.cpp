@@ -26,10 +26,18 @@ void update(KidnapDetector& detector, int times, const KidnapDetector::Evidence&
 
 TEST(KidnapDetector, TwoMissingLandmarksMakeTheRobotLost) {
   KidnapDetector detector = makeDetector();
-  update(detector, 9, evidenceOf({}, {1, 2}));
+  update(detector, 9, evidenceOf({}, {1, 2}, 1));
   EXPECT_FALSE(detector.isLost());
   EXPECT_FALSE(detector.isConsistent());
-  update(detector, 1, evidenceOf({}, {1, 2}));
+  update(detector, 1, evidenceOf({}, {1, 2}, 1));
+  EXPECT_TRUE(detector.isLost());
+}
+
+TEST(KidnapDetector, ASensorThatObservesNothingDoesNot) {
+  KidnapDetector detector = makeDetector();
+  update(detector, 1000, evidenceOf({}, {1, 2}));
+  EXPECT_FALSE(detector.isLost());
+  update(detector, 1, evidenceOf({}, {1, 2}, 1));  // it works, but observes something else
   EXPECT_TRUE(detector.isLost());
 }
 

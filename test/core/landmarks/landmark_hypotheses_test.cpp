@@ -129,7 +129,7 @@ const PossiblePose kFirstRoom{{{0.3, 0.2}, 0.1}, kRough, 0.7}, kSecondRoom{{{20.
 TEST(LandmarkHypotheses, LandmarksDecideAtWhichPlaceALostRobotIs) {
   LandmarkHypotheses all = lostAmongRooms();
   ASSERT_TRUE(all.best().isLost());
-  all.place({kSecondRoom, kFirstRoom});
+  EXPECT_EQ(all.observePlaces({kSecondRoom, kFirstRoom}), PlaceUse::relocalized);
   EXPECT_FALSE(all.best().isLost());
   EXPECT_FALSE(all.isConfirmed());
   EXPECT_NEAR(all.probability(), 0.7, 1e-9);
@@ -143,17 +143,92 @@ TEST(LandmarkHypotheses, LandmarksDecideAtWhichPlaceALostRobotIs) {
 
 TEST(LandmarkHypotheses, TheCovarianceCoversAllPlaces) {
   LandmarkHypotheses all = lostAmongRooms();
-  all.place({kFirstRoom, kSecondRoom});
+  all.observePlaces({kFirstRoom, kSecondRoom});
   EXPECT_NEAR(all.predictPose({}).covariance(0, 0), 0.25 + 0.3 * 20 * 20, 1e-6);
 }
 
 TEST(LandmarkHypotheses, WhatTheRobotMappedAtAWrongPoseIsNotKept) {
   LandmarkHypotheses all = lostAmongRooms();
-  all.place({{{{8, 8}, 0}, kRough, 0.9}});
+  all.observePlaces({{{{8, 8}, 0}, kRough, 0.9}});
   for (int i = 0; i < 30; ++i)
     all.observe(0.1 * i, {seen({{20, 0}, 0}, {22, 0}), seen({{20, 0}, 0}, {22, 1})});
-  all.place({kSecondRoom});
+  all.observePlaces({kSecondRoom});
   EXPECT_EQ(all.best().labels().size(), 4u);
+}
+
+/// A robot in the first room whose landmarks it has just observed.
+LandmarkHypotheses inFirstRoom() {
+  LandmarkHypotheses all = lostAmongRooms();
+  all.observePlaces({{{}, kRough, 1}});
+  for (int i = 0; i < 3; ++i) all.observe(0.1 * i, {seen({}, {2, 0}), seen({}, {2, 1}, kBlue)});
+  return all;
+}
+
+double farOff(const LandmarkHypotheses& all) { return all.best().filter().pose().position.norm(); }
+
+const PossiblePose kElsewhere{{{20, 0}, 0}, kRough, 0.9};
+
+TEST(LandmarkHypotheses, ImagesOfAnotherPlaceBecomeAHypothesisThatLandmarksRefute) {
+  LandmarkHypotheses all = inFirstRoom();
+  ASSERT_TRUE(all.isConfirmed());
+  for (int i = 0; i < 50; ++i) {
+    EXPECT_EQ(all.observePlaces({kElsewhere}), PlaceUse::contradicts);
+    EXPECT_EQ(all.size(), 2u);
+    all.observe(1 + 0.1 * i, {seen({}, {2, 0}), seen({}, {2, 1}, kBlue)});
+    EXPECT_EQ(all.size(), 1u);
+    EXPECT_LT(farOff(all), 0.1);
+  }
+}
+
+TEST(LandmarkHypotheses, ImagesOfAnotherPlaceMoveARobotThatObservesNothing) {
+  LandmarkHypotheses all = inFirstRoom();
+  EXPECT_EQ(all.observePlaces({{{}, kRough, 0.9}}), PlaceUse::agrees);
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(all.observePlaces({kElsewhere}), PlaceUse::contradicts);
+  EXPECT_LT(farOff(all), 0.1);
+  EXPECT_EQ(all.observePlaces({kElsewhere}), PlaceUse::relocalized);
+  EXPECT_NEAR(farOff(all), 20, 0.1);
+  EXPECT_FALSE(all.isConfirmed());
+  EXPECT_GT(all.predictPose({}).covariance(0, 0), 0.1 * 20 * 20);  // it covers the first room, too
+  for (int i = 0; i < 3; ++i) all.observe(1 + 0.1 * i, {seen({}, {2, 0}), seen({}, {2, 1}, kBlue)});
+  EXPECT_LT(farOff(all), 0.1);
+  EXPECT_TRUE(all.isConfirmed());
+}
+
+TEST(LandmarkHypotheses, TheEvidenceOfImagesIsBoundedUntilTheRobotHasDriven) {
+  LandmarkHypotheses all = inFirstRoom();
+  for (int i = 0; i < 100; ++i) all.observePlaces({kElsewhere});
+  EXPECT_EQ(all.size(), 2u);
+  EXPECT_LT(all.probability(), 0.8);
+  for (int i = 0; i < 30; ++i) {
+    all.predict({{{0.5, 0}, 0}, 1e-4 * Matrix3d::Identity(), 0.5});
+    all.observePlaces({{{{20 + 0.5 * (i + 1), 0}, 0}, kRough, 0.9}});
+  }
+  EXPECT_EQ(all.size(), 1u);
+}
+
+TEST(LandmarkHypotheses, AWrongImageIsForgottenByTheNextRightOnes) {
+  LandmarkHypotheses all = inFirstRoom();
+  all.observePlaces({kElsewhere});
+  EXPECT_EQ(all.size(), 2u);
+  all.observePlaces({{{}, kRough, 0.9}});
+  all.observePlaces({{{}, kRough, 0.9}});
+  EXPECT_EQ(all.size(), 1u);
+}
+
+TEST(LandmarkHypotheses, PlacesCorrectThePoseAfterADriveWithoutLandmarks) {
+  LandmarkHypotheses all = inFirstRoom();
+  const PossiblePose place{{{3.3, 0}, 0}, 0.01 * Matrix3d::Identity(), 0.9};
+  for (int i = 0; i < 3; ++i) all.predict({{{1, 0}, 0}, 0.05 * Matrix3d::Identity(), 1});
+  const PoseEstimate2D before = all.predictPose({});
+  EXPECT_EQ(all.observePlaces({place}), PlaceUse::agrees);
+  const PoseEstimate2D after = all.predictPose({});
+  // The Kalman filter of one dimension: y and heading are correlated, but x is neither.
+  const double variance = before.covariance(0, 0), gain = variance / (variance + 0.01);
+  EXPECT_NEAR(after.pose.position.x(), before.pose.position.x() + gain * (3.3 - before.pose.position.x()),
+              1e-3);
+  EXPECT_NEAR(after.covariance(0, 0), (1 - gain) * variance, 1e-4);
+  EXPECT_EQ(all.observePlaces({place}), PlaceUse::agrees);  // of the same place: its error is the same
+  EXPECT_NEAR(all.predictPose({}).covariance(0, 0), after.covariance(0, 0), 1e-9);
 }
 
 }  // namespace

@@ -352,6 +352,11 @@ LandmarkTimeline drivenTimeline(const Drive& drawn, bool with_scans) {
   return timeline;
 }
 
+PlaceUse useOf(LandmarkTimeline& timeline, double stamp, const std::vector<PossiblePose>& poses) {
+  EXPECT_EQ(timeline.observePlaces(stamp, poses), Arrival::applied);
+  return timeline.applied().front().places.value();
+}
+
 TEST(LandmarkTimeline, PlacesDoNotChangeAPoseThatLandmarksConfirm) {
   const Drive drawn = drive(2);
   LandmarkTimeline timeline = drivenTimeline(drawn, true);
@@ -359,41 +364,48 @@ TEST(LandmarkTimeline, PlacesDoNotChangeAPoseThatLandmarksConfirm) {
     for (size_t k = 5 * i - 4; k <= 5 * i; ++k)
       timeline.odometry(drawn.odometry[k].first, drawn.odometry[k].second);
     timeline.observe(drawn.scans[i].stamp, drawn.scans[i].observations);
-    EXPECT_EQ(timeline.observePlaces(drawn.scans[i].stamp, kElsewhere), PlaceUse::contradicts);
+    EXPECT_EQ(useOf(timeline, drawn.scans[i].stamp, kElsewhere), PlaceUse::contradicts);
     EXPECT_LT((timeline.now()->T_map_base.position - drawn.truth[5 * i].second.position).norm(), 0.3);
   }
-}
-
-TEST(LandmarkTimeline, ImagesOfAnotherPlaceRelocalizeARobotThatObservesNothing) {
-  LandmarkTimeline timeline = drivenTimeline(drive(3), false);
-  const Pose2 before = timeline.now()->T_map_base;
-  EXPECT_EQ(timeline.observePlaces(19.9, kElsewhere), PlaceUse::contradicts);
-  EXPECT_EQ(timeline.observePlaces(19.9, {{before, kRough, 0.9}}), PlaceUse::agrees);  // counts from here
-  for (int i = 0; i < 2; ++i) EXPECT_EQ(timeline.observePlaces(19.9, kElsewhere), PlaceUse::contradicts);
-  EXPECT_EQ(timeline.now()->T_map_base, before);
-  EXPECT_EQ(timeline.observePlaces(19.9, kElsewhere), PlaceUse::relocalized);
-  EXPECT_LT((timeline.now()->T_map_base.position - Vector2d(30, 0)).norm(), 0.1);
-  EXPECT_EQ(timeline.observePlaces(19.9, {{before, kRough, 0.9}}), PlaceUse::relocalized);  // not confirmed
 }
 
 TEST(LandmarkTimeline, APlaceIsThatOfTheImageNotOfItsArrival) {
   const Drive drawn = drive(4);
   LandmarkTimeline timeline = drivenTimeline(drawn, false);
   timeline.change([](LandmarkSlam& slam) { slam.relocalize(); });
-  const auto& [stamp, truth] = drawn.truth[450];
-  EXPECT_EQ(timeline.observePlaces(stamp, {{truth, 1e-6 * kRough, 0.6}}), PlaceUse::relocalized);
-  EXPECT_LT(difference(timeline.now()->T_map_base, drawn.truth[500].second).norm(), 0.1);
-  EXPECT_GT((truth.position - drawn.truth[500].second.position).norm(), 0.4);
+  for (int i = 501; i <= 540; ++i) timeline.odometry(drawn.odometry[i].first, drawn.odometry[i].second);
+  const auto& [stamp, truth] = drawn.truth[510];
+  EXPECT_EQ(useOf(timeline, stamp, {{truth, 1e-6 * kRough, 0.6}}), PlaceUse::relocalized);
+  EXPECT_LT(difference(timeline.now()->T_map_base, drawn.truth[540].second).norm(), 0.1);
+  EXPECT_GT((truth.position - drawn.truth[540].second.position).norm(), 0.2);
 }
 
-TEST(LandmarkTimeline, UnknownPlacesAndThoseWithoutOdometryAreNotUsed) {
+TEST(LandmarkTimeline, ScansAfterALateImageAreAppliedAfterIt) {
+  const Drive drawn = drive(6);
+  LandmarkTimeline in_order = drivenTimeline(drawn, true), late = drivenTimeline(drawn, true);
+  const std::vector<PossiblePose> places{{drawn.truth[500].second, kRough, 0.9}};
+  for (LandmarkTimeline* each : {&in_order, &late}) {
+    for (int i = 501; i <= 510; ++i) each->odometry(drawn.odometry[i].first, drawn.odometry[i].second);
+    if (each == &in_order) each->observePlaces(20.05, places);
+    each->observe(drawn.scans[101].stamp, drawn.scans[101].observations);
+    each->observe(drawn.scans[102].stamp, drawn.scans[102].observations);
+    if (each == &late) each->observePlaces(20.05, places);
+  }
+  EXPECT_EQ(late.now()->T_map_base, in_order.now()->T_map_base);
+  EXPECT_EQ(late.now()->covariance, in_order.now()->covariance);
+}
+
+TEST(LandmarkTimeline, UnknownPlacesAndOldImagesAreNotUsed) {
   LandmarkTimeline timeline = drivenTimeline(drive(5), false);
   timeline.change([](LandmarkSlam& slam) { slam.relocalize(); });
-  EXPECT_EQ(timeline.observePlaces(19.9, {}), PlaceUse::unused);
-  EXPECT_EQ(timeline.observePlaces(19.9, {{{}, kRough, 0.4}}), PlaceUse::unused);
-  EXPECT_EQ(timeline.observePlaces(3.0, kElsewhere), PlaceUse::unused);
-  EXPECT_EQ(timeline.observePlaces(21.0, kElsewhere), PlaceUse::unused);
+  const double now = timeline.now()->stamp;
+  EXPECT_EQ(useOf(timeline, now, {}), PlaceUse::unused);
+  EXPECT_EQ(useOf(timeline, now, {{{}, kRough, 0.4}}), PlaceUse::unused);
+  EXPECT_EQ(timeline.observePlaces(3.0, kElsewhere), Arrival::too_late);
   EXPECT_TRUE(timeline.slam().isLost());
+  EXPECT_EQ(timeline.observePlaces(now + 1.0, kElsewhere), Arrival::waiting);
+  timeline.odometry(now + 2.0, {});
+  EXPECT_EQ(timeline.applied().front().places, PlaceUse::relocalized);
 }
 
 }  // namespace
