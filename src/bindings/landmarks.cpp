@@ -291,6 +291,9 @@ void bindLandmarkSlam(py::module_& module) {
 void bindLandmarkTimelineParts(py::module_& module) {
   bindParams<LandmarkTimelineParams>(module, "LandmarkTimelineParams", "Parameters of LandmarkTimeline.")
       .def_readwrite("odometry", &LandmarkTimelineParams::odometry, "OdometryNoiseParams");
+  py::enum_<Detects>(module, "Detects", "What a sensor detects.")
+      .value("ALL", Detects::all, "all landmarks in view")
+      .value("WITH_ID", Detects::with_id, "only landmarks with an id, for instance printed markers");
   py::enum_<Arrival>(module, "Arrival", "What is done with a scan when it arrives.")
       .value("APPLIED", Arrival::applied, "applied at its own stamp")
       .value("WAITING", Arrival::waiting, "waits for odometry of its stamp")
@@ -324,7 +327,9 @@ py::class_<LandmarkTimeline> bindLandmarkTimelineState(py::module_& module) {
       .def("odometry", &LandmarkTimeline::odometry, "stamp"_a, "T_odom_base"_a,
            "Adds an odometry pose (3,), stamp in seconds; False: ignored, it is not newer than the last one")
       .def("observe", &LandmarkTimeline::observe, "stamp"_a, "observations"_a, "T_base_sensor"_a = Pose2{},
-           "Adds one scan, a list of LabelledObservation with its stamp in seconds, and returns its Arrival")
+           "detects"_a = Detects::all,
+           "Adds one scan, a list of LabelledObservation with its stamp in seconds, and returns its Arrival; "
+           "detects: what the sensor detects, Detects")
       .def(
           "observe_places",
           [](LandmarkTimeline& self, double stamp,

@@ -62,7 +62,7 @@ void LandmarkHypotheses::predict(const OdometryStep& step, double duration) {
 }
 
 LandmarkReport LandmarkHypotheses::observe(double stamp, const std::vector<LabelledObservation>& observations,
-                                           const Pose2& T_base_sensor) {
+                                           const Pose2& T_base_sensor, Detects detects) {
   struct Child {
     size_t parent;
     ScanInterpretation how;
@@ -71,7 +71,8 @@ LandmarkReport LandmarkHypotheses::observe(double stamp, const std::vector<Label
   const size_t most = affordable(), of_each = std::min(most, 1 + most / all_.size());
   std::vector<Child> children;
   for (size_t i = 0; i < all_.size(); ++i)
-    for (ScanInterpretation& how : all_[i].slam.interpretations(observations, T_base_sensor, of_each))
+    for (ScanInterpretation& how :
+         all_[i].slam.interpretations(observations, T_base_sensor, of_each, detects))
       children.push_back({i, how, all_[i].weight() + how.log_likelihood});
   std::stable_sort(children.begin(), children.end(),
                    [](const Child& a, const Child& b) { return a.log_weight > b.log_weight; });

@@ -152,9 +152,11 @@ void LandmarkSlam::countDetections(const ScanAssociation& scan) {
 // ---- data association
 
 std::vector<ScanInterpretation> LandmarkSlam::interpretations(
-    const std::vector<LabelledObservation>& observations, const Pose2& T_base_sensor, size_t most) {
-  if (isLost()) return {local_.front().interpretations(observations, T_base_sensor, 1).front()};
-  const MapKnowledge knowledge{sensor_, params_.association, candidates_, unused_, explored_, unconfirmed_};
+    const std::vector<LabelledObservation>& observations, const Pose2& T_base_sensor, size_t most,
+    Detects detects) {
+  if (isLost()) return {local_.front().interpretations(observations, T_base_sensor, 1, detects).front()};
+  const MapKnowledge knowledge{sensor_,   params_.association, candidates_, unused_,
+                               explored_, unconfirmed_,        detects};
   return interpretScan(register_, knowledge, corrected(observations, T_base_sensor), T_base_sensor, most);
 }
 

@@ -48,7 +48,7 @@ bool LandmarkTimeline::odometry(double stamp, const Pose2& T_odom_base) {
 }
 
 Arrival LandmarkTimeline::observe(double stamp, const std::vector<LabelledObservation>& observations,
-                                  const Pose2& T_base_sensor) {
+                                  const Pose2& T_base_sensor, Detects detects) {
   applied_.clear();
   if (observations.size() > static_cast<size_t>(params_.max_observations)) return Arrival::too_large;
   const double corrected = stamp + params_.clock_offset + slam().filter().clockOffset();
@@ -59,12 +59,12 @@ Arrival LandmarkTimeline::observe(double stamp, const std::vector<LabelledObserv
   if (std::any_of(scans_.begin(), scans_.end(), is_same) ||
       std::any_of(waiting_.begin(), waiting_.end(), is_same))
     return Arrival::duplicate;
-  return add({corrected, stamp, observations, T_base_sensor});
+  return add({corrected, stamp, observations, T_base_sensor, detects});
 }
 
 Arrival LandmarkTimeline::observePlaces(double stamp, const std::vector<PossiblePose>& poses) {
   applied_.clear();
-  return add({stamp, stamp, {}, {}, poses});
+  return add({stamp, stamp, {}, {}, {}, poses});
 }
 
 /// Applies it, or lets it wait for odometry.
@@ -117,8 +117,9 @@ void LandmarkTimeline::apply(Scan added) {
 
 LandmarkTimeline::Applied LandmarkTimeline::applyTo(State& state, const Scan& scan) {
   if (scan.places) return {scan.received_stamp, {}, state.hypotheses.observePlaces(*scan.places)};
-  return {
-      scan.received_stamp, state.hypotheses.observe(scan.stamp, scan.observations, scan.T_base_sensor), {}};
+  return {scan.received_stamp,
+          state.hypotheses.observe(scan.stamp, scan.observations, scan.T_base_sensor, scan.detects),
+          {}};
 }
 
 /// State after the newest scan that has one: replaying may have thrown before the end.

@@ -131,7 +131,9 @@ class Interpreter {
       }
     }
     std::vector<ScanInterpretation> all;
-    const std::vector<size_t> in_view = knowledge_.sensor.expectedInView(expected, T_base_sensor);
+    std::vector<size_t> in_view;
+    if (knowledge_.detects == Detects::all)
+      in_view = knowledge_.sensor.expectedInView(expected, T_base_sensor);
     for (const JointAssociation& each :
          associations(points, expected.covariance, seen, log_density_of_none, knowledge_.association, most)) {
       ScanInterpretation how = combined(each, by_id, observations, near);

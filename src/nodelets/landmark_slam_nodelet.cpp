@@ -218,7 +218,8 @@ class LandmarkSlamNodelet : public nodelet::Nodelet {
   // ---- observations
 
   void onLandmarks(const LandmarkObservationsConstPtr& msg) {
-    addScan(msg->header, landmarks_sub_.getTopic(), [msg](const Pose& T) { return fromMsg(*msg, T); });
+    addScan(msg->header, landmarks_sub_.getTopic(), Detects::all,
+            [msg](const Pose& T) { return fromMsg(*msg, T); });
   }
 
   void onMarkers(size_t camera, const MarkerArrayConstPtr& msg) {
@@ -227,18 +228,20 @@ class LandmarkSlamNodelet : public nodelet::Nodelet {
       if (!(marker.size > 0))
         trouble_->report("marker without a size", "marker " + std::to_string(marker.id) + " on " + topic +
                                                       " is skipped: set ~marker_size(s) of its detector");
-    addScan(msg->header, topic, [this, msg](const Pose& T) { return fromMsg(*msg, T, params_.markers); });
+    addScan(msg->header, topic, Detects::with_id,
+            [this, msg](const Pose& T) { return fromMsg(*msg, T, params_.markers); });
   }
 
   /// @param observations converts the message to the robot frame, given T_base_frame
-  void addScan(const std_msgs::Header& header, const std::string& topic,
+  void addScan(const std_msgs::Header& header, const std::string& topic, Detects detects,
                const std::function<std::vector<LabelledObservation>(const Pose&)>& observations) {
     report_->observationsReceived();
-    waiting_->add(header, [this, topic, observations, stamp = header.stamp](const Pose& T_base_frame) {
+    waiting_->add(header, [this, topic, detects, observations,
+                           stamp = header.stamp](const Pose& T_base_frame) {
       try {
         clock_.start();
         const Arrival arrival = session_->timeline().observe(secondsOf(stamp), observations(T_base_frame),
-                                                             planarSensorPose(T_base_frame));
+                                                             planarSensorPose(T_base_frame), detects);
         clock_.finish("observations");
         const double ahead = odometry_ ? stamp.toSec() - odometry_->header.stamp.toSec() : 0.0;
         report_->observations(topic, arrival, ahead + params_.timeline.clock_offset, params_.timeline.lag);

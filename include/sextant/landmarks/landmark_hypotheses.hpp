@@ -38,7 +38,7 @@ class LandmarkHypotheses {
 
   /// Applies one scan, as LandmarkSlam::observe(). @returns the report of the best hypothesis
   LandmarkReport observe(double stamp, const std::vector<LabelledObservation>& observations,
-                         const Pose2& T_base_sensor = {});
+                         const Pose2& T_base_sensor = {}, Detects detects = Detects::all);
 
   /// Applies the recognized places of an image, which are evidence for and against each hypothesis; those
   /// that are in none become improbable hypotheses. The evidence of images against a hypothesis is bounded,

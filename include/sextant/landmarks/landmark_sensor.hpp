@@ -23,6 +23,12 @@ struct LandmarkSensorParams {
   ParamList fields();  ///< names, ranges, units and descriptions
 };
 
+/// What a sensor detects.
+enum class Detects {
+  all,      ///< all landmarks in view
+  with_id,  ///< only landmarks with an id, for instance printed markers: it misses no other one
+};
+
 /// Visibility and detection model of a sensor.
 class LandmarkSensor {
  public:

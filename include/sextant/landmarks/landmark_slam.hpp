@@ -71,7 +71,8 @@ class LandmarkSlam {
   /// The most likely ways to explain a scan, the best first; at least one. @param most maximum number; 1:
   /// ambiguous observations are not used
   std::vector<ScanInterpretation> interpretations(const std::vector<LabelledObservation>& observations,
-                                                  const Pose2& T_base_sensor, size_t most);
+                                                  const Pose2& T_base_sensor, size_t most,
+                                                  Detects detects = Detects::all);
   /// Applies one scan. @param how one of interpretations() of it
   LandmarkReport observe(double stamp, const std::vector<LabelledObservation>& observations,
                          const Pose2& T_base_sensor, const ScanInterpretation& how);

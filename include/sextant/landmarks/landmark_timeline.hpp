@@ -44,7 +44,7 @@ class LandmarkTimeline {
 
   /// Adds a scan, as LandmarkSlam::observe(). @param stamp seconds, by the clock of the sensor
   Arrival observe(double stamp, const std::vector<LabelledObservation>& observations,
-                  const Pose2& T_base_sensor = {});
+                  const Pose2& T_base_sensor = {}, Detects detects = Detects::all);
 
   /// Adds the recognized places of an image, as LandmarkHypotheses::observePlaces().
   /// @param stamp seconds, by the clock of odometry
@@ -100,6 +100,7 @@ class LandmarkTimeline {
     double stamp, received_stamp;  // by the clock of odometry, and as received
     std::vector<LabelledObservation> observations;
     Pose2 T_base_sensor;
+    Detects detects = Detects::all;
     std::optional<std::vector<PossiblePose>> places = {};  // of an image, which has no observations
     std::optional<State> after = {};  // state after the scan: of the newest and of some earlier ones
     bool is_reported = false;

@@ -231,5 +231,14 @@ TEST(LandmarkHypotheses, PlacesCorrectThePoseAfterADriveWithoutLandmarks) {
   EXPECT_NEAR(all.predictPose({}).covariance(0, 0), after.covariance(0, 0), 1e-9);
 }
 
+TEST(LandmarkHypotheses, ACameraOfMarkersMissesNoOtherLandmark) {
+  for (const Detects detects : {Detects::all, Detects::with_id}) {
+    LandmarkHypotheses all = inFirstRoom();
+    for (int i = 0; i < 60; ++i) all.observe(1 + 0.1 * i, {}, {}, detects);
+    all.observe(8, {seen({}, {4, 3}, {"tag36h11", 3})}, {}, detects);  // it works, and sees neither pillar
+    EXPECT_EQ(all.best().isLost(), detects == Detects::all);
+  }
+}
+
 }  // namespace
 }  // namespace sextant
