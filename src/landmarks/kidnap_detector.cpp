@@ -21,6 +21,8 @@ void KidnapDetector::update(const Evidence& evidence) {
   std::vector<int> missed;
   std::copy_if(evidence.missed.begin(), evidence.missed.end(), std::back_inserter(missed), is_established);
   updateMisses(observed, missed, evidence);
+  if (!evidence.observed.empty() || evidence.unknown + evidence.contradictions > 0) is_blank_ = false;
+  if (isConsistent()) forget();
   if (observed > static_cast<int>(missed.size())) {
     ++confirmations_;
   } else if (!evidence.observed.empty() || evidence.unknown > 0) {
@@ -49,8 +51,9 @@ void KidnapDetector::updateMisses(int observed, const std::vector<int>& missed, 
     missed_.insert(missed.begin(), missed.end());
     contradicted_ = contradicted_ || contradicting > 0;
   }
-  is_blank_ = is_blank_ && evidence.observed.empty() && unknown == 0 && contradicting == 0;
-  if (!isConsistent()) return;
+}
+
+void KidnapDetector::forget() {
   is_blank_ = true;
   missed_.clear();
   contradicted_ = false;

@@ -108,7 +108,8 @@ PlaceUse LandmarkHypotheses::observePlaces(const std::vector<PossiblePose>& pose
   }
   const Pose2 before = best().filter().pose();
   addPlaces(poses);
-  judge(all_, poses);
+  for (Hypothesis& each : all_) judge(each, poses);
+  boundPlaces(all_);
   all_ = likely(std::move(all_));
   const PoseEstimate2D now = poseOf(best());
   const bool is_at_one = std::any_of(poses.begin(), poses.end(), [&](const auto& each) {
@@ -148,24 +149,28 @@ void LandmarkHypotheses::addPlaces(const std::vector<PossiblePose>& poses) {
   std::move(added.begin(), added.end(), std::back_inserter(all_));
 }
 
-/// Adds the evidence of an image, and corrects the poses by places.
-void LandmarkHypotheses::judge(std::vector<Hypothesis>& all, const std::vector<PossiblePose>& poses) {
-  double most = -1e9;
-  for (Hypothesis& each : all) {
-    const PoseEstimate2D robot = poseOf(each.slam);
-    double here = 0;
-    const PossiblePose* place = nullptr;
-    for (const PossiblePose& pose : poses) {
-      if (!isAt(robot, pose)) continue;
-      here += pose.probability;
-      if (!place || pose.probability > place->probability) place = &pose;
-    }
-    each.log_places += std::log(std::max(here, kMinUnknown));
-    most = std::max(most, each.log_places);
-    if (!place || place->probability < kSettledPlace || each.unmeasured < kMeasured) continue;
-    each.slam.observePose({place->T_map_base, place->covariance});
-    each.unmeasured = 0;
+/// Adds the evidence of an image, and corrects the pose by the place at which it is.
+void LandmarkHypotheses::judge(Hypothesis& hypothesis, const std::vector<PossiblePose>& poses) {
+  const PoseEstimate2D robot = poseOf(hypothesis.slam);
+  double here = 0;
+  const PossiblePose* place = nullptr;
+  for (const PossiblePose& each : poses) {
+    if (!isAt(robot, each)) continue;
+    here += each.probability;
+    if (!place || each.probability > place->probability) place = &each;
   }
+  hypothesis.log_places += std::log(std::max(here, kMinUnknown));
+  if (!place || place->probability < kSettledPlace || hypothesis.unmeasured < kMeasured) return;
+  hypothesis.slam.observePose({place->T_map_base, place->covariance});
+  hypothesis.unmeasured = 0;
+}
+
+/// Relative to that which fits best.
+void LandmarkHypotheses::boundPlaces(std::vector<Hypothesis>& all) {
+  const auto best = std::max_element(all.begin(), all.end(), [](const Hypothesis& a, const Hypothesis& b) {
+    return a.log_places < b.log_places;
+  });
+  const double most = best->log_places;
   for (Hypothesis& each : all) {
     each.log_places -= most;
     if (each.is_confirmed)

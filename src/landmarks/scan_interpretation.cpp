@@ -110,6 +110,12 @@ class Interpreter {
     });
   }
 
+  std::vector<size_t> expectedInView(const ObservationPrediction& expected,
+                                     const Pose2& T_base_sensor) const {
+    if (knowledge_.detects == Detects::with_id) return {};
+    return knowledge_.sensor.expectedInView(expected, T_base_sensor);
+  }
+
   std::vector<ScanInterpretation> explained(const std::vector<LabelledObservation>& observations,
                                             const Pose2& T_base_sensor, size_t most, bool slipped) {
     const std::vector<size_t> near = inReach(observations, slipped ? kDeviations * kSlip : 0);
@@ -131,9 +137,7 @@ class Interpreter {
       }
     }
     std::vector<ScanInterpretation> all;
-    std::vector<size_t> in_view;
-    if (knowledge_.detects == Detects::all)
-      in_view = knowledge_.sensor.expectedInView(expected, T_base_sensor);
+    const std::vector<size_t> in_view = expectedInView(expected, T_base_sensor);
     for (const JointAssociation& each :
          associations(points, expected.covariance, seen, log_density_of_none, knowledge_.association, most)) {
       ScanInterpretation how = combined(each, by_id, observations, near);

@@ -43,6 +43,7 @@ class KidnapDetector {
   bool isLost() const;
 
  private:
+  void forget();
   void updateMisses(int observed, const std::vector<int>& missed, const Evidence& evidence);
 
   int lost_after_;

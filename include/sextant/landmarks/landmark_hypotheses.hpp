@@ -74,7 +74,8 @@ class LandmarkHypotheses {
   static std::vector<Hypothesis> withoutLost(std::vector<Hypothesis> all);
   static std::vector<Hypothesis> withoutEqual(std::vector<Hypothesis> all);
   static std::vector<Hypothesis> sorted(std::vector<Hypothesis> all);
-  static void judge(std::vector<Hypothesis>& all, const std::vector<PossiblePose>& poses);
+  static void judge(Hypothesis& hypothesis, const std::vector<PossiblePose>& poses);
+  static void boundPlaces(std::vector<Hypothesis>& all);
   void place(const std::vector<PossiblePose>& poses);
   void addPlaces(const std::vector<PossiblePose>& poses);
   std::vector<Hypothesis> likely(std::vector<Hypothesis> all) const;

@@ -1,0 +1,20 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Measures the one pose of markers, landmarks, places and odometry in a simulated building.
+
+Exit status: 0 when every bar holds, 1 when one fails, 2 when something could not be measured.
+"""
+
+import sys
+
+from command import run
+from one_pose.kidnappings import kidnapping_tables
+
+TOPICS = {
+    "kidnappings": lambda options: kidnapping_tables(options.quick),
+}
+
+
+if __name__ == "__main__":
+    sys.exit(run(TOPICS, __doc__))
