@@ -78,6 +78,7 @@ class SensorScan(NamedTuple):
     stamp: int  # nanoseconds
     observations: List["sextant.LabelledObservation"]  # in the robot frame
     T_base_sensor: np.ndarray  # (3,)
+    has_markers: bool  # whether it is of printed markers: the sensor misses no other landmark
 
 
 class RecordedLandmarks(NamedTuple):
@@ -221,7 +222,8 @@ class _Drive:
         if stamp <= 0:
             raise DamagedMessage("the stamp is zero")
         T = self._T_base_frame(frame, stamp)
-        if self._bag.types[recorded.topic] == LANDMARKS:
+        has_markers = self._bag.types[recorded.topic] == MARKERS
+        if not has_markers:
             observations = landmark_observations(message, T)
         else:
             observations = marker_observations(message, T, self._marker_params)
@@ -231,7 +233,7 @@ class _Drive:
                         f"{recorded.topic}, marker {marker.id}",
                         "it has no size, set marker_size of its detector",
                     )
-        self._messages.append(SensorScan(stamp, observations, planar_sensor_pose(T)))
+        self._messages.append(SensorScan(stamp, observations, planar_sensor_pose(T), has_markers))
 
     def _check_version(self, topic: str, message: Any) -> None:
         expected = {LANDMARKS: LandmarkObservations, MARKERS: MarkerArray}[self._bag.types[topic]]

@@ -33,6 +33,7 @@ class Scan(NamedTuple):
     covariances: np.ndarray  # (k, 2, 2)
     classes: np.ndarray  # (k,) index of the label
     T_base_sensor: np.ndarray  # (3,)
+    has_markers: bool = False  # whether the sensor detects landmarks with an id only
 
 
 class Map(NamedTuple):
@@ -175,6 +176,8 @@ class BatchAssociation:
         is_in_view = (
             (ranges < self._max_range) & (ranges > self._min_range) & (np.abs(bearings) < self._half_view)
         )
+        if scan.has_markers:
+            is_in_view &= np.isin(landmarks.classes[near], self._identified)
         detection = landmarks.detection[near]
         score = np.log(1 - detection[is_in_view]).sum()
         assigned = np.full(len(scan.positions), -1)

@@ -51,6 +51,7 @@ class _Batch:
             np.array([each.covariance[:2, :2] for each in seen]).reshape(-1, 2, 2),
             np.array([self._code[each.label] for each in scan.observations], dtype=int),
             scan.T_base_sensor,
+            scan.has_markers,
         )
 
     def solve(self, progress: Callable[[], None]) -> LandmarkResult:

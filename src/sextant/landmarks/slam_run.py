@@ -19,6 +19,7 @@ class RecordedScan:
     stamp: float  # seconds
     observations: Sequence["sextant.LabelledObservation"]  # in the robot frame
     T_base_sensor: np.ndarray  # (3,)
+    has_markers: bool = False  # whether the sensor detects printed markers only
     keys: Sequence[Optional[int]] = ()  # of the landmarks of the observations, if they were associated
 
 
@@ -122,19 +123,25 @@ class SlamRun:
         odometry[stamp] = np.asarray(T_odom_base)
 
     def observe(
-        self, stamp: int, observations: Sequence["sextant.LabelledObservation"], T_base_sensor: np.ndarray
+        self,
+        stamp: int,
+        observations: Sequence["sextant.LabelledObservation"],
+        T_base_sensor: np.ndarray,
+        has_markers: bool = False,
     ) -> "sextant.Arrival":
         """Adds one scan of a sensor in the robot frame, stamp in nanoseconds.
 
         :param T_base_sensor: (3,) x, y, heading of the sensor and its viewing direction
+        :param has_markers: whether it detects printed markers only
         """
-        arrival = self.timeline.observe(seconds_of(stamp), list(observations), T_base_sensor)
+        detects = sextant.Detects.WITH_ID if has_markers else sextant.Detects.ALL
+        arrival = self.timeline.observe(seconds_of(stamp), list(observations), T_base_sensor, detects)
         self.tally.arrivals[arrival] += 1
         if arrival == sextant.Arrival.TOO_LATE:
             moment = seconds_of(stamp) + self.params.timeline.clock_offset
             self.tally.early += moment < seconds_of(next(iter(self.segments[-1].odometry), stamp))
         if arrival not in (sextant.Arrival.DUPLICATE, sextant.Arrival.TOO_LARGE):
-            scan = RecordedScan(seconds_of(stamp), observations, np.asarray(T_base_sensor))
+            scan = RecordedScan(seconds_of(stamp), observations, np.asarray(T_base_sensor), has_markers)
             self.segments[-1].scans.append(scan)
             if arrival != sextant.Arrival.TOO_LATE:
                 self._waiting.append(scan)

@@ -95,3 +95,21 @@ def test_what_was_known_or_has_an_id_is_not_removed():
     spare = [*PLACES, [1.5, 2.0]]
     assert len(improved(association(), landmarks(spare, [*CLASSES, 2], fixed=5)).positions) == 5
     assert len(improved(association(identified=[2]), landmarks(spare, [*CLASSES, 2])).positions) == 5
+
+
+def test_scans_of_a_marker_camera_do_not_miss_other_landmarks():
+    rates = {}
+    for has_markers in (False, True):
+        batch = association()
+        nothing = np.zeros((0, 2)), np.zeros((0, 2, 2)), np.zeros(0, dtype=int)
+        empty = Scan(0, *nothing, np.zeros(3), has_markers)
+        more = [*batch._scans, *(empty._replace(pose=index) for index in range(len(POSES)))]
+        params = sextant.LandmarkSlamNodeParams()
+        params.max_range, params.field_of_view = 4.0, 1.0
+        both = BatchAssociation(more, (), params)
+        both.start(POSES)
+        _, made = both.associate(landmarks(PLACES, CLASSES))
+        rates[has_markers] = made.detection
+    _, alone = association().associate(landmarks(PLACES, CLASSES))
+    assert rates[True] == pytest.approx(alone.detection)
+    assert np.all(rates[False] < 0.7)
