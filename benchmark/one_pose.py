@@ -9,10 +9,12 @@ Exit status: 0 when every bar holds, 1 when one fails, 2 when something could no
 import sys
 
 from command import run
+from one_pose.failures import failure_tables
 from one_pose.kidnappings import kidnapping_tables
 
 TOPICS = {
     "kidnappings": lambda options: kidnapping_tables(options.quick),
+    "failures": lambda options: failure_tables(options.quick),
 }
 
 

@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Runs landmark_slam's session on a round through the simulated building, with all systems or one of them."""
 
-from typing import Iterator, List, NamedTuple, Optional, Sequence
+from functools import partial
+from typing import Callable, Iterator, List, NamedTuple, Optional, Sequence
 
 import numpy as np
 
@@ -24,6 +25,7 @@ class Look(NamedTuple):
     T_odom_base: np.ndarray  # (3,)
     pose: Optional[np.ndarray]  # (3,); None: lost
     covariance: Optional[np.ndarray]  # (3, 3) in the map frame
+    problems: Sequence[str] = ()  # that diagnostics report
 
     @property
     def error(self) -> np.ndarray:
@@ -44,30 +46,50 @@ class Look(NamedTuple):
         return float(np.sqrt(np.linalg.eigvalsh(self.covariance[:2, :2])[-1]))
 
 
-def looks(seed: int, params: RoundParams, systems: Sequence[str] = SYSTEMS) -> Iterator[Look]:
-    """The robot is lost at first; its maps are right to a few centimetres."""
-    building = Building(seed)
-    session = _session(building, systems)
+def looks(
+    seed: int,
+    params: RoundParams,
+    systems: Sequence[str] = SYSTEMS,
+    failure: Callable[[RoundStep], RoundStep] = lambda step: step,
+) -> Iterator[Look]:
+    """The robot is lost at first; its maps are right to a few centimetres.
+
+    :param failure: what is observed instead
+    """
+    building, monitor = Building(seed), sextant.SourceMonitor()
+    timeline = _timeline(building, seed, systems)
     waiting: List = []
-    for step in BuildingRound(building, params):
-        session.odometry(step.stamp, step.T_odom_base)
-        _observe(session, step, systems)
+    for step in map(failure, BuildingRound(building, params)):
         if step.places is not None and "places" in systems:
             waiting.append((step.stamp, step.places))
+        calls = [partial(timeline.odometry, step.stamp, step.T_odom_base), *_scans(timeline, step, systems)]
         while waiting and waiting[0][0] + DELAY <= step.stamp:
-            session.observe_places(*waiting.pop(0))
-        now = None if session.is_lost else session.now
+            calls.append(partial(timeline.observe_places, *waiting.pop(0)))
+        if step.is_black and "places" in systems:
+            monitor.add_unusable(step.stamp)
+        _apply(calls, timeline, monitor)
+        now = None if timeline.is_lost else timeline.now
         estimate = (now.pose, now.covariance) if now else (None, None)
-        yield Look(step.stamp, step.is_kidnapped, step.pose, step.T_odom_base, *estimate)
+        yield Look(
+            step.stamp, step.is_kidnapped, step.pose, step.T_odom_base, *estimate, monitor.problems
+        )
 
 
-def _session(building: Building, systems: Sequence[str]):
+def _apply(calls: List[Callable[[], object]], timeline, monitor) -> None:
+    for call in calls:
+        call()
+        for applied in timeline.applied:
+            monitor.add(applied)
+
+
+def _timeline(building: Building, seed: int, systems: Sequence[str]):
     """sextant.LandmarkTimeline with the parts of the map that the systems use."""
     params = sextant.LandmarkSlamNodeParams()
     params.read_only, params.start, params.places = True, "unknown", "places/hypotheses"
-    params.max_range, params.field_of_view, params.scale_sigma = 4.5, 1.0, 0.05
+    params.max_range, params.field_of_view = 4.5, 1.0
+    params.scale_sigma = params.turn_scale_sigma = 0.05
     timeline = sextant.LandmarkSession(params).timeline
-    landmarks, labels, covariance = landmark_map(building)
+    landmarks, labels, covariance = landmark_map(building, np.random.default_rng([seed, 6]))
     kinds = ["landmarks" if label.id is None else "markers" for label in labels]
     used = [k for k, kind in enumerate(kinds) if kind in systems]
     if used:
@@ -78,8 +100,12 @@ def _session(building: Building, systems: Sequence[str]):
     return timeline
 
 
-def _observe(timeline, step: RoundStep, systems: Sequence[str]) -> None:
+def _scans(timeline, step: RoundStep, systems: Sequence[str]) -> List[Callable[[], object]]:
+    """Calls that add the scans of a step."""
+    calls: List[Callable[[], object]] = []
     if step.pillars is not None and "landmarks" in systems:
-        timeline.observe(step.stamp, step.pillars, np.zeros(3))
+        calls.append(partial(timeline.observe, step.stamp, step.pillars, np.zeros(3)))
     if step.markers is not None and "markers" in systems:
-        timeline.observe(step.stamp, step.markers, np.zeros(3), sextant.Detects.WITH_ID)
+        detects = sextant.Detects.WITH_ID
+        calls.append(partial(timeline.observe, step.stamp, step.markers, np.zeros(3), detects))
+    return calls

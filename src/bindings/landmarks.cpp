@@ -13,6 +13,7 @@
 #include "sextant/landmarks/observation_2d.hpp"
 #include "sextant/landmarks/odometry_history.hpp"
 #include "sextant/landmarks/odometry_noise.hpp"
+#include "sextant/landmarks/source_monitor.hpp"
 
 namespace py = pybind11;
 using namespace py::literals;
@@ -358,8 +359,22 @@ py::class_<LandmarkTimeline> bindLandmarkTimelineState(py::module_& module) {
           "number of odometry jumps larger than any robot can drive; the robot is lost after each");
 }
 
+void bindSourceMonitor(py::module_& module) {
+  py::class_<SourceMonitor>(module, "SourceMonitor",
+                            "Compares markers, other landmarks and places with the pose of all.")
+      .def(py::init<>())
+      .def("add", &SourceMonitor::add, "applied"_a, "Adds an AppliedScan")
+      .def("add_unusable", &SourceMonitor::addUnusable, "stamp"_a,
+           "Adds an image with too little content to recognize a place; stamp in seconds")
+      .def_property_readonly("supporting", &SourceMonitor::supporting,
+                             "sources that support the pose, with their numbers of scans and images")
+      .def_property_readonly("problems", &SourceMonitor::problems,
+                             "list of sentences, one for each source that contradicts the pose or fails");
+}
+
 void bindLandmarkTimeline(py::module_& module) {
   bindLandmarkTimelineParts(module);
+  bindSourceMonitor(module);
   bindLandmarkTimelineState(module)
       .def_property_readonly(
           "is_lost", [](const LandmarkTimeline& self) { return self.slam().isLost(); },

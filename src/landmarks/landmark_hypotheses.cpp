@@ -23,7 +23,7 @@ constexpr double kMinPlace = 0.05;     // of a place that becomes a hypothesis
 constexpr double kMinUnknown = 0.1;    // share of images whose answer is wrong although it looks certain
 constexpr double kLogCarried = -8;     // of a hypothesis that contradicts all others
 constexpr double kMostAgainst = 9;     // evidence of images against a hypothesis with landmarks
-constexpr double kMoreAgainst = 0.5;   // for each metre without landmarks
+constexpr double kMoreAgainst = 1.0;   // for each metre without landmarks
 constexpr double kMeasured = 2;        // metres between two corrections by places: images nearby err alike
 constexpr double kSettledPlace = 0.5;  // probability of a place that corrects the pose
 constexpr double kSamePlace = 0.999;   // of the squared distance of a pose from its place
@@ -110,7 +110,8 @@ PlaceUse LandmarkHypotheses::observePlaces(const std::vector<PossiblePose>& pose
   addPlaces(poses);
   for (Hypothesis& each : all_) judge(each, poses);
   boundPlaces(all_);
-  all_ = likely(std::move(all_));
+  const size_t most = affordable();
+  all_ = likely(std::move(all_), most);
   const PoseEstimate2D now = poseOf(best());
   const bool is_at_one = std::any_of(poses.begin(), poses.end(), [&](const auto& each) {
     return each.probability >= kMinPlace && isAt(now, each);
@@ -130,7 +131,7 @@ void LandmarkHypotheses::place(const std::vector<PossiblePose>& poses) {
     placed.push_back({slam, std::log(each.probability), 0, false});
     placed.back().slam.setPose(each.T_map_base, each.covariance);
   }
-  all_ = likely(withoutEqual(std::move(placed)));
+  all_ = likely(withoutEqual(std::move(placed)), affordable());
 }
 
 /// Adds a hypothesis for each place at which none is.
@@ -178,9 +179,9 @@ void LandmarkHypotheses::boundPlaces(std::vector<Hypothesis>& all) {
   }
 }
 
-/// The most probable ones, sorted: at most as many as can be afforded.
-std::vector<LandmarkHypotheses::Hypothesis> LandmarkHypotheses::likely(std::vector<Hypothesis> all) const {
-  const size_t most = affordable();
+/// The most probable ones, sorted. @param most maximum number
+std::vector<LandmarkHypotheses::Hypothesis> LandmarkHypotheses::likely(std::vector<Hypothesis> all,
+                                                                       size_t most) {
   all = sorted(std::move(all));
   const auto end = std::find_if(all.begin() + 1, all.end(),
                                 [](const Hypothesis& each) { return each.weight() < kNegligible; });

@@ -108,6 +108,7 @@ LandmarkReport LandmarkSlam::observeLocalized(double stamp,
   ScanAssociation scan = groupByOutcome(how, observations, report);
   for (const size_t each : how.in_view)
     (contains(scan.observed, each) ? scan.detected : scan.missed).push_back(each);
+  compareWithMap(scan, report);
   register_.filter().update(scan.known);
   if (report.associated > 0) {
     unconfirmed_ = 0;
@@ -132,6 +133,12 @@ LandmarkReport LandmarkSlam::observeLocalized(double stamp,
     report.removed = register_.removeUnlikely();
   }
   return report;
+}
+
+void LandmarkSlam::compareWithMap(const ScanAssociation& scan, LandmarkReport& report) const {
+  const auto is_unlikely = [&](size_t each) { return register_.isUnlikelyMiss(each, scan.observed); };
+  report.missed = static_cast<int>(std::count_if(scan.missed.begin(), scan.missed.end(), is_unlikely));
+  if (params_.read_only || report.missed > 0) report.unexpected = static_cast<int>(scan.unknown.size());
 }
 
 /// The area counts as explored if an observed landmark confirms the pose.

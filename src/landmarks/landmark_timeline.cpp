@@ -116,8 +116,10 @@ void LandmarkTimeline::apply(Scan added) {
 }
 
 LandmarkTimeline::Applied LandmarkTimeline::applyTo(State& state, const Scan& scan) {
-  if (scan.places) return {scan.received_stamp, {}, state.hypotheses.observePlaces(*scan.places)};
+  if (scan.places)
+    return {scan.received_stamp, scan.detects, {}, state.hypotheses.observePlaces(*scan.places)};
   return {scan.received_stamp,
+          scan.detects,
           state.hypotheses.observe(scan.stamp, scan.observations, scan.T_base_sensor, scan.detects),
           {}};
 }

@@ -150,6 +150,7 @@ class LandmarkSlamNodelet : public nodelet::Nodelet {
       const Arrival arrival = session_->timeline().observePlaces(secondsOf(msg->header.stamp), poses);
       if (arrival == Arrival::too_late)
         throw std::invalid_argument("its image is older than ~lag: raise it, or make the places faster");
+      if (msg->status == PlaceHypotheses::UNUSABLE) report_->unusableImage(msg->header.stamp);
       publishApplied();
     } catch (const std::exception& error) {
       trouble_->report("places", places_sub_.getTopic() + " is not used: " + error.what());
@@ -208,6 +209,7 @@ class LandmarkSlamNodelet : public nodelet::Nodelet {
         "clock",
         "the stamps of odometry jumped back: odometry and observations are dropped, the map is kept");
     session_->restart();
+    report_->restarted();
     waiting_->clear();
     odometry_.reset();
     map_stamp_ = ros::Time();
@@ -264,13 +266,9 @@ class LandmarkSlamNodelet : public nodelet::Nodelet {
   void publishApplied() {
     const auto& applied = session_->timeline().applied();
     if (applied.empty() || !odometry_) return;
-    for (const auto& [stamp, report, places] : applied) {
-      if (places) {
-        report_->placesUsed(*places);
-        continue;
-      }
-      map_stamp_ = std::max(map_stamp_, ros::Time(stamp));
-      report_->applied(report, ros::Time(stamp), odometry_->header.stamp);
+    for (const LandmarkTimeline::Applied& each : applied) {
+      if (!each.places) map_stamp_ = std::max(map_stamp_, ros::Time(each.stamp));
+      report_->applied(each, odometry_->header.stamp);
     }
     publishPose();
     publishMap();

@@ -78,7 +78,7 @@ class LandmarkHypotheses {
   static void boundPlaces(std::vector<Hypothesis>& all);
   void place(const std::vector<PossiblePose>& poses);
   void addPlaces(const std::vector<PossiblePose>& poses);
-  std::vector<Hypothesis> likely(std::vector<Hypothesis> all) const;
+  static std::vector<Hypothesis> likely(std::vector<Hypothesis> all, size_t most);
   size_t affordable() const;
   std::vector<double> probabilities() const;
 

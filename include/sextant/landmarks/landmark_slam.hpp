@@ -42,6 +42,8 @@ struct LandmarkReport {
   int ambiguous = 0;    ///< observations not used: ambiguous, or an id that occurs twice in the scan
   int tentative = 0;    ///< observations of candidates; all observations while the robot is lost
   int rejected = 0;     ///< observations with an id, outside of the gate of the landmark with this id
+  int missed = 0;       ///< landmarks without an id that should have been observed, and were not
+  int unexpected = 0;   ///< observations of none, where the map is complete or landmarks are missed
   int merged = 0;       ///< landmarks merged with another one
   int removed = 0;      ///< landmarks removed
   bool lost = false;    ///< whether the robot is lost
@@ -127,6 +129,7 @@ class LandmarkSlam {
                                  LandmarkReport& report) const;
   bool canInitialize(const LabelledObservation& seen) const;
   void initialize(double stamp, const std::vector<LabelledObservation>& unknown, LandmarkReport& report);
+  void compareWithMap(const ScanAssociation& scan, LandmarkReport& report) const;
   void noteView(const ScanAssociation& scan, const Pose2& T_base_sensor);
   void countDetections(const ScanAssociation& scan);
   void detectKidnapping(const ScanAssociation& scan, const LandmarkReport& report, bool slipped);

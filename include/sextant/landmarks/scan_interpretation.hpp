@@ -28,7 +28,7 @@ struct MapKnowledge {
   const LandmarkCandidates& unused;      ///< of ambiguous observations
   const ExploredArea& explored;          ///< where unknown landmarks are improbable
   double unconfirmed;                    ///< metres and radians driven since a landmark was associated
-  Detects detects;                       ///< what the sensor of the scan detects
+  Detects detects = Detects::all;        ///< what the sensor of the scan detects
 };
 
 /// The most likely ways to explain a scan, the best first; at least one.

@@ -57,7 +57,13 @@ void LandmarkSlamReport::observations(const std::string& topic, Arrival arrival,
                         " s after odometry: synchronize the clocks, or odometry is late");
 }
 
-void LandmarkSlamReport::applied(const LandmarkReport& report, const ros::Time& stamp, const ros::Time& now) {
+void LandmarkSlamReport::applied(const LandmarkTimeline::Applied& applied, const ros::Time& now) {
+  sources_.add(applied);
+  if (applied.places) {
+    ++places_[*applied.places];
+    return;
+  }
+  const LandmarkReport& report = applied.report;
   totals_.associated += report.associated;
   totals_.initialized += report.initialized;
   totals_.ambiguous += report.ambiguous;
@@ -66,7 +72,7 @@ void LandmarkSlamReport::applied(const LandmarkReport& report, const ros::Time& 
   totals_.removed += report.removed;
   if (report.nis_dof > 0) nis_.emplace_back(report.nis, report.nis_dof);
   if (nis_.size() > kNis) nis_.pop_front();
-  latency_.published(stamp, now);
+  latency_.published(ros::Time(applied.stamp), now);
   trouble_.succeeded();
 }
 
@@ -77,6 +83,7 @@ void LandmarkSlamReport::fill(diagnostic_updater::DiagnosticStatusWrapper& statu
   const LandmarkFilter& filter = slam.filter();
   trouble_.fill(status);
   fillLevel(status, slam, odometry, observations);
+  status.add("sources that agree with the pose", sources_.supporting());
   status.add("landmarks", slam.labels().size());
   status.add("candidates", slam.candidates());
   fillTotals(status, waiting);
@@ -110,6 +117,8 @@ void LandmarkSlamReport::fillLevel(diagnostic_updater::DiagnosticStatusWrapper& 
     if (factor > kWrong * kWrong && status.level == DiagnosticStatus::OK)
       status.summaryf(DiagnosticStatus::WARN, "the noise of %s is %.1f times the stated one: %s", what,
                       std::sqrt(factor), remedy);
+  for (const std::string& problem : sources_.problems())
+    if (status.level == DiagnosticStatus::OK) status.summary(DiagnosticStatus::WARN, problem);
   if (slam.isLost())
     status.summary(DiagnosticStatus::WARN, "lost: no pose until enough landmarks of the map are observed");
   if (!no_observations.empty()) status.summary(DiagnosticStatus::WARN, no_observations);

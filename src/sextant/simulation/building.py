@@ -105,15 +105,20 @@ def observed_markers(building: Building, pose: np.ndarray, rng: np.random.Genera
     return found
 
 
-def landmark_map(building: Building, sigma: float = 0.03) -> Tuple[List, List, np.ndarray]:
-    """Landmarks and labels of pillars and markers, and their covariance with that of the robot first.
+def landmark_map(
+    building: Building, rng: np.random.Generator, sigma: float = 0.03
+) -> Tuple[List, List, np.ndarray]:
+    """A map of pillars and markers with errors: landmarks, labels, and the covariance with the robot first.
 
     :param sigma: standard deviation of each coordinate, metres and radians
     """
-    landmarks = [sextant.Landmark2D(each) for each in building.pillars]
-    labels = [sextant.LandmarkLabel(name) for name in building.classes]
+    landmarks, labels = [], []
+    for position, name in zip(building.pillars, building.classes):
+        landmarks.append(sextant.Landmark2D(position + sigma * rng.standard_normal(2)))
+        labels.append(sextant.LandmarkLabel(name))
     for marker in building.markers:
-        landmarks.append(sextant.Landmark2D(marker.pose[:2], float(marker.pose[2])))
+        *position, heading = marker.pose + sigma * rng.standard_normal(3)
+        landmarks.append(sextant.Landmark2D(position, float(heading)))
         labels.append(sextant.LandmarkLabel(FAMILY, marker.id))
     size = 3 + 2 * len(building.pillars) + 3 * len(building.markers)
     return landmarks, labels, sigma**2 * np.eye(size)

@@ -49,6 +49,7 @@ class RoundStep(NamedTuple):
     pillars: Optional[List]  # sextant.LabelledObservation; None: no image
     markers: Optional[List]  # sextant.LabelledObservation; None: no image
     places: Optional[List[Place]]  # None: no photo
+    is_black: bool = False  # whether the photo has too little content to recognize a place
 
 
 class BuildingRound:

@@ -152,7 +152,9 @@ TEST(LandmarkHypotheses, WhatTheRobotMappedAtAWrongPoseIsNotKept) {
   all.observePlaces({{{{8, 8}, 0}, kRough, 0.9}});
   for (int i = 0; i < 30; ++i)
     all.observe(0.1 * i, {seen({{20, 0}, 0}, {22, 0}), seen({{20, 0}, 0}, {22, 1})});
-  all.observePlaces({kSecondRoom});
+  EXPECT_EQ(all.best().labels().size(), 6u);
+  for (int i = 0; i < 5; ++i) all.observePlaces({{kSecondRoom.T_map_base, kRough, 0.9}});
+  EXPECT_NEAR(all.best().filter().pose().position.x(), 20.3, 1e-6);
   EXPECT_EQ(all.best().labels().size(), 4u);
 }
 
@@ -229,6 +231,15 @@ TEST(LandmarkHypotheses, PlacesCorrectThePoseAfterADriveWithoutLandmarks) {
   EXPECT_NEAR(after.covariance(0, 0), (1 - gain) * variance, 1e-4);
   EXPECT_EQ(all.observePlaces({place}), PlaceUse::agrees);  // of the same place: its error is the same
   EXPECT_NEAR(all.predictPose({}).covariance(0, 0), after.covariance(0, 0), 1e-9);
+}
+
+TEST(LandmarkHypotheses, ObservationsThatTheMapDoesNotExplainAreCounted) {
+  LandmarkHypotheses all = inFirstRoom();
+  const LandmarkReport good = all.observe(1, {seen({}, {2, 0}), seen({}, {2, 1}, kBlue)});
+  EXPECT_EQ(good.missed + good.unexpected, 0);
+  const LandmarkReport moved = all.observe(1.1, {seen({}, {3, -2}), seen({}, {3, 3}, kBlue)});
+  EXPECT_EQ(moved.missed, 2);
+  EXPECT_EQ(moved.unexpected, 2);
 }
 
 TEST(LandmarkHypotheses, ACameraOfMarkersMissesNoOtherLandmark) {

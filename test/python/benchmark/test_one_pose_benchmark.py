@@ -4,6 +4,8 @@
 
 import numpy as np
 import pytest
+from one_pose.failures import THREE_SIGMA
+from one_pose.failures import judged as judged_failure
 from one_pose.kidnappings import judged
 from one_pose.rounds import Look
 from quick_run import topics_of
@@ -59,8 +61,21 @@ def test_nees_is_over_three_from_when_the_pose_is_right():
 
 
 @pytest.mark.slow
-def test_quick_run_of_kidnappings():
-    (table,) = topics_of("one_pose.py")["kidnappings"]
+def test_quick_run():
+    topics = topics_of("one_pose.py")
+    (table,) = topics["kidnappings"]
     one, *_ = table["rows"]
     assert one["kidnappings"]["value"] == 4 and one["relocalized, %"]["value"] >= 50
     assert one["at a wrong place"]["value"] == 0
+    for row in topics["failures"][0]["rows"]:
+        assert row["within 3 sigma, %"]["value"] > 30
+
+
+def test_the_outcome_of_a_failure():
+    within, off = 10.0 + 0.1 * np.sqrt(THREE_SIGMA) * np.array([0.99, 1.01])
+    some = [look(second, (within, 0.0, 0.0)) for second in range(6)]
+    rest = [look(6, (off, 0.0, 0.0)), look(7, None), look(8, TRUE), look(9, TRUE)]
+    named = [each._replace(problems=["it is black"]) for each in rest]
+    assert judged_failure(some + rest, 1.0, "black") == (0.8, 0.1, None, False)
+    assert judged_failure(some + named, 1.0, "black") == (0.8, 0.1, 5.0, False)
+    assert judged_failure(some + named, 1.0, "white") == (0.8, 0.1, None, True)

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "sextant/landmarks/landmark_timeline.hpp"
+#include "sextant/landmarks/source_monitor.hpp"
 #include "sextant/ros/base/latency_clock.hpp"
 #include "sextant/ros/base/trouble_log.hpp"
 
@@ -31,11 +32,14 @@ class LandmarkSlamReport {
   /// Records the arrival of a scan. @param ahead of the newest odometry, seconds @param lag maximum delay,
   /// seconds
   void observations(const std::string& topic, Arrival arrival, double ahead, double lag);
-  /// Records a scan that was applied. @param stamp of the scan @param now stamp of the newest odometry
-  void applied(const LandmarkReport& report, const ros::Time& stamp, const ros::Time& now);
+  /// Records a scan or an image that was applied. @param now stamp of the newest odometry
+  void applied(const LandmarkTimeline::Applied& applied, const ros::Time& now);
 
-  /// Records what was done with the places of an image.
-  void placesUsed(PlaceUse use) { ++places_[use]; }
+  /// The stamps begin again.
+  void restarted() { sources_ = {}; }
+
+  /// Records an image with too little content to recognize a place.
+  void unusableImage(const ros::Time& stamp) { sources_.addUnusable(stamp.toSec()); }
 
   /// Fills the diagnostics. @param waiting number of waiting scans @param odometry, observations topics
   void fill(diagnostic_updater::DiagnosticStatusWrapper& status, const LandmarkHypotheses& all,
@@ -53,6 +57,7 @@ class LandmarkSlamReport {
   unsigned long too_late_ = 0, duplicate_ = 0;
   std::map<PlaceUse, unsigned long> places_;  // number of images
   LandmarkReport totals_;
+  SourceMonitor sources_;
   std::deque<std::pair<double, int>> nis_;  // with its degrees of freedom
   LatencyClock latency_;
 };

@@ -1,0 +1,109 @@
+// SPDX-FileCopyrightText: Sextant authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sextant/landmarks/source_monitor.hpp"
+
+#include <algorithm>
+
+namespace sextant {
+namespace {
+
+constexpr double kWindow = 8;    // seconds in which a source is judged
+constexpr double kSupport = 30;  // seconds in which another one must agree with the pose
+constexpr size_t kLeast = 4;     // scans or images that contradict the pose
+constexpr size_t kBlank = 10;    // scans in which nothing is observed of what should be in view
+
+enum Index { kMarkers, kLandmarks, kPlaces };
+
+struct Texts {
+  const char *name, *contradicts, *misses;
+  size_t blank;  // scans or images that show nothing, after which this is reported
+};
+
+constexpr const char* kNothing =
+    "nothing is observed where landmarks should be in view: is the camera covered, or its detector stopped?";
+
+constexpr Texts kSources[] = {
+    {"markers",
+     "markers are not where the pose has them, but other sources agree with it: check the marker map, its "
+     "frame and the pose of the camera on the robot",
+     kNothing, kBlank},
+    {"landmarks",
+     "landmarks are not where the pose has them, but other sources agree with it: were they moved? Map them "
+     "again",
+     kNothing, kBlank},
+    {"places",
+     "the recognized places contradict the pose, but other sources agree with it: is it the place map of "
+     "this building, in the frame of the other maps?",
+     "the images have too little content to recognize a place: is the camera covered, or is it dark?",
+     kLeast},
+};
+
+}  // namespace
+
+void SourceMonitor::add(const LandmarkTimeline::Applied& applied) {
+  if (!applied.places) {
+    addScan(applied);
+  } else if (*applied.places == PlaceUse::agrees) {
+    note(sources_[kPlaces], applied.stamp, Verdict::supports);
+  } else if (*applied.places == PlaceUse::contradicts) {
+    note(sources_[kPlaces], applied.stamp, Verdict::contradicts);
+  }
+}
+
+void SourceMonitor::addScan(const LandmarkTimeline::Applied& applied) {
+  const LandmarkReport& report = applied.report;
+  Source& source = sources_[applied.detects == Detects::with_id ? kMarkers : kLandmarks];
+  const bool is_elsewhere = report.rejected + report.unexpected > 0;
+  if (report.lost) return;
+  if (report.associated > 0) {
+    note(source, applied.stamp, Verdict::supports);
+  } else if (is_elsewhere) {
+    note(source, applied.stamp, Verdict::contradicts);
+  } else if (report.missed > 0) {
+    note(source, applied.stamp, Verdict::misses);
+  }
+}
+
+/// Scans and images arrive out of order by a little: the newest one decides what is old.
+void SourceMonitor::note(Source& source, double stamp, Verdict verdict) {
+  source.push_back({stamp, verdict});
+  newest_ = std::max(newest_, stamp);
+  for (Source& each : sources_)
+    each.erase(std::remove_if(each.begin(), each.end(),
+                              [&](const Event& event) { return event.stamp < newest_ - kSupport; }),
+               each.end());
+}
+
+size_t SourceMonitor::count(const Source& source, Verdict verdict) const {
+  return static_cast<size_t>(std::count_if(source.begin(), source.end(), [&](const Event& event) {
+    return event.verdict == verdict && event.stamp >= newest_ - kWindow;
+  }));
+}
+
+std::string SourceMonitor::supporting() const {
+  std::string names;
+  for (size_t i = 0; i < sources_.size(); ++i)
+    if (const size_t number = count(sources_[i], Verdict::supports))
+      names +=
+          (names.empty() ? "" : ", ") + std::string(kSources[i].name) + " (" + std::to_string(number) + ")";
+  return names.empty() ? "none" : names;
+}
+
+std::vector<std::string> SourceMonitor::problems() const {
+  std::vector<std::string> found;
+  for (size_t i = 0; i < sources_.size(); ++i) {
+    const bool is_supported = std::any_of(sources_.begin(), sources_.end(), [&](const Source& other) {
+      return &other != &sources_[i] && std::any_of(other.begin(), other.end(), [](const Event& event) {
+        return event.verdict == Verdict::supports;
+      });
+    });
+    const size_t against = count(sources_[i], Verdict::contradicts);
+    const size_t for_it = count(sources_[i], Verdict::supports);
+    if (is_supported && against >= kLeast && against > for_it) found.emplace_back(kSources[i].contradicts);
+    if (for_it + against == 0 && count(sources_[i], Verdict::misses) >= kSources[i].blank)
+      found.emplace_back(kSources[i].misses);
+  }
+  return found;
+}
+
+}  // namespace sextant
