@@ -62,5 +62,6 @@ def test_rows_of_diagnostics_are_those_of_the_report():
     section = PAGE.partition("## Diagnostics")[2].partition("\n## ")[0]
     cells = re.findall(r"^\| (`.*?) \|", section, re.M)[1:]  # the first one is composed at run time
     parts = [part.strip() for name in re.findall(r"`([^`]+)`", " ".join(cells)) for part in name.split("…")]
-    texts = report + (ROOT / "src/ros/base/trouble_log.cpp").read_text()
+    others = ("src/ros/base/trouble_log.cpp", "src/landmarks/source_monitor.cpp")
+    texts = report + "".join((ROOT / path).read_text() for path in others)
     assert len(parts) > 12 and [part for part in parts if part not in texts] == []

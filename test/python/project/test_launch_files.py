@@ -53,6 +53,7 @@ BRANCHES = {
         ["start_camera:=false", "camera:=front", "image:=front/image_raw"],
     ],
     "landmarks.launch": [["manager:=sextant_manager", "markers:=[markers]", "start_pose:=[1, 2.5, 0]"]],
+    "localization.launch": [["marker_map:=hall.yaml", "place_map:=park.txt", "landmark_map:=pillars.yaml"]],
     "landmarks_demo.launch": [["rviz:=true"]],
     "ball_task.launch": [["rviz:=true", "task:=3", "detector:=colour"]],
     "turtlebot.launch": [
