@@ -127,7 +127,6 @@ void LandmarkHypotheses::place(const std::vector<PossiblePose>& poses) {
   LandmarkSlam& slam = settled();
   std::vector<Hypothesis> placed;
   for (const PossiblePose& each : poses) {
-    if (each.probability < kMinPlace) continue;
     placed.push_back({slam, std::log(each.probability), 0, false});
     placed.back().slam.setPose(each.T_map_base, each.covariance);
   }

@@ -141,6 +141,14 @@ TEST(LandmarkHypotheses, LandmarksDecideAtWhichPlaceALostRobotIs) {
   EXPECT_LT(difference(all.best().filter().pose(), truth).norm(), 0.05);
 }
 
+TEST(LandmarkHypotheses, ManyImprobablePlacesAreTogetherAPose) {
+  LandmarkHypotheses all = lostAmongRooms();
+  std::vector<PossiblePose> many;
+  for (int i = 0; i < 30; ++i) many.push_back({{{10.0 * i, 0}, 0}, kRough, 0.03});
+  EXPECT_EQ(all.observePlaces(many), PlaceUse::relocalized);
+  EXPECT_EQ(all.size(), 8u);
+}
+
 TEST(LandmarkHypotheses, TheCovarianceCoversAllPlaces) {
   LandmarkHypotheses all = lostAmongRooms();
   all.observePlaces({kFirstRoom, kSecondRoom});
