@@ -15,6 +15,7 @@ from ros_probe import Diagnostics, Recorder, TransformRecorder, matrix, until
 STATUS = "landmark_slam: slam"
 ROUND = 12.0  # s, as in the .test file
 TOLERANCE = 0.15  # m and rad; mostly 0.01
+GAP = 0.5  # s: a busy machine drops single messages, a lost robot many in a row
 
 
 class LandmarkRoomTest(unittest.TestCase):
@@ -27,15 +28,19 @@ class LandmarkRoomTest(unittest.TestCase):
         self.assertTrue(until(lambda: max(message.header.stamp for message in truth.all()) > end, 60))
         stamps = [at for at in (each.header.stamp for each in truth.all()) if found <= at <= end]
         self.assertGreater(len(stamps), 300)
+        last = found
         for at in stamps:
-            published = filtered.at(at)
-            self.assertIsNotNone(published, f"lost {(at - found).to_sec():.1f} s after it was found")
+            message = filtered.at(at, 0.1)
+            if message is None:
+                self.assertLess((at - last).to_sec(), GAP, f"lost {(last - found).to_sec():.1f} s later")
+                continue
+            last, published = at, message
             off = planar(published.pose.pose) - planar(truth.at(at).pose.pose)
             self.assertLess(np.hypot(*off[:2]), TOLERANCE)
             self.assertLess(abs(np.sin(off[2])), TOLERANCE)
         self.assertTrue(diagnostics.reaches(STATUS, "landmarks", 8))
         self.assertEqual(diagnostics.count(STATUS, "landmarks removed"), 0)
-        T_map_base = tf.at("map", "odom", at) @ tf.at("odom", "base_link", at)
+        T_map_base = tf.at("map", "odom", last) @ tf.at("odom", "base_link", last)
         np.testing.assert_allclose(T_map_base[:2, 3], matrix(published.pose.pose)[:2, 3], atol=1e-6)
 
 
