@@ -90,6 +90,14 @@ def test_quick_run_of_the_cost_of_landmarks(tmp_path):
 
 
 @pytest.mark.slow
+def test_quick_run_of_bad_messages_and_a_large_map(tmp_path):
+    bad, long, states = tables_of("landmarks.py", "limits", tmp_path)
+    assert len(bad["rows"]) == 9  # their bars hold, or the exit status is another one
+    assert all(row["landmarks"]["value"] == 50 for row in long["rows"])
+    assert states["rows"][1]["states in the mean"]["value"] > states["rows"][0]["states in the mean"]["value"]
+
+
+@pytest.mark.slow
 def test_quick_run_of_late_observations(tmp_path):
     late, clock = tables_of("landmarks.py", "delay", tmp_path)
     at_stamp, at_arrival = (row["of no delay"]["value"] for row in late["rows"][1:])
