@@ -230,6 +230,8 @@ void bindLandmarkSlamReport(py::module_& module) {
                     "observations of candidates; all observations while the robot is lost")
       .def_readonly("rejected", &LandmarkReport::rejected,
                     "observations with an id, outside of the gate of the landmark with this id")
+      .def_readonly("excluded", &LandmarkReport::excluded,
+                    "observations not applied, as they contradict the pose and their source is wrong")
       .def_readonly("merged", &LandmarkReport::merged, "landmarks merged with another one")
       .def_readonly("removed", &LandmarkReport::removed, "landmarks removed")
       .def_readonly("lost", &LandmarkReport::lost, "whether the robot is lost")

@@ -7,6 +7,7 @@
 #include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <utility>
 
 namespace sextant {
@@ -27,6 +28,9 @@ constexpr double kMoreAgainst = 1.0;   // for each metre without landmarks
 constexpr double kMeasured = 2;        // metres between two corrections by places: images nearby err alike
 constexpr double kSettledPlace = 0.5;  // probability of a place that corrects the pose
 constexpr double kSamePlace = 0.999;   // of the squared distance of a pose from its place
+
+constexpr double kLogElsewhere = -3;  // density of what a wrong source shows, 1/m^2: it is somewhere in view
+constexpr double kLogLost = -12;      // of a hypothesis that is lost, while another one takes a source to be wrong
 
 /// Whether two hypotheses have the same landmarks, at the same places, and the same pose.
 bool areEqual(const LandmarkSlam& a, const LandmarkSlam& b) {
@@ -52,28 +56,39 @@ PoseEstimate2D poseOf(const LandmarkSlam& slam) {
   return {slam.filter().pose(), slam.filter().covariance({})};
 }
 
+/// Whether a scan supports the pose.
+bool agrees(const ScanInterpretation& how) {
+  const auto is_associated = [](const Association& each) { return each.outcome == Outcome::associated; };
+  return !how.slipped && std::any_of(how.outcomes.begin(), how.outcomes.end(), is_associated);
+}
+
+/// Whether a scan shows only what is not where the map has it.
+bool contradicts(const ScanInterpretation& how, const std::vector<LabelledObservation>& observations) {
+  if (agrees(how)) return false;
+  bool is_elsewhere = how.slipped;
+  for (size_t i = 0; i < observations.size(); ++i) {
+    const Outcome outcome = how.outcomes[i].outcome;
+    const bool is_rejected = outcome == Outcome::ambiguous && observations[i].label.id;
+    is_elsewhere = is_elsewhere || is_rejected || outcome == Outcome::unassociated;
+  }
+  return is_elsewhere;
+}
+
 }  // namespace
 
 void LandmarkHypotheses::predict(const OdometryStep& step, double duration) {
   for (Hypothesis& each : all_) {
     each.slam.predict(step, duration);
     each.unmeasured += step.distance;
+    each.faults.drive(step.distance);
   }
 }
 
 LandmarkReport LandmarkHypotheses::observe(double stamp, const std::vector<LabelledObservation>& observations,
                                            const Pose2& T_base_sensor, Detects detects) {
-  struct Child {
-    size_t parent;
-    ScanInterpretation how;
-    double log_weight;
-  };
-  const size_t most = affordable(), of_each = std::min(most, 1 + most / all_.size());
-  std::vector<Child> children;
-  for (size_t i = 0; i < all_.size(); ++i)
-    for (ScanInterpretation& how :
-         all_[i].slam.interpretations(observations, T_base_sensor, of_each, detects))
-      children.push_back({i, how, all_[i].weight() + how.log_likelihood});
+  const Scan scan{stamp, observations, T_base_sensor, detects};
+  const size_t most = affordable();
+  std::vector<Child> children = this->children(scan, most);
   std::stable_sort(children.begin(), children.end(),
                    [](const Child& a, const Child& b) { return a.log_weight > b.log_weight; });
   const double best_weight = children.front().log_weight;
@@ -87,13 +102,76 @@ LandmarkReport LandmarkHypotheses::observe(double stamp, const std::vector<Label
   for (const Child& each : children) {
     Hypothesis& parent = all_[each.parent];
     next.push_back(--left[each.parent] > 0 ? parent : std::move(parent));
-    Hypothesis& child = next.back();
-    child.log_weight = each.log_weight - best_weight - child.log_places;
-    child.report = child.slam.observe(stamp, observations, T_base_sensor, each.how);
-    if (child.report.associated > 0) child.is_confirmed = true, child.unmeasured = 0;
+    next.back().log_weight = each.log_weight - best_weight - next.back().log_places;
+    apply(scan, each, next.back());
   }
   all_ = sorted(withoutEqual(withoutLost(std::move(next))));
   return all_.front().report;
+}
+
+std::vector<LandmarkHypotheses::Child> LandmarkHypotheses::children(const Scan& scan, size_t most) {
+  std::vector<Child> found;
+  for (size_t i = 0; i < all_.size(); ++i) addChildren(scan, i, most, found);
+  weigh(scan, found);
+  return found;
+}
+
+/// Adds each interpretation of the scan, and that its source is wrong. A map that is not read-only corrects
+/// itself.
+void LandmarkHypotheses::addChildren(const Scan& scan, size_t parent, size_t most,
+                                     std::vector<Child>& found) {
+  Hypothesis& of = all_[parent];
+  const PoseSource source = sourceOf(scan.detects);
+  const bool is_excluded = of.faults.isExcluded(source);
+  const size_t of_each = is_excluded || of.is_aside ? 1 : std::min(most, 1 + most / all_.size());
+  const auto all = of.slam.interpretations(scan.observations, scan.T_base_sensor, of_each, scan.detects);
+  for (const ScanInterpretation& how : all) found.push_back({parent, how, 0, !is_excluded});
+  const bool may_be_wrong = of.slam.params().read_only && most > 1 && !is_excluded && !of.is_aside &&
+                            of.faults.mayBeWrong(source);
+  if (may_be_wrong && std::none_of(all.begin(), all.end(), agrees) &&
+      contradicts(all.front(), scan.observations))
+    found.push_back({parent, all.front(), SourceFaults::kLogWrong, false});
+}
+
+/// A source that is taken to be wrong, and a map of a lost robot, explain a scan as well as the best of the
+/// others.
+void LandmarkHypotheses::weigh(const Scan& scan, std::vector<Child>& found) const {
+  double best = -std::numeric_limits<double>::infinity();
+  for (const Child& each : found)
+    if (each.is_applied && !all_[each.parent].is_aside) best = std::max(best, each.how.log_likelihood);
+  if (std::isinf(best)) best = 0;
+  for (Child& each : found) {
+    const Hypothesis& of = all_[each.parent];
+    if (each.is_applied && !of.is_aside) {
+      each.log_weight += each.how.log_likelihood;
+    } else if (!each.is_applied && contradicts(each.how, scan.observations)) {
+      each.log_weight += std::max(best, kLogElsewhere);
+    } else {
+      each.log_weight += best;
+    }
+    each.log_weight += of.weight();
+  }
+}
+
+/// @param to a copy of the parent
+void LandmarkHypotheses::apply(const Scan& scan, const Child& child, Hypothesis& to) {
+  const PoseSource source = sourceOf(scan.detects);
+  if (child.is_applied) {
+    to.report = to.slam.observe(scan.stamp, scan.observations, scan.T_base_sensor, child.how);
+    if (to.report.associated == 0) return;
+    to.is_confirmed = true, to.unmeasured = 0;
+    if (to.report.associated > to.report.rejected + to.report.unexpected) to.faults.support(source);
+    return;
+  }
+  to.report = {};
+  to.report.keys.resize(scan.observations.size());
+  if (contradicts(child.how, scan.observations)) {
+    to.report.excluded = static_cast<int>(scan.observations.size());
+    if (to.faults.isExcluded(source)) to.log_weight += to.faults.compare(source, false);
+    to.faults.exclude(source);
+  } else if (agrees(child.how)) {
+    to.faults.compare(source, true);
+  }
 }
 
 // ---- places
@@ -108,7 +186,8 @@ PlaceUse LandmarkHypotheses::observePlaces(const std::vector<PossiblePose>& pose
   }
   const Pose2 before = best().filter().pose();
   addPlaces(poses);
-  for (Hypothesis& each : all_) judge(each, poses);
+  for (Hypothesis& each : all_)
+    if (!each.is_aside) judge(each, poses);
   boundPlaces(all_);
   const size_t most = affordable();
   all_ = likely(std::move(all_), most);
@@ -141,7 +220,9 @@ void LandmarkHypotheses::addPlaces(const std::vector<PossiblePose>& poses) {
       return isAt(poseOf(hypothesis.slam), each);
     });
     if (each.probability < kMinPlace || is_known) continue;
-    added.push_back({best(), kLogCarried, 0, false});
+    added.push_back({best(), kLogCarried - all_.front().faults.logPrior(), 0, false});
+    added.back().faults = all_.front().faults;
+    added.back().faults.forgetUnconfirmed();
     LandmarkSlam& slam = added.back().slam;
     slam.relocalize();
     slam.setPose(each.T_map_base, each.covariance);
@@ -160,6 +241,8 @@ void LandmarkHypotheses::judge(Hypothesis& hypothesis, const std::vector<Possibl
     if (!place || each.probability > place->probability) place = &each;
   }
   hypothesis.log_places += std::log(std::max(here, kMinUnknown));
+  // Without landmarks it may be at this place because of earlier images.
+  if (here >= kSettledPlace && hypothesis.is_confirmed) hypothesis.faults.support(PoseSource::places);
   if (!place || place->probability < kSettledPlace || hypothesis.unmeasured < kMeasured) return;
   hypothesis.slam.observePose({place->T_map_base, place->covariance});
   hypothesis.unmeasured = 0;
@@ -167,12 +250,11 @@ void LandmarkHypotheses::judge(Hypothesis& hypothesis, const std::vector<Possibl
 
 /// Relative to that which fits best.
 void LandmarkHypotheses::boundPlaces(std::vector<Hypothesis>& all) {
-  const auto best = std::max_element(all.begin(), all.end(), [](const Hypothesis& a, const Hypothesis& b) {
-    return a.log_places < b.log_places;
-  });
-  const double most = best->log_places;
+  double most = -std::numeric_limits<double>::infinity();
+  for (const Hypothesis& each : all)
+    if (!each.is_aside) most = std::max(most, each.log_places);
   for (Hypothesis& each : all) {
-    each.log_places -= most;
+    each.log_places = each.is_aside ? 0 : each.log_places - most;
     if (each.is_confirmed)
       each.log_places = std::max(each.log_places, -kMostAgainst - kMoreAgainst * each.unmeasured);
   }
@@ -195,11 +277,37 @@ size_t LandmarkHypotheses::affordable() const {
   return static_cast<size_t>(std::clamp(kMostNumbers / (size * size), 1.0, 1.0 * best().params().hypotheses));
 }
 
-/// A lost one explains everything by a map of its own: it is only kept if all are lost.
+/// A lost one explains everything by a map of its own: it is only kept if all are lost, or if the others take
+/// a source to be wrong which no other source has confirmed yet.
 std::vector<LandmarkHypotheses::Hypothesis> LandmarkHypotheses::withoutLost(std::vector<Hypothesis> all) {
   const auto is_lost = [](const Hypothesis& each) { return each.slam.isLost(); };
-  if (!std::all_of(all.begin(), all.end(), is_lost))
+  if (std::all_of(all.begin(), all.end(), is_lost)) {
+    for (Hypothesis& each : all) each.faults = {}, each.is_aside = false;
+    return all;
+  }
+  const auto is_certain = [&](const Hypothesis& each) {
+    return !is_lost(each) && each.faults.logPrior() == 0;
+  };
+  if (std::any_of(all.begin(), all.end(), is_certain))
     all.erase(std::remove_if(all.begin(), all.end(), is_lost), all.end());
+  return setAside(std::move(all));
+}
+
+/// Weighs those that have become lost, and those that have just been relocalized.
+std::vector<LandmarkHypotheses::Hypothesis> LandmarkHypotheses::setAside(std::vector<Hypothesis> all) {
+  double reference = -std::numeric_limits<double>::infinity();  // weight of one that excludes nothing
+  for (const Hypothesis& each : all)
+    if (!each.slam.isLost()) reference = std::max(reference, each.weight() - each.faults.logPrior());
+  for (Hypothesis& each : all) {
+    if (each.slam.isLost() == each.is_aside) continue;
+    each.is_aside = !each.is_aside;
+    if (each.is_aside) {
+      each.log_places = 0;
+      each.log_weight = reference + kLogLost;
+    } else {
+      each.log_weight += kLogCarried - kLogLost;
+    }
+  }
   return all;
 }
 
@@ -215,8 +323,9 @@ std::vector<LandmarkHypotheses::Hypothesis> LandmarkHypotheses::sorted(std::vect
 std::vector<LandmarkHypotheses::Hypothesis> LandmarkHypotheses::withoutEqual(std::vector<Hypothesis> all) {
   std::vector<Hypothesis> kept;
   for (Hypothesis& each : all) {
-    const auto equal = std::find_if(kept.begin(), kept.end(),
-                                    [&](const Hypothesis& other) { return areEqual(other.slam, each.slam); });
+    const auto equal = std::find_if(kept.begin(), kept.end(), [&](const Hypothesis& other) {
+      return other.faults == each.faults && areEqual(other.slam, each.slam);
+    });
     if (equal == kept.end()) {
       kept.push_back(std::move(each));
     } else {
@@ -231,7 +340,8 @@ std::vector<double> LandmarkHypotheses::probabilities() const {
   std::vector<double> shares;
   double sum = 0;
   for (const Hypothesis& each : all_) {
-    shares.push_back(std::exp(each.weight()));
+    const bool has_pose = !each.is_aside || best().isLost();
+    shares.push_back(has_pose ? std::exp(each.weight()) : 0);
     sum += shares.back();
   }
   for (double& each : shares) each /= sum;
@@ -255,8 +365,11 @@ PoseEstimate2D LandmarkHypotheses::predictPose(const OdometryStep& step) const {
 
 LandmarkSlam& LandmarkHypotheses::settled() {
   all_.erase(all_.begin() + 1, all_.end());
-  all_.front().log_weight = -all_.front().log_places;
-  return all_.front().slam;
+  Hypothesis& only = all_.front();
+  only.log_weight = -only.log_places;
+  only.faults = {};
+  only.is_aside = false;
+  return only.slam;
 }
 
 }  // namespace sextant

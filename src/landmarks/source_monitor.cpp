@@ -12,8 +12,6 @@ constexpr double kSupport = 30;  // seconds in which another one must agree with
 constexpr size_t kLeast = 4;     // scans or images that contradict the pose
 constexpr size_t kBlank = 10;    // scans in which nothing is observed of what should be in view
 
-enum Index { kMarkers, kLandmarks, kPlaces };
-
 struct Texts {
   const char *name, *contradicts, *misses;
   size_t blank;  // scans or images that show nothing, after which this is reported
@@ -44,16 +42,16 @@ void SourceMonitor::add(const LandmarkTimeline::Applied& applied) {
   if (!applied.places) {
     addScan(applied);
   } else if (*applied.places == PlaceUse::agrees) {
-    note(sources_[kPlaces], applied.stamp, Verdict::supports);
+    note(PoseSource::places, applied.stamp, Verdict::supports);
   } else if (*applied.places == PlaceUse::contradicts) {
-    note(sources_[kPlaces], applied.stamp, Verdict::contradicts);
+    note(PoseSource::places, applied.stamp, Verdict::contradicts);
   }
 }
 
 void SourceMonitor::addScan(const LandmarkTimeline::Applied& applied) {
   const LandmarkReport& report = applied.report;
-  Source& source = sources_[applied.detects == Detects::with_id ? kMarkers : kLandmarks];
-  const bool is_elsewhere = report.rejected + report.unexpected > 0;
+  const PoseSource source = sourceOf(applied.detects);
+  const bool is_elsewhere = report.rejected + report.unexpected + report.excluded > 0;
   if (report.lost) return;
   if (report.associated > 0) {
     note(source, applied.stamp, Verdict::supports);
@@ -65,8 +63,8 @@ void SourceMonitor::addScan(const LandmarkTimeline::Applied& applied) {
 }
 
 /// Scans and images arrive out of order by a little: the newest one decides what is old.
-void SourceMonitor::note(Source& source, double stamp, Verdict verdict) {
-  source.push_back({stamp, verdict});
+void SourceMonitor::note(PoseSource source, double stamp, Verdict verdict) {
+  sources_[static_cast<size_t>(source)].push_back({stamp, verdict});
   newest_ = std::max(newest_, stamp);
   for (Source& each : sources_)
     each.erase(std::remove_if(each.begin(), each.end(),
@@ -78,6 +76,18 @@ size_t SourceMonitor::count(const Source& source, Verdict verdict) const {
   return static_cast<size_t>(std::count_if(source.begin(), source.end(), [&](const Event& event) {
     return event.verdict == verdict && event.stamp >= newest_ - kWindow;
   }));
+}
+
+/// Most of the time, or since it supported the pose for the last time.
+bool SourceMonitor::isContradicting(const Source& source) const {
+  const size_t against = count(source, Verdict::contradicts);
+  if (against < kLeast) return false;
+  const auto supports = [](const Event& event) { return event.verdict == Verdict::supports; };
+  const auto last = std::find_if(source.rbegin(), source.rend(), supports);
+  const auto since = std::count_if(source.rbegin(), last, [&](const Event& event) {
+    return event.verdict == Verdict::contradicts && event.stamp >= newest_ - kWindow;
+  });
+  return against > count(source, Verdict::supports) || static_cast<size_t>(since) >= kLeast;
 }
 
 std::string SourceMonitor::supporting() const {
@@ -97,10 +107,9 @@ std::vector<std::string> SourceMonitor::problems() const {
         return event.verdict == Verdict::supports;
       });
     });
-    const size_t against = count(sources_[i], Verdict::contradicts);
-    const size_t for_it = count(sources_[i], Verdict::supports);
-    if (is_supported && against >= kLeast && against > for_it) found.emplace_back(kSources[i].contradicts);
-    if (for_it + against == 0 && count(sources_[i], Verdict::misses) >= kSources[i].blank)
+    if (is_supported && isContradicting(sources_[i])) found.emplace_back(kSources[i].contradicts);
+    const bool is_blank = count(sources_[i], Verdict::supports) + count(sources_[i], Verdict::contradicts) == 0;
+    if (is_blank && count(sources_[i], Verdict::misses) >= kSources[i].blank)
       found.emplace_back(kSources[i].misses);
   }
   return found;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "sextant/landmarks/landmark_slam.hpp"
+#include "sextant/landmarks/source_faults.hpp"
 
 namespace sextant {
 
@@ -28,6 +29,10 @@ enum class PlaceUse {
 /// not certain which landmarks were observed, or whether odometry slipped, one state is kept for each answer.
 /// Later scans are more likely in the right one. The number of states is bounded, in large maps more than in
 /// small ones; improbable ones are dropped, and of two that have become equal one is.
+///
+/// A source that contradicts the pose while others support it may be wrong: hypotheses that do not apply its
+/// scans are kept, too, until the others decide. A wrong source is as consistent with itself as a right one,
+/// so that its scans are no evidence against those.
 class LandmarkHypotheses {
  public:
   /// @param slam the only hypothesis; its parameter `hypotheses` bounds their number
@@ -67,11 +72,31 @@ class LandmarkHypotheses {
     double log_places = 0;     // of images, relative to that which fits best
     bool is_confirmed = true;  // whether a landmark was associated since it was at a place
     double unmeasured = 0;     // metres driven since a landmark was associated or a place corrected the pose
+    SourceFaults faults = {};
+    bool is_aside = false;  // whether it is lost, while others are not
     LandmarkReport report = {};
 
     double weight() const { return log_weight + log_places; }  // natural logarithm
   };
+  /// What becomes of a hypothesis with a scan.
+  struct Child {
+    size_t parent;
+    ScanInterpretation how;
+    double log_weight;
+    bool is_applied;  // or its source is excluded
+  };
+  struct Scan {
+    double stamp;
+    const std::vector<LabelledObservation>& observations;
+    const Pose2& T_base_sensor;
+    Detects detects;
+  };
+  std::vector<Child> children(const Scan& scan, size_t most);
+  void addChildren(const Scan& scan, size_t parent, size_t most, std::vector<Child>& found);
+  void weigh(const Scan& scan, std::vector<Child>& found) const;
+  static void apply(const Scan& scan, const Child& child, Hypothesis& to);
   static std::vector<Hypothesis> withoutLost(std::vector<Hypothesis> all);
+  static std::vector<Hypothesis> setAside(std::vector<Hypothesis> all);
   static std::vector<Hypothesis> withoutEqual(std::vector<Hypothesis> all);
   static std::vector<Hypothesis> sorted(std::vector<Hypothesis> all);
   static void judge(Hypothesis& hypothesis, const std::vector<PossiblePose>& poses);

@@ -44,6 +44,7 @@ struct LandmarkReport {
   int rejected = 0;     ///< observations with an id, outside of the gate of the landmark with this id
   int missed = 0;       ///< landmarks without an id that should have been observed, and were not
   int unexpected = 0;   ///< observations of none, where the map is complete or landmarks are missed
+  int excluded = 0;     ///< observations not applied, as they contradict the pose and their source is wrong
   int merged = 0;       ///< landmarks merged with another one
   int removed = 0;      ///< landmarks removed
   bool lost = false;    ///< whether the robot is lost

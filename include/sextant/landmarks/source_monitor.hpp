@@ -18,7 +18,7 @@ class SourceMonitor {
   /// Adds a scan or an image that was applied.
   void add(const LandmarkTimeline::Applied& applied);
   /// Adds an image with too little content to recognize a place. @param stamp seconds
-  void addUnusable(double stamp) { note(sources_[2], stamp, Verdict::misses); }
+  void addUnusable(double stamp) { note(PoseSource::places, stamp, Verdict::misses); }
 
   /// Names of the sources that support the pose, with their numbers of scans and images, e.g. "markers (25)";
   /// "none" if only odometry does.
@@ -36,11 +36,12 @@ class SourceMonitor {
   };
   using Source = std::deque<Event>;  // by arrival, without those that show nothing
   size_t count(const Source& source, Verdict verdict) const;
+  bool isContradicting(const Source& source) const;
   void addScan(const LandmarkTimeline::Applied& applied);
-  void note(Source& source, double stamp, Verdict verdict);
+  void note(PoseSource source, double stamp, Verdict verdict);
 
   double newest_ = 0;              // stamp
-  std::array<Source, 3> sources_;  // in the order of kSources
+  std::array<Source, 3> sources_;  // in the order of PoseSource
 };
 
 }  // namespace sextant

@@ -259,5 +259,90 @@ TEST(LandmarkHypotheses, ACameraOfMarkersMissesNoOtherLandmark) {
   }
 }
 
+// ---- sources that are wrong
+
+const LandmarkLabel kMarker{"tag36h11", 3};
+const Landmark2D kOfMarker{{3, -1}, 1.0};
+
+/// A robot in a room with two landmarks and a marker, whose map is complete.
+LandmarkHypotheses amongThreeSources() {
+  LandmarkSlamParams params;
+  params.sensor.field_of_view = 6;
+  params.read_only = true;
+  LandmarkSlam slam(params, {}, 1e-4 * Matrix3d::Identity());
+  slam.setMap({}, {{{2, 0}, {}}, {{2, 1}, {}}, kOfMarker}, {kRed, kBlue, kMarker},
+              1e-4 * MatrixXd::Identity(10, 10));
+  return LandmarkHypotheses(slam);
+}
+
+/// The marker as it is observed if its map is moved.
+LabelledObservation marker(const Pose2& robot, const Vector2d& moved = {0, 0}) {
+  const Landmark2D in_robot = toRobotFrame(robot, {kOfMarker.position + moved, kOfMarker.heading});
+  return {kMarker, {in_robot.position, in_robot.heading, 1e-4 * Matrix3d::Identity()}};
+}
+
+LandmarkReport observePillars(LandmarkHypotheses& all, double stamp, const Pose2& robot = {},
+                              const Vector2d& moved = {0, 0}) {
+  const Vector2d red(2, 0), blue(2, 1);
+  return all.observe(stamp, {seen(robot, red + moved), seen(robot, blue + moved, kBlue)});
+}
+
+TEST(LandmarkHypotheses, MarkersThatContradictThePoseAreExcludedUntilTheyAgree) {
+  LandmarkHypotheses all = amongThreeSources();
+  observePillars(all, 0);
+  for (int i = 0; i < 30; ++i) {
+    const LandmarkReport report =
+        all.observe(0.2 * i, {marker({}, {0, 2})}, {}, Detects::with_id);
+    EXPECT_EQ(report.associated, 0);
+    observePillars(all, 0.2 * i + 0.1);
+    EXPECT_LT(farOff(all), 0.1);
+    EXPECT_LT(all.predictPose({}).covariance(1, 1), 0.01);
+    if (i >= 10) { EXPECT_EQ(report.excluded, 1); }
+  }
+  for (int i = 0; i < 10; ++i) all.observe(7 + 0.2 * i, {marker({})}, {}, Detects::with_id);
+  EXPECT_EQ(all.observe(9, {marker({})}, {}, Detects::with_id).associated, 1);
+}
+
+TEST(LandmarkHypotheses, UntilAnotherSourceDecidesThePoseIsUncertain) {
+  LandmarkHypotheses all = amongThreeSources();
+  observePillars(all, 0);
+  all.predict({{{1, 0}, 0}, 1e-4 * Matrix3d::Identity(), 1});
+  const Pose2 carried{{1, -1.5}, 0};  // or the marker is wrong
+  for (int i = 0; i < 3; ++i) {
+    all.observe(1 + 0.2 * i, {marker(carried)}, {}, Detects::with_id);
+    const PoseEstimate2D open = all.predictPose({});
+    if (i == 0) continue;  // a single scan may be a false alarm
+    EXPECT_LT((open.pose.position - carried.position).norm(), 3 * std::sqrt(open.covariance(1, 1)));
+    EXPECT_LT((open.pose.position - Vector2d(1, 0)).norm(), 3 * std::sqrt(open.covariance(1, 1)));
+  }
+  for (int i = 0; i < 30; ++i) {
+    observePillars(all, 2 + 0.2 * i, carried);
+    all.observe(2.1 + 0.2 * i, {marker(carried)}, {}, Detects::with_id);
+  }
+  ASSERT_FALSE(all.best().isLost());
+  EXPECT_LT((all.best().filter().pose().position - carried.position).norm(), 0.1);
+}
+
+TEST(LandmarkHypotheses, LandmarksThatWereMovedAreExcluded) {
+  LandmarkHypotheses all = amongThreeSources();
+  all.observe(0, {marker({})}, {}, Detects::with_id);
+  for (int i = 0; i < 30; ++i) {
+    const LandmarkReport report = observePillars(all, 0.2 * i, {}, {1.5, -2});
+    if (i >= 10) { EXPECT_EQ(report.excluded, 2); }
+    all.observe(0.2 * i + 0.1, {marker({})}, {}, Detects::with_id);
+    EXPECT_LT(farOff(all), 0.1);
+  }
+}
+
+TEST(LandmarkHypotheses, WithoutAnotherSourceARobotThatSeesMarkersElsewhereIsLost) {
+  LandmarkHypotheses all = amongThreeSources();
+  for (int i = 0; i < 30; ++i) {
+    const LandmarkReport report = all.observe(0.2 * i, {marker({}, {0, 6})}, {}, Detects::with_id);
+    EXPECT_EQ(report.excluded, 0);
+    if (report.lost) return;
+  }
+  EXPECT_LT((all.best().filter().pose().position - Vector2d(0, -6)).norm(), 0.1);
+}
+
 }  // namespace
 }  // namespace sextant

@@ -50,6 +50,21 @@ TEST(SourceMonitor, NamesPlacesThatContradict) {
   EXPECT_NE(monitor.problems()[0].find("place map"), std::string::npos);
 }
 
+TEST(SourceMonitor, NamesASourceSoonAfterItsLastSupport) {
+  SourceMonitor monitor;
+  for (int i = 0; i < 20; ++i) {
+    monitor.add(scan(0.2 * i, Detects::all, 2));
+    monitor.add(scan(0.2 * i, Detects::with_id, 1));
+  }
+  LandmarkTimeline::Applied excluded = scan(0, Detects::with_id, 0);
+  excluded.report.excluded = 1;
+  for (int i = 0; i < 3; ++i) excluded.stamp = 4 + 0.2 * i, monitor.add(excluded);
+  EXPECT_TRUE(monitor.problems().empty());
+  excluded.stamp = 4.6, monitor.add(excluded);
+  ASSERT_EQ(monitor.problems().size(), 1u);
+  EXPECT_NE(monitor.problems()[0].find("check the marker map"), std::string::npos);
+}
+
 TEST(SourceMonitor, NamesLandmarksThatWereMoved) {
   SourceMonitor monitor;
   LandmarkTimeline::Applied moved = scan(0, Detects::all, 0, 0, 2);
