@@ -5,11 +5,11 @@
 Metres, x and y on the ground, z up. The arc length of the loop starts at 0 and grows counterclockwise.
 """
 
-from typing import List, NamedTuple, Optional, Sequence, Tuple
+from typing import List, NamedTuple, Sequence, Tuple
 
-import cv2
 import numpy as np
 
+from sextant.simulation.uprights import Upright, with_coarse
 from sextant.streets.street_conditions import CONDITIONS, StreetConditions
 from sextant.streets.street_ground import cast_light, darkened_feet, ground, rough_light
 from sextant.streets.street_light import lit, rough_ground_shadows, roughly_lit, sun_of
@@ -22,18 +22,6 @@ from sextant.streets.street_traffic import car, person, van
 
 LENGTH, WIDTH, CORNER = 120.0, 70.0, 12.0  # of the block, and radius of its corners, metres
 PARKING, VANS = 5.5, 0.5  # length of a parking space, metres; fraction of vans among the further cars
-COARSER = 4  # ratio of texel sizes of successive levels of detail
-
-
-class Upright(NamedTuple):
-    """A lit texture that stands upright on the ground between two points."""
-
-    left: np.ndarray  # (2,) left end seen from the street, metres
-    right: np.ndarray  # (2,) right end, metres
-    height: float  # metres
-    grey: np.ndarray  # uint8 (rows, columns)
-    mask: Optional[np.ndarray]  # uint8, opacity; None: opaque
-    coarse: Optional["Upright"] = None  # next level of detail
 
 
 class _Standing(NamedTuple):
@@ -129,7 +117,7 @@ class Street:
             else:
                 grey = roughly_lit(texture, left, right, self.conditions, self.seed)
             grey = np.clip(grey * self.conditions.exposure, 0, 255).astype(np.uint8)
-            uprights.append(_with_coarse(Upright(left, right, texture.height, grey, texture.mask)))
+            uprights.append(with_coarse(Upright(left, right, texture.height, grey, texture.mask)))
         return uprights
 
     def _ground_light(self, casters: Sequence[Caster]) -> np.ndarray:
@@ -140,18 +128,6 @@ class Street:
             shadows = rough_ground_shadows(self.uprights, self.conditions)
             light = rough_light(shadows, self.conditions.direct)
         return darkened_feet(light, [(each.left, each.right) for each in self._standing])
-
-
-def _with_coarse(upright: Upright) -> Upright:
-    """The upright with its coarser levels of detail."""
-    if min(upright.grey.shape) < 2 * COARSER**2:
-        return upright
-    size = tuple(side // COARSER for side in upright.grey.shape[::-1])
-    grey, mask = (
-        None if each is None else cv2.resize(each, size, interpolation=cv2.INTER_AREA)
-        for each in (upright.grey, upright.mask)
-    )
-    return upright._replace(coarse=_with_coarse(upright._replace(grey=grey, mask=mask)))
 
 
 def _loop() -> Tuple[np.ndarray, np.ndarray]:

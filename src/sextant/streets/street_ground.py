@@ -5,11 +5,12 @@
 A coarse layout is combined with a finer, repeating grain. Both are image pyramids, for distant pixels.
 """
 
-from typing import List, NamedTuple, Optional, Sequence, Tuple
+from typing import NamedTuple, Optional, Sequence, Tuple
 
 import cv2
 import numpy as np
 
+from sextant.simulation.image_pyramid import Pyramid, pyramid, sampled
 from sextant.streets.street_shadows import Caster, Sun, ground_shadow
 from sextant.streets.street_surface import SNOW, repeating_noise, rough_noise, smooth_noise
 
@@ -21,8 +22,6 @@ ROAD, KERB, PAVEMENT = 3.2, 3.35, 5.4  # distance of the outer edges to the cent
 FALLEN = {"autumn": 0.35, "bare": 0.1}  # mean cover with fallen leaves on the road
 MIDDLE = 128.0  # mean brightness of the grain
 SHADOW, FOOT = 0.55, 0.6  # fraction of directional light blocked by shadows; brightness below uprights
-
-Pyramid = List[np.ndarray]
 
 
 class Ground(NamedTuple):
@@ -45,35 +44,12 @@ class Ground(NamedTuple):
         :param footprint: (rows,) size of a pixel on the ground, metres; decreasing
         """
         at = (x - ORIGIN[0]) * LAYOUT_TEXELS, (y - ORIGIN[1]) * LAYOUT_TEXELS
-        tone, grass, cover = cv2.split(_sampled(self.layout, *at, footprint * LAYOUT_TEXELS))
+        tone, grass, cover = cv2.split(sampled(self.layout, *at, footprint * LAYOUT_TEXELS))
         at = [np.mod(each * GRAIN_TEXELS, GRAIN_SIDE) for each in (x, y)]
-        near = _sampled(self.grain, *at, footprint * GRAIN_TEXELS, cv2.BORDER_WRAP) - np.float32(MIDDLE)
+        near = sampled(self.grain, *at, footprint * GRAIN_TEXELS, cv2.BORDER_WRAP) - np.float32(MIDDLE)
         stone, blades, covering = cv2.split(near)
         bare = stone + grass / 255 * (blades - stone)
         return tone + bare + cover / 255 * (covering - bare)
-
-
-def _sampled(
-    pyramid: Pyramid, x: np.ndarray, y: np.ndarray, footprint: np.ndarray, border: int = cv2.BORDER_REPLICATE
-) -> np.ndarray:
-    """Interpolates between the two pyramid levels whose texels are closest to the pixel size."""
-    levels = np.clip(np.log2(np.maximum(footprint, 1e-6)), 0, len(pyramid) - 1.001)
-    seen = np.empty((*x.shape, 3), np.float32)
-    for level in np.unique(levels.astype(int)):
-        rows = levels.astype(int) == level
-        finer, coarser = (
-            cv2.remap(
-                pyramid[each],
-                np.float32((x[rows] + 0.5) / 2**each - 0.5),
-                np.float32((y[rows] + 0.5) / 2**each - 0.5),
-                cv2.INTER_LINEAR,
-                borderMode=border,
-            )
-            for each in (level, level + 1)
-        )
-        share = np.float32(levels[rows] - level)[:, None, None]
-        seen[rows] = finer + share * (coarser.astype(np.float32) - finer)
-    return seen
 
 
 def ground(seed: int, season: str, look: int, middle: np.ndarray, light: np.ndarray, wet: float) -> Ground:
@@ -89,8 +65,8 @@ def ground(seed: int, season: str, look: int, middle: np.ndarray, light: np.ndar
     cover = _covered(look_rng, season, tone, distance)
     tone *= cv2.blur(light, (5, 5))
     layout = cv2.merge([_bytes(each) for each in (tone, 255 * grass, 255 * cover)])
-    grain = _pyramid(_grain(rng, look_rng, season))
-    return Ground(_pyramid(layout), grain, _puddles(look_rng, wet, grass) if wet else None)
+    grain = pyramid(_grain(rng, look_rng, season))
+    return Ground(pyramid(layout), grain, _puddles(look_rng, wet, grass) if wet else None)
 
 
 def cast_light(casters: Sequence[Caster], sun: Sun, direct: float) -> np.ndarray:
@@ -215,14 +191,6 @@ def _leaves(rng: np.random.Generator, side: int) -> np.ndarray:
         at = tuple(int(each) for each in rng.uniform(0, side, 2))
         cv2.ellipse(lying, at, axes, rng.uniform(0, 180), 0, 360, float(rng.normal(28, 24)), -1)
     return lying
-
-
-def _pyramid(picture: np.ndarray) -> Pyramid:
-    levels = [picture]
-    while min(levels[-1].shape[:2]) >= 16:
-        rows, columns = levels[-1].shape[:2]
-        levels.append(cv2.resize(levels[-1], (columns // 2, rows // 2), interpolation=cv2.INTER_AREA))
-    return levels
 
 
 def _bytes(values: np.ndarray) -> np.ndarray:

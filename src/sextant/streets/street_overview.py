@@ -7,7 +7,8 @@ from typing import NamedTuple, Tuple
 import cv2
 import numpy as np
 
-from sextant.streets.street import LENGTH, WIDTH, Street, Upright
+from sextant.simulation.uprights import Upright
+from sextant.streets.street import LENGTH, WIDTH, Street
 
 MARGIN = 16.0  # around the block, metres
 DEPTH = 7.0  # of a house behind its front, metres

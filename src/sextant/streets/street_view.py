@@ -2,12 +2,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Renders camera images of a simulated street: textured planes, back to front."""
 
-from typing import NamedTuple, Optional, Tuple
+from typing import Optional, Tuple
 
 import cv2
 import numpy as np
 
-from sextant.streets.street import COARSER, Street, Upright
+from sextant.simulation.uprights import Upright, UprightView, upright_image
+from sextant.streets.street import Street
 from sextant.streets.street_camera import CAMERAS, StreetCamera, exposed
 from sextant.streets.street_conditions import StreetConditions
 from sextant.streets.street_flare import add_flare, add_sun, visible_sun
@@ -15,47 +16,15 @@ from sextant.streets.street_raindrops import add_raindrops
 from sextant.streets.street_sky import SIDE
 from sextant.streets.street_sky import TEXELS as SKY_TEXELS
 
-NEAR, FAR = 0.5, 70.0  # clipping distances, metres
+FAR = 70.0  # clipping distance, metres
 HAZE = 120.0  # distance at which uprights are fully hazed, metres
 GROUND_HAZE, MAX_HAZE = 150.0, 0.6  # the same for the ground, metres; maximum fraction of haze there
 HAZE_TONE = 170.0  # brightness
-SHARP = 1.5  # texels per pixel above which a texture is reduced
 SUN_AHEAD = 0.3  # least cosine of the azimuth of a sun that shines into the lens, from the optical axis
 WET_GROUND = 0.4  # how much darker wet ground is
 WATER = 0.02  # reflectance of water from above
 COARSE_MIRROR = 3  # pixels of the image per one of the mirror image
 SLANT = 2.5  # texels per pixel above which the ground is reduced, along the viewing direction
-
-
-class _View(NamedTuple):
-    """Camera with a horizontal optical axis; x, y and eye in metres, the rest in pixels."""
-
-    x: float
-    y: float
-    yaw: float
-    width: int
-    height: int
-    f: float
-    horizon: float  # row
-    eye: float  # height above the ground; negative: the mirror image below it
-
-    @property
-    def centre(self) -> Tuple[float, float]:
-        """Pixel of the optical axis."""
-        return (self.width - 1) / 2, self.horizon
-
-    def depth_and_right(self, points: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
-        """Depth and lateral offset of points (n, 2) on the ground, metres."""
-        offset = points - (self.x, self.y)
-        cosine, sine = np.cos(self.yaw), np.sin(self.yaw)
-        return offset @ (cosine, sine), offset @ (sine, -cosine)
-
-    def mirrored(self) -> "_View":
-        """The view of a mirror in the ground, smaller; upside down."""
-        scale = 1 / COARSE_MIRROR
-        width, height = (-(-side // COARSE_MIRROR) for side in (self.width, self.height))
-        horizon = (self.horizon + 0.5) * scale - 0.5
-        return self._replace(width=width, height=height, f=self.f * scale, horizon=horizon, eye=-self.eye)
 
 
 def street_view(
@@ -73,7 +42,7 @@ def street_view(
     """
     width, height = size
     f, horizon = camera.focal_length(width), (height - 1) / 2 + camera.horizon * height
-    view = _View(*pose, width, height, f, horizon, camera.height)
+    view = UprightView(*pose, width, height, f, horizon, camera.height)
     light = _light(street, view, camera)
     seeds = [street.seed, street.conditions.look, seed]
     light = add_raindrops(light, street.conditions.drops, np.random.default_rng([*seeds, 2]))
@@ -84,7 +53,7 @@ def street_view(
     return np.clip(image, 0, 255).astype(np.uint8)
 
 
-def _light(street: Street, view: _View, camera: StreetCamera) -> np.ndarray:
+def _light(street: Street, view: UprightView, camera: StreetCamera) -> np.ndarray:
     """Brightness, float32 (height, width), behind the lens."""
     conditions, sun = street.conditions, _sun(street, view)
     shines = conditions.cast and sun is not None
@@ -100,7 +69,7 @@ def _light(street: Street, view: _View, camera: StreetCamera) -> np.ndarray:
     return light
 
 
-def _sun(street: Street, view: _View) -> Optional[Tuple[float, float]]:
+def _sun(street: Street, view: UprightView) -> Optional[Tuple[float, float]]:
     """Pixel of the sun; None if it is behind the camera or far outside the image."""
     angle = street.conditions.sun - view.yaw
     if np.cos(angle) < SUN_AHEAD:
@@ -110,7 +79,7 @@ def _sun(street: Street, view: _View) -> Optional[Tuple[float, float]]:
     return centre_x - view.f * np.tan(angle), centre_y - view.f * tangent
 
 
-def _sky(street: Street, view: _View) -> np.ndarray:
+def _sky(street: Street, view: UprightView) -> np.ndarray:
     """Brightness, float32, of the rows above the horizon."""
     centre_x, centre_y = view.centre
     u, v = np.arange(view.width), np.arange(int(centre_y) + 1)
@@ -122,7 +91,7 @@ def _sky(street: Street, view: _View) -> np.ndarray:
     return cv2.remap(street.sky, *at, cv2.INTER_LINEAR, borderMode=cv2.BORDER_WRAP).astype(np.float32)
 
 
-def _ground(street: Street, view: _View) -> np.ndarray:
+def _ground(street: Street, view: UprightView) -> np.ndarray:
     """Brightness, float32, of the rows below the horizon."""
     centre_x, centre_y = view.centre
     u, v = np.arange(view.width), np.arange(int(centre_y) + 1, view.height)
@@ -147,9 +116,17 @@ def _reflectance(eye: float, depth: np.ndarray) -> np.ndarray:
     return WATER + (1 - WATER) * (1 - cosine) ** 5
 
 
-def _mirrored(street: Street, view: _View) -> np.ndarray:
+def _in_mirror(view: UprightView) -> UprightView:
+    """The view of a mirror in the ground, smaller; upside down."""
+    scale = 1 / COARSE_MIRROR
+    width, height = (-(-side // COARSE_MIRROR) for side in (view.width, view.height))
+    horizon = (view.horizon + 0.5) * scale - 0.5
+    return view._replace(width=width, height=height, f=view.f * scale, horizon=horizon, eye=-view.eye)
+
+
+def _mirrored(street: Street, view: UprightView) -> np.ndarray:
     """Brightness, float32, of what a mirror in the ground shows in the rows below the horizon."""
-    mirror, conditions = view.mirrored(), street.conditions
+    mirror, conditions = _in_mirror(view), street.conditions
     above = _sky(street, mirror) * min(conditions.exposure, 1.05)
     light = np.zeros((mirror.height, mirror.width), np.float32)
     light[: len(above)] = above[: mirror.height]
@@ -162,93 +139,22 @@ def _mirrored(street: Street, view: _View) -> np.ndarray:
     return cv2.remap(light, *at, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
 
 
-def _far_to_near(street: Street, view: _View):
+def _far_to_near(street: Street, view: UprightView):
     """Uprights within the clipping distances, the farthest first."""
     visible = []
     for upright in street.uprights:
         depth, _ = view.depth_and_right(np.array([upright.left, upright.right]))
-        if depth.max() > NEAR and depth.min() < FAR:
+        if depth.max() > view.near and depth.min() < FAR:
             visible.append((depth.mean(), upright))
     return [upright for _, upright in sorted(visible, key=lambda each: -each[0])]
 
 
-def _draw(image: np.ndarray, view: _View, upright: Upright, conditions: StreetConditions) -> None:
+def _draw(image: np.ndarray, view: UprightView, upright: Upright, conditions: StreetConditions) -> None:
     """Draws an upright in place."""
-    depth, right = view.depth_and_right(np.array([upright.left, upright.right]))
-    parts = _visible(depth, right, (view.width / 2 + 1) / view.f)
-    nearest = (depth[0] + np.array(parts) * (depth[1] - depth[0])).min()
-    upright, scale = _sharp_enough(upright, view.f / max(nearest, NEAR))
-    columns = upright.grey.shape[1]
-    first, last = int(parts[0] * (columns - 1)), int(np.ceil(parts[1] * (columns - 1)))
-    if last - first < 2:
+    seen = upright_image(upright, view)
+    if seen is None:
         return
-    parts = np.array([first, last]) / (columns - 1)
-    depth, right = (each[0] + parts * (each[1] - each[0]) for each in (depth, right))
-    corners = _projected(view, depth, right, upright.height)
-    box = _box(view, corners)
-    if box is None:
-        return
-    grey, mask = (_reduced(each, first, last, scale) for each in (upright.grey, upright.mask))
-    if min(grey.shape) < 2:
-        return
-    left, top, stop_x, stop_y = box
-    source = np.float32(
-        [[0, 0], [grey.shape[1] - 1, 0], [grey.shape[1] - 1, grey.shape[0] - 1], [0, grey.shape[0] - 1]]
-    )
-    H = cv2.getPerspectiveTransform(source, np.float32(corners - (left, top)))
-    size = (stop_x - left, stop_y - top)
-    warped = cv2.warpPerspective(grey, H, size, flags=cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-    opaque = cv2.warpPerspective(np.full_like(grey, 255) if mask is None else mask, H, size) / np.float32(255)
-    haze = min(1.0, depth.min() * conditions.haze / HAZE)
+    left, top, stop_x, stop_y = seen.box
+    haze = min(1.0, seen.nearest * conditions.haze / HAZE)
     part = image[top:stop_y, left:stop_x]
-    part += opaque * (warped * (1 - haze) + HAZE_TONE * conditions.exposure * haze - part)
-
-
-def _sharp_enough(upright: Upright, pixels: float) -> Tuple[Upright, float]:
-    """The coarsest level of detail that is sharp enough, and its scale in the image; pixels: per metre."""
-    width = np.linalg.norm(upright.right - upright.left)
-    while True:
-        scale = SHARP * pixels * width / upright.grey.shape[1]
-        if upright.coarse is None or scale * COARSER > 1:
-            return upright, min(1.0, scale)
-        upright = upright.coarse
-
-
-def _visible(depth: np.ndarray, right: np.ndarray, tangent: float) -> Tuple[float, float]:
-    """Clips the segment between two points to the field of view; returns the fractions of its ends.
-
-    :param tangent: of half the field of view
-    """
-    low, high = 0.0, 1.0
-    for begin, end in (depth - NEAR, tangent * depth - right, tangent * depth + right):
-        if begin < 0 and end < 0:
-            return 0.0, 0.0
-        if begin < 0:
-            low = max(low, begin / (begin - end))
-        elif end < 0:
-            high = min(high, begin / (begin - end))
-    return low, high
-
-
-def _projected(view: _View, depth: np.ndarray, right: np.ndarray, height: float) -> np.ndarray:
-    """Pixels (4, 2) of the corners: upper left, upper right, lower right, lower left."""
-    centre_x, centre_y = view.centre
-    u = centre_x + view.f * right / depth
-    top, bottom = (centre_y + view.f * (view.eye - z) / depth for z in (height, 0.0))
-    return np.array([[u[0], top[0]], [u[1], top[1]], [u[1], bottom[1]], [u[0], bottom[0]]])
-
-
-def _box(view: _View, corners: np.ndarray) -> Optional[Tuple[int, int, int, int]]:
-    """Left, top, right and bottom of the bounding box in the image; None if the box is outside."""
-    low = np.maximum(np.floor(corners.min(axis=0)), 0).astype(int)
-    high = np.minimum(np.ceil(corners.max(axis=0)), (view.width, view.height)).astype(int)
-    return (*low, *high) if np.all(high > low) else None
-
-
-def _reduced(texture: Optional[np.ndarray], first: int, last: int, scale: float) -> Optional[np.ndarray]:
-    """The visible columns of a texture, reduced by the scale."""
-    if texture is None:
-        return None
-    part = texture[:, first : last + 1]
-    size = (max(1, round(part.shape[1] * scale)), max(1, round(part.shape[0] * scale)))
-    return cv2.resize(part, size, interpolation=cv2.INTER_AREA) if scale < 1 else part
+    part += seen.opaque * (seen.grey * (1 - haze) + HAZE_TONE * conditions.exposure * haze - part)

@@ -10,7 +10,8 @@ import cv2
 import numpy as np
 import pytest
 
-from sextant.streets.street import LENGTH, WIDTH, Street, Upright
+from sextant.simulation.uprights import Upright
+from sextant.streets.street import LENGTH, WIDTH, Street
 from sextant.streets.street_camera import CAMERAS, StreetCamera
 from sextant.streets.street_conditions import CONDITIONS, StreetConditions, at_hour, sun_at
 from sextant.streets.street_view import street_view
