@@ -18,6 +18,7 @@ ROOMS = (7.0, 15.0, 25.0, 33.0)  # x of the rooms' middles, beside each corridor
 HALF_WIDTH, DOOR, HALF_ROOM, DEEP = 1.0, 0.6, 3.0, 6.0  # metres: of corridors, doors and rooms
 CLASSES = ("blue_pillar", "red_pillar", "yellow_pillar")
 FAMILY = "tag36h11"
+BEHIND_WALL = 0.01  # metres
 STEPS_OF_SIGHT = 40  # points on a line of sight that are tested
 CAMERA_RANGE, MARKER_RANGE, HALF_VIEW = 5.0, 4.0, 0.6  # metres; radians
 DETECTED = 0.9  # share of the pillars in view
@@ -31,6 +32,13 @@ class Marker(NamedTuple):
 
     id: int  # of FAMILY
     pose: np.ndarray  # (3,) x, y and the direction of its normal
+
+
+class Wall(NamedTuple):
+    """A straight wall, seen from where the robot can be."""
+
+    left: np.ndarray  # (2,) metres
+    right: np.ndarray  # (2,) metres
 
 
 class Building:
@@ -54,6 +62,29 @@ class Building:
         """Whether no wall is between a position (2,) and each point (n, 2)."""
         share = np.linspace(0.02, 0.98, STEPS_OF_SIGHT)[:, None, None]
         return self.is_inside(position + share * (points - position)).all(axis=0)
+
+    def walls(self) -> List[Wall]:
+        """The walls around everything that is inside."""
+        parts = {}
+        for x0, y0, x1, y1 in self._areas:
+            corners = np.array([(x0, y0), (x0, y1), (x1, y1), (x1, y0), (x0, y0)])
+            for left, right in zip(corners, corners[1:]):  # clockwise: the inside is to the right of each
+                for part in self._outer_parts(left, right):
+                    parts[tuple(np.round([*part.left, *part.right], 6))] = part
+        return _joined(list(parts.values()))
+
+    def _outer_parts(self, left: np.ndarray, right: np.ndarray) -> List[Wall]:
+        """The parts of the side of an area behind which is no other area, between the limits of all areas."""
+        axis = int(np.argmax(np.abs(right - left)))
+        limits = self._areas[:, axis::2].ravel()
+        low, high = sorted((left[axis], right[axis]))
+        cuts = np.unique([low, *limits[(limits > low) & (limits < high)], high])
+        cuts = cuts if right[axis] > left[axis] else cuts[::-1]
+        ends = np.where(np.arange(2) == axis, cuts[:, None], left)
+        ahead = (right - left) / np.linalg.norm(right - left)
+        behind = BEHIND_WALL * np.array([-ahead[1], ahead[0]])
+        parts = [Wall(*pair) for pair in zip(ends, ends[1:])]
+        return [part for part in parts if not self.is_inside(0.5 * (part.left + part.right) + behind)]
 
     def twin(self, pose: np.ndarray) -> np.ndarray:
         """The pose (3,) at which the building looks the same: in the other corridor, or in its room."""
@@ -122,6 +153,21 @@ def landmark_map(
         labels.append(sextant.LandmarkLabel(FAMILY, marker.id))
     size = 3 + 2 * len(building.pillars) + 3 * len(building.markers)
     return landmarks, labels, sigma**2 * np.eye(size)
+
+
+def _joined(parts: List[Wall]) -> List[Wall]:
+    """Walls of parts that continue one another."""
+
+    def place(part: Wall) -> Tuple[float, ...]:  # direction, distance of its line to the origin, start on it
+        ahead = np.sign(np.round(part.right - part.left, 6))
+        across, along = np.dot([-ahead[1], ahead[0]], part.left), np.dot(ahead, part.left)
+        return (*ahead, *np.round([across, along], 6))
+
+    walls: List[Wall] = []
+    for part in sorted(parts, key=place):
+        continues = walls and np.allclose(walls[-1].right, part.left) and place(walls[-1])[:3] == place(part)[:3]
+        walls.append(Wall(walls.pop().left, part.right) if continues else part)
+    return walls
 
 
 def _areas() -> List[Tuple[float, float, float, float]]:

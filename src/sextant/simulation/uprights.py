@@ -52,7 +52,7 @@ class UprightImage(NamedTuple):
 
     box: Tuple[int, int, int, int]  # left, top, right and bottom in the image, pixels
     grey: np.ndarray  # uint8 (rows, columns) of the box
-    opaque: np.ndarray  # float32 (rows, columns), opacity of the upright, [0, 1]
+    opaque: Optional[np.ndarray]  # float32 (rows, columns), opacity of the upright, [0, 1]; None: not computed
     nearest: float  # depth of the nearest visible part, metres
 
 
@@ -68,32 +68,46 @@ def with_coarse(upright: Upright) -> Upright:
     return upright._replace(coarse=with_coarse(upright._replace(grey=grey, mask=mask)))
 
 
-def upright_image(upright: Upright, view: UprightView) -> Optional[UprightImage]:
-    """Projects an upright; None if it is not in the image."""
+def upright_image(
+    upright: Upright, view: UprightView, columns: Optional[Tuple[int, int]] = None
+) -> Optional[UprightImage]:
+    """Projects an upright; None if it is not in the image.
+
+    :param columns: the first column to show, and the one after the last; the caller knows where the upright is
+        there, its opacity is not computed. None: all
+    """
     depth, right = view.depth_and_right(np.array([upright.left, upright.right]))
     parts = _visible(depth, right, (view.width / 2 + 1) / view.f, view.near)
     nearest = (depth[0] + np.array(parts) * (depth[1] - depth[0])).min()
     upright, scale = _sharp_enough(upright, view.f / max(nearest, view.near))
-    columns = upright.grey.shape[1]
-    first, last = int(parts[0] * (columns - 1)), int(np.ceil(parts[1] * (columns - 1)))
+    count = upright.grey.shape[1]
+    first, last = int(parts[0] * (count - 1)), int(np.ceil(parts[1] * (count - 1)))
     if last - first < 2:
         return None
-    parts = np.array([first, last]) / (columns - 1)
+    parts = np.array([first, last]) / (count - 1)
     depth, right = (each[0] + parts * (each[1] - each[0]) for each in (depth, right))
     corners = _projected(view, depth, right, upright.height)
-    box = _box(view, corners)
+    box = _box(corners, columns or (0, view.width), view.height)
     grey, mask = (_reduced(each, first, last, scale) for each in (upright.grey, upright.mask))
     if box is None or min(grey.shape) < 2:
         return None
-    left, top, stop_x, stop_y = box
-    source = np.float32(
-        [[0, 0], [grey.shape[1] - 1, 0], [grey.shape[1] - 1, grey.shape[0] - 1], [0, grey.shape[0] - 1]]
-    )
-    H = cv2.getPerspectiveTransform(source, np.float32(corners - (left, top)))
-    size = (stop_x - left, stop_y - top)
+    H, size = _to_box(grey.shape, corners, box)
     warped = cv2.warpPerspective(grey, H, size, flags=cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    if columns is not None:
+        return UprightImage(box, warped, None, depth.min())
     opaque = cv2.warpPerspective(np.full_like(grey, 255) if mask is None else mask, H, size)
     return UprightImage(box, warped, opaque / np.float32(255), depth.min())
+
+
+def _to_box(
+    shape: Tuple[int, int], corners: np.ndarray, box: Tuple[int, int, int, int]
+) -> Tuple[np.ndarray, Tuple[int, int]]:
+    """Homography from a texture of this shape to the box of its image, and width and height of the box."""
+    left, top, stop_x, stop_y = box
+    rows, columns = shape
+    source = np.float32([[0, 0], [columns - 1, 0], [columns - 1, rows - 1], [0, rows - 1]])
+    H = cv2.getPerspectiveTransform(source, np.float32(corners - (left, top)))
+    return H, (stop_x - left, stop_y - top)
 
 
 def _sharp_enough(upright: Upright, pixels: float) -> Tuple[Upright, float]:
@@ -131,10 +145,15 @@ def _projected(view: UprightView, depth: np.ndarray, right: np.ndarray, height: 
     return np.array([[u[0], top[0]], [u[1], top[1]], [u[1], bottom[1]], [u[0], bottom[0]]])
 
 
-def _box(view: UprightView, corners: np.ndarray) -> Optional[Tuple[int, int, int, int]]:
-    """Left, top, right and bottom of the bounding box in the image; None if the box is outside."""
-    low = np.maximum(np.floor(corners.min(axis=0)), 0).astype(int)
-    high = np.minimum(np.ceil(corners.max(axis=0)), (view.width, view.height)).astype(int)
+def _box(
+    corners: np.ndarray, columns: Tuple[int, int], height: int
+) -> Optional[Tuple[int, int, int, int]]:
+    """Left, top, right and bottom of the bounding box in the image; None if the box is outside.
+
+    :param columns: the first one of the image, and the one after its last
+    """
+    low = np.maximum(np.floor(corners.min(axis=0)), (columns[0], 0)).astype(int)
+    high = np.minimum(np.ceil(corners.max(axis=0)), (columns[1], height)).astype(int)
     return (*low, *high) if np.all(high > low) else None
 
 
