@@ -72,14 +72,12 @@ class BuildingRound:
             yield drive.step(number, stamp, is_kidnapped)
 
 
-class _Drive:
-    def __init__(self, of: BuildingRound):
-        self._building, self._params = of.building, of.params
-        self._rng = np.random.default_rng([of.params.seed, 4])
-        self._odom = np.zeros(3)
-        self._noise = sextant.OdometryNoiseParams()
-        self._answer_until, self._answer = 0.0, (1.0, False)
-        self._place_error = np.zeros(3)
+class RoundDriver:
+    """Drives a robot along the ways of a building, to a random neighbour of each node."""
+
+    def __init__(self, building: Building, speed: float, rng: np.random.Generator):
+        """:param speed: m/s"""
+        self._building, self._speed, self._rng = building, speed, rng
         self.carry()
 
     def carry(self) -> None:
@@ -91,6 +89,42 @@ class _Drive:
         position = (1 - share) * nodes[self._from] + share * nodes[self._to]
         ahead = nodes[self._to] - nodes[self._from]
         self.pose = np.array([*position, np.arctan2(ahead[1], ahead[0])])
+
+    def move(self, duration: float) -> np.ndarray:
+        """Towards the next node; turns before it drives.
+
+        :param duration: seconds
+        :returns: the step (3,) in the robot frame at its start, metres and radians
+        """
+        off = self._building.nodes[self._to] - self.pose[:2]
+        if np.hypot(*off) < NEAR_NODE:
+            choices = [each for each in self._building.edges[self._to] if each != self._from]
+            self._from, self._to = self._to, int(self._rng.choice(choices or [self._from]))
+            off = self._building.nodes[self._to] - self.pose[:2]
+        error = wrapped(np.arctan2(off[1], off[0]) - self.pose[2])
+        turn = float(np.clip(TURN_GAIN * error, -TURN_RATE, TURN_RATE))
+        speed = self._speed * max(0.0, np.cos(error)) ** 3
+        step = np.array([speed, 0.0, turn]) * duration
+        self.pose = composed(self.pose, step)
+        return step
+
+
+class _Drive:
+    def __init__(self, of: BuildingRound):
+        self._building, self._params = of.building, of.params
+        self._rng = np.random.default_rng([of.params.seed, 4])
+        self._odom = np.zeros(3)
+        self._noise = sextant.OdometryNoiseParams()
+        self._answer_until, self._answer = 0.0, (1.0, False)
+        self._place_error = np.zeros(3)
+        self._driver = RoundDriver(of.building, of.params.speed, self._rng)
+
+    @property
+    def pose(self) -> np.ndarray:
+        return self._driver.pose
+
+    def carry(self) -> None:
+        self._driver.carry()
 
     def step(self, number: int, stamp: float, is_kidnapped: bool) -> RoundStep:
         params = self._params
@@ -108,17 +142,7 @@ class _Drive:
         )
 
     def _move(self, duration: float) -> None:
-        """Towards the next node; turns before it drives."""
-        off = self._building.nodes[self._to] - self.pose[:2]
-        if np.hypot(*off) < NEAR_NODE:
-            choices = [each for each in self._building.edges[self._to] if each != self._from]
-            self._from, self._to = self._to, int(self._rng.choice(choices or [self._from]))
-            off = self._building.nodes[self._to] - self.pose[:2]
-        error = wrapped(np.arctan2(off[1], off[0]) - self.pose[2])
-        turn = float(np.clip(TURN_GAIN * error, -TURN_RATE, TURN_RATE))
-        speed = self._params.speed * max(0.0, np.cos(error)) ** 3
-        step = np.array([speed, 0.0, turn]) * duration
-        self.pose = composed(self.pose, step)
+        step = self._driver.move(duration)
         noise = sextant.odometry_step_noise(step, self._noise)
         error_of_step = np.sqrt(np.maximum(np.diag(noise), 0)) * self._rng.standard_normal(3)
         self._odom = composed(self._odom, self._params.scale * step + error_of_step)
