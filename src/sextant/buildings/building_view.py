@@ -7,10 +7,11 @@ from typing import NamedTuple, Tuple
 import cv2
 import numpy as np
 
+import sextant
 from sextant.buildings.building_looks import PILLAR_HEIGHT, PILLAR_RADIUS, BuildingLooks
 from sextant.buildings.building_textures import HEIGHT, PLANE_SIDE, PLANE_TEXELS
 from sextant.simulation.building import Building
-from sextant.simulation.camera import HORIZONTAL_FOV
+from sextant.simulation.camera import HORIZONTAL_FOV, camera_calibration, camera_mount
 from sextant.simulation.image_pyramid import Pyramid, sampled
 from sextant.simulation.uprights import Upright, UprightView, upright_image
 
@@ -29,12 +30,26 @@ class BuildingCamera(NamedTuple):
     above: float = 1.0  # the floor, metres
     noise: float = 4.0  # standard deviation, grey levels
 
+    def calibration(self) -> "sextant.CameraCalibration":
+        """Its calibration."""
+        return camera_calibration(self.width, self.height, self.horizontal_fov)
+
+    @property
+    def T_base_camera(self) -> np.ndarray:
+        """Mount (4, 4) on the robot, metres."""
+        return camera_mount([self.ahead, 0.0, self.above], [0.0, 0.0, 0.0])
+
+    def pose(self, pose: np.ndarray) -> np.ndarray:
+        """T_map_camera (4, 4). :param pose: (3,) of the robot in the map"""
+        x, y, yaw = pose
+        return sextant.pose_from_xyz_rpy([x, y, 0.0], [0.0, 0.0, yaw]) @ self.T_base_camera
+
     def view(self, pose: np.ndarray) -> UprightView:
         """What the camera of a robot sees. :param pose: (3,) of the robot in the map"""
         x, y, yaw = pose
-        f = 0.5 * self.width / np.tan(0.5 * self.horizontal_fov)
         x, y = x + self.ahead * np.cos(yaw), y + self.ahead * np.sin(yaw)
-        return UprightView(x, y, yaw, self.width, self.height, f, 0.5 * (self.height - 1), self.above, NEAR)
+        K = self.calibration().K
+        return UprightView(x, y, yaw, self.width, self.height, K[0, 0], K[1, 2], self.above, NEAR)
 
 
 def building_view(
