@@ -264,6 +264,13 @@ def test_the_demo_of_landmarks_sets_the_range_of_its_sensor():
     assert (params["max_range"], params["field_of_view"]) == (simulated.max_range, simulated.field_of_view)
 
 
+def test_one_pose_uses_the_recognized_places_and_is_the_only_pose():
+    config = load(ROOT / "launch/localization.launch", ["place_map:=park.txt"])
+    places, slam = (next(node for node in config.nodes if node.name == name) for name in ("place_localizer", "landmark_slam"))
+    assert resolved(places, "hypotheses") == params_of(config, "landmark_slam")["places"]
+    assert resolved(slam, "pose") == "pose" != resolved(places, "pose")
+
+
 def test_the_ball_task_knows_the_simulated_camera():
     config, camera = load(ROOT / "launch/ball_task.launch"), RgbdParams()
     for name, parameter in (("object_locator", "depth_scale"), ("ball_task", "depth_scale")):
