@@ -32,7 +32,7 @@ ROOM = str(ROOT / "config" / "room.txt")
 
 NEEDED = {"places.launch": ["map:=park.txt"], "amcl.launch": ["places:=park.txt"]}
 # Packages that Debian does not have, and one that only a Kobuki needs.
-FOREIGN = {"robot_localization", "amcl", "map_server", "topic_tools"}
+FOREIGN = {"robot_localization", "amcl", "map_server", "move_base", "topic_tools"}
 
 # Arguments that, all together, enter every <... if=...> of the shipped files.
 BRANCHES = {
@@ -48,6 +48,7 @@ BRANCHES = {
     ],
     "corridor_experiment.launch": [["ekf:=true"]],
     "demo.launch": [["rviz:=true", "mode:=nearest"], ["mode:=average"]],
+    "building_demo.launch": [["rviz:=true", "move_base:=true"], ["maps:=/maps"]],
     "calibrate.launch": [
         ["fisheye:=true", "commit:=false"],
         ["start_camera:=false", "camera:=front", "image:=front/image_raw"],
@@ -70,7 +71,7 @@ BRANCHES = {
         ["map:=" + ROOM, "rviz:=true"],
         ["exposure:=0.005", "gain:=4", "focus:=0", "white_balance:=4600"],
     ],
-    "view.launch": [["hostname:=laptop", "master:=http://robot:11311"], ["rviz:=false"]],
+    "view.launch": [["hostname:=laptop", "master:=http://robot:11311"], ["rviz:=false"], ["system:=localization"]],
 }
 RUNS = [
     (path, [*NEEDED.get(path.name, []), *args])
@@ -90,6 +91,7 @@ FILES = [
 STARTED = {"adapter_params": ["detections:=tag_detections"]}
 # What such a file cannot set, because it is of several nodes or the user has to give it.
 ARGUMENTS_ALONE = {
+    ("building_demo.launch", "simulator_params"): {"map_folder", "spacing"},
     ("demo.launch", "simulator_params"): {"map_file", "family", "marker_size"},
     ("corridor_experiment.launch", "simulator_params"): {"map_file"},
     ("places.launch", "localizer_params"): {"map_file"},
