@@ -61,6 +61,7 @@ PYTHON = {
     "ball": "base geometry objects",
     "simulation": "base geometry objects",
     "streets": "base geometry place_maps simulation",
+    "buildings": "base geometry place_maps simulation",
     "detection_scores": "base geometry images labels objects",
     "training": "base detection_scores images labels objects simulation",
     "evaluation": "base geometry localization objects ball simulation",

@@ -47,6 +47,19 @@ def test_walls_hide_what_is_behind_them():
     assert BUILDING.sees(np.array([7.0, 4.0]), targets).tolist() == [True, False, True, False]
 
 
+def test_walls_are_between_inside_and_outside():
+    """Their length: outside of the corridors without doors, two blocks between them, eight rooms with doors."""
+    walls = BUILDING.walls()
+    lengths = [np.linalg.norm(wall.right - wall.left) for wall in walls]
+    assert sum(lengths) == pytest.approx(2 * (40 - 4 * 1.2) + 2 * 14 + 2 * 54 + 8 * (2 * 6 + 2 * 5.8 - 1.2 + 2 * 0.2))
+    for wall, length in zip(walls, lengths):
+        across = (wall.right - wall.left) / length
+        front = np.array([across[1], -across[0]])
+        for share in (0.01, 0.5, 0.99):
+            at = (1 - share) * wall.left + share * wall.right
+            assert BUILDING.is_inside(at + 0.02 * front) and not BUILDING.is_inside(at - 0.02 * front)
+
+
 def test_the_twin_of_a_pose_looks_the_same():
     rng = np.random.default_rng(0)
     for node in BUILDING.nodes:

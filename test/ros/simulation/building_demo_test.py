@@ -1,0 +1,83 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+import shutil
+import signal
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+import numpy as np
+import rospy
+import rostest
+from geometry_msgs.msg import PoseWithCovarianceStamped
+from landmark_robot import planar
+from nav_msgs.msg import Odometry
+from ros_probe import Recorder, until
+from sensor_msgs.msg import Image
+from std_srvs.srv import Trigger
+
+from sextant.msg import MarkerArray, PlaceHypotheses
+
+PATIENCE = 240.0  # s of the wall's clock, on a busy machine
+ARGS = {"spacing": 3.0, "seed": 1}
+NEAR, DEVIATION = 1.0, 1.0  # m: error of the pose, and standard deviation that it states
+STEADY = 40  # poses
+# Debian 11: roslaunch calls a method that its Python does not have, when everything has ended.
+OF_ROSLAUNCH = """Traceback (most recent call last):
+  File "/usr/lib/python3/dist-packages/roslaunch/pmon.py", """
+
+
+class BuildingDemoTest(unittest.TestCase):
+    """The launch file as it is, with fewer photos."""
+
+    @classmethod
+    def setUpClass(cls):
+        folder = Path(tempfile.mkdtemp(prefix="a building "))
+        cls.addClassCleanup(shutil.rmtree, folder, ignore_errors=True)  # a node may still write a cache there
+        args = [f"{name}:={value}" for name, value in ARGS.items()]
+        command = ["roslaunch", "sextant", "building_demo.launch", f"folder:={folder / 'map'}", *args]
+        cls.truth, cls.poses = Recorder("ground_truth", Odometry), Recorder("pose", PoseWithCovarianceStamped)
+        cls.places = Recorder("places/hypotheses", PlaceHypotheses)
+        cls.markers = Recorder("markers", MarkerArray)
+        cls.log = folder / "log"
+        with open(cls.log, "w") as log:
+            cls.demo = subprocess.Popen(command, stdout=log, stderr=subprocess.STDOUT)
+        cls.addClassCleanup(cls.stop)
+
+    @classmethod
+    def stop(cls):
+        cls.demo.send_signal(signal.SIGINT)
+        cls.demo.wait(40)
+        log = cls.log.read_text().replace(OF_ROSLAUNCH, "")
+        assert "SIGKILL" not in log and "Traceback" not in log, log
+
+    def last(self):
+        """Errors and standard deviations of the newest poses, m."""
+        known = [(each.pose, self.truth.at(each.header.stamp, 5.0)) for each in self.poses.all()[-STEADY:]]
+        errors = [
+            np.hypot(*(planar(pose.pose) - planar(truth.pose.pose))[:2]) if truth else np.inf
+            for pose, truth in known
+        ]
+        return np.array(errors), np.array([np.sqrt(pose.covariance[0] + pose.covariance[7]) for pose, _ in known])
+
+    def is_localized(self):
+        errors, deviations = self.last()
+        return len(errors) == STEADY and errors.max() < NEAR and deviations.max() < DEVIATION
+
+    def test_the_robot_is_localized_and_relocalized_after_it_was_carried(self):
+        self.assertTrue(until(self.is_localized, PATIENCE), self.log.read_text())
+        self.assertTrue(until(self.places.all, PATIENCE), "no place was recognized")
+        self.assertTrue(until(lambda: any(each.markers for each in self.markers.all())), "no marker was detected")
+        answer = rospy.ServiceProxy("building_simulator/kidnap", Trigger)()
+        self.assertTrue(answer.success, answer.message)
+        self.assertTrue(until(lambda: self.last()[0].max() > NEAR), "it was not carried")
+        self.assertTrue(until(self.is_localized, PATIENCE), self.last())
+        for topic in ("markers/image", "places/image"):
+            self.assertGreater(rospy.wait_for_message(topic, Image, 60.0).width, 0)
+
+
+if __name__ == "__main__":
+    rospy.init_node("building_demo_test")
+    rostest.rosrun("sextant", "building_demo", BuildingDemoTest)
