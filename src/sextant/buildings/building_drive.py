@@ -19,6 +19,7 @@ from sextant.simulation.odometry import OdometryNoise, OdometryReading, WheelOdo
 
 ROBOT_RADIUS = 0.2  # metres
 CARRIED = 5.0  # metres, least distance of a kidnapping
+FIRST_IMAGE = 1_000_000  # far from the numbers of photos in maps
 DRIVE_DAY = 1  # of sextant.buildings.building_looks
 
 
@@ -79,8 +80,8 @@ class BuildingDrive:
 
     def image(self) -> np.ndarray:
         """What the camera sees after the last step, uint8 (height, width)."""
-        noise_seed = self._params.seed + self._number
-        return building_view(self._building, self._looks, self._camera, self.pose, noise_seed)
+        number = FIRST_IMAGE + self._params.seed + self._number
+        return building_view(self._building, self._looks, self._camera, self.pose, number)
 
     def carry(self) -> float:
         """Kidnaps the robot: moves it to another place without changing the odometry.

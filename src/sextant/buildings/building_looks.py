@@ -36,9 +36,13 @@ class BuildingLooks:
     """Textures of all surfaces on a day."""
 
     def __init__(self, building: Building, seed: int = 0, day: int = 0):
-        """:param seed: random seed of what hangs on the walls. :param day: 0: of the photos, 1: of the drive"""
+        """:param seed: random seed of what hangs on the walls
+        :param day: 0: of the photos, 1: of the drive
+        """
         self._building, self._seed, self._day = building, seed, day
-        self.panels: List[Upright] = [self._panel(each) for each in building.walls() for each in _panels(each)]
+        self.panels: List[Upright] = []  # of the walls
+        for wall in building.walls():
+            self.panels += [self._panel(part) for part in _panels(wall)]
         self.pillars: List[np.ndarray] = []  # uint8 (rows, columns), by class
         for number, tone in enumerate(PILLAR_TONES):
             self.pillars.append(pillar(number, GAINS[day] * tone))

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Maps of the simulated building: markers, pillars, floor plan, and photos of an earlier day with their poses.
+"""Maps of the simulated building: its markers, the floor plan, and photos of an earlier day with their poses.
 
-All have the frame FRAME, and small errors as maps of a recorded round do.
+All are in the frame FRAME. The poses of the photos have small errors, as those of a recorded round do.
 """
 
 from pathlib import Path
@@ -67,7 +67,8 @@ def write_building_map(folder: Path, building: Building, camera: BuildingCamera,
     looks, shots = BuildingLooks(building, day=PHOTO_DAY), _shots(building, spacing)
     for number, shot in enumerate(shots):
         _write(folder / shot.image, building_view(building, looks, camera, shot.pose, number))
-    posed = {shot.image: PosedPhoto(PhotoCamera(camera.calibration()), camera.pose(shot.mapped)) for shot in shots}
+    taken_by = PhotoCamera(camera.calibration())
+    posed = {shot.image: PosedPhoto(taken_by, camera.pose(shot.mapped)) for shot in shots}
     write_photo_poses(poses_path(folder / MAP), PhotoPoses(FRAME, posed))
     photos = [
         NewPhoto(shot.image, *frame.pixel(overview, *shot.mapped[:2]), frame.photo_yaw(shot.mapped[2]))
@@ -97,11 +98,13 @@ def _write_plan(folder: Path, building: Building) -> Tuple[MetricFrame, Overview
     low = np.array([0.0, LOWER - HALF_WIDTH - DEEP]) - MARGIN
     high = np.array([LENGTH, UPPER + HALF_WIDTH + DEEP]) + MARGIN
     columns, rows = np.rint((high - low) / RESOLUTION).astype(int)
-    x, y = low[0] + RESOLUTION * (np.arange(columns) + 0.5), high[1] - RESOLUTION * (np.arange(rows) + 0.5)
+    x = low[0] + RESOLUTION * (np.arange(columns) + 0.5)
+    y = high[1] - RESOLUTION * (np.arange(rows) + 0.5)
     inside = building.is_inside(np.stack(np.meshgrid(x, y), axis=-1))
     plan = np.where(inside, FREE, OCCUPIED).astype(np.uint8)
-    for column, row in np.rint((building.pillars - [low[0], high[1]]) / [RESOLUTION, -RESOLUTION]).astype(int):
-        cv2.circle(plan, (int(column), int(row)), round(PILLAR_RADIUS / RESOLUTION), OCCUPIED, -1)
+    for pillar in building.pillars:
+        column, row = np.rint((pillar - [low[0], high[1]]) / [RESOLUTION, -RESOLUTION]).astype(int).tolist()
+        cv2.circle(plan, (column, row), round(PILLAR_RADIUS / RESOLUTION), OCCUPIED, -1)
     _write(folder / PLAN, plan)
     origin = (*low.tolist(), 0.0)
     with atomic_file(folder / PLAN_FILE) as file:

@@ -44,15 +44,15 @@ def poster(wall: np.ndarray, rng: np.random.Generator, centre: float) -> None:
     sheet = np.full((rows, columns), rng.uniform(190, 245), np.float32)
     cells = rng.uniform(10, 240, rng.integers(4, 10, 2)).astype(np.float32)
     kind = cv2.INTER_NEAREST if rng.random() < 0.5 else cv2.INTER_CUBIC
-    sheet[rows // 10 : rows // 2, columns // 10 : -columns // 10] = cv2.resize(
-        cells, (columns - columns // 10 + (-columns // 10), rows // 2 - rows // 10), interpolation=kind
-    )
+    top, left = rows // 10, columns // 10
+    size = (columns - 2 * left, rows // 2 - top)
+    sheet[top : top + size[1], left : left + size[0]] = cv2.resize(cells, size, interpolation=kind)
     for _ in range(rng.integers(2, 6)):
         at = rng.integers((0, 0), (columns, rows)).tolist()
         cv2.circle(sheet, at, int(rng.integers(6, 22)), rng.uniform(10, 240), -1, cv2.LINE_AA)
     for row in range(rows * 6 // 10, rows - 8, int(rng.integers(9, 16))):
         words = "".join(rng.choice(list("aeioknrstmhlp  "), 24))
-        cv2.putText(sheet, words, (6, row), cv2.FONT_HERSHEY_SIMPLEX, rng.uniform(0.3, 0.5), 40.0, 1, cv2.LINE_AA)
+        write(sheet, words, (6, row), rng.uniform(0.3, 0.5))
     cv2.rectangle(sheet, (0, 0), (columns - 1, rows - 1), rng.uniform(20, 120), 3)
     paste(wall, np.clip(sheet, 0, 255).astype(np.uint8), centre, texels(rng.uniform(0.8, 1.0)))
 
@@ -63,8 +63,7 @@ def door(wall: np.ndarray, rng: np.random.Generator, centre: float) -> None:
     cv2.rectangle(leaf, (0, 0), (leaf.shape[1] - 1, leaf.shape[0] - 1), 60, 8)
     cv2.circle(leaf, (texels(0.86), texels(1.0)), 6, 225, -1, cv2.LINE_AA)
     cv2.rectangle(leaf, (texels(0.35), texels(0.3)), (texels(0.61), texels(0.4)), 220, -1)
-    number = str(rng.integers(100, 400))
-    cv2.putText(leaf, number, (texels(0.37), texels(0.385)), cv2.FONT_HERSHEY_SIMPLEX, 0.5, 20, 2, cv2.LINE_AA)
+    write(leaf, str(rng.integers(100, 400)), (texels(0.37), texels(0.385)), 0.5)
     paste(wall, leaf, centre, wall.shape[0] - leaf.shape[0])
 
 
@@ -75,7 +74,8 @@ def board(wall: np.ndarray, rng: np.random.Generator, centre: float) -> None:
         paper = np.full((texels(0.26), texels(0.19)), int(rng.integers(180, 250)), np.uint8)
         for row in range(6, paper.shape[0] - 4, int(rng.integers(4, 8))):
             paper[row : row + 2, 4 : int(rng.integers(10, paper.shape[1] - 2))] = 60
-        paste(sheet, paper, rng.uniform(0.1, 0.9) * sheet.shape[1], int(rng.uniform(0.0, 0.6) * sheet.shape[0]))
+        across, down = rng.uniform((0.1, 0.0), (0.9, 0.6)) * sheet.shape[::-1]
+        paste(sheet, paper, across, int(down))
     cv2.rectangle(sheet, (0, 0), (sheet.shape[1] - 1, sheet.shape[0] - 1), 80, 6)
     paste(wall, sheet, centre, texels(0.8))
 
@@ -97,12 +97,23 @@ PAINTERS: Tuple[Painter, ...] = (poster, poster, board, shelf, door)
 
 
 def paste(wall: np.ndarray, sheet: np.ndarray, centre: float, top: int) -> None:
-    """Puts a sheet on a wall, in place; what does not fit is cut off. :param centre: column. :param top: row"""
+    """Puts a sheet on a wall, in place; what does not fit is cut off.
+
+    :param centre: column of its middle. :param top: its first row
+    """
     left = round(centre - 0.5 * sheet.shape[1])
     first, last = max(left, 0), min(left + sheet.shape[1], wall.shape[1])
     rows = min(sheet.shape[0], wall.shape[0] - top)
     if first < last:
         wall[top : top + rows, first:last] = sheet[:rows, first - left : last - left]
+
+
+def write(sheet: np.ndarray, words: str, at: Tuple[int, int], size: float) -> None:
+    """Writes dark letters, in place.
+
+    :param at: column and row of their lower left corner. :param size: scale of the font
+    """
+    cv2.putText(sheet, words, at, cv2.FONT_HERSHEY_SIMPLEX, size, 40, 1, cv2.LINE_AA)
 
 
 def print_marker(wall: np.ndarray, family: str, number: int, size: float, at: Tuple[float, float]) -> None:
@@ -117,7 +128,9 @@ def print_marker(wall: np.ndarray, family: str, number: int, size: float, at: Tu
     scale = size * TEXELS / (FINE * (end - begin))
     middle = FINE * (1 + 0.5 * (begin + end)) - 0.5  # of the marker, in the sheet
     to_wall = np.array([[scale, 0, at[0] - scale * middle], [0, scale, at[1] - scale * middle]])
-    painted, opaque = (cv2.warpAffine(each, to_wall, wall.shape[::-1]) for each in (sheet, np.ones_like(sheet)))
+    size_of_wall = wall.shape[::-1]
+    painted = cv2.warpAffine(sheet, to_wall, size_of_wall)
+    opaque = cv2.warpAffine(np.ones_like(sheet), to_wall, size_of_wall)
     wall[:] = np.rint(painted + (1 - opaque) * wall).astype(np.uint8)
 
 

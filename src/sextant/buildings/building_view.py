@@ -78,7 +78,8 @@ def visible_walls(looks: BuildingLooks, view: UprightView) -> Tuple[np.ndarray, 
     ends = np.array([(each.left, each.right) for each in looks.panels])
     depth, right = (each.reshape(-1, 2) for each in view.depth_and_right(ends.reshape(-1, 2)))
     tangent = (np.arange(view.width) - view.centre[0]) / view.f
-    nearby = np.flatnonzero((depth.max(axis=1) > view.near) & (right[:, 1] * depth[:, 0] > right[:, 0] * depth[:, 1]))
+    is_facing = right[:, 1] * depth[:, 0] > right[:, 0] * depth[:, 1]
+    nearby = np.flatnonzero(is_facing & (depth.max(axis=1) > view.near))
     begin_depth, begin_right = depth[nearby, :1], right[nearby, :1]
     along_depth, along_right = (each[nearby, 1:] - each[nearby, :1] for each in (depth, right))
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -117,12 +118,11 @@ def _draw_pillars(
     for index in np.argsort(-distances):
         if distances[index] < 2 * PILLAR_RADIUS:
             break
-        towards = (building.pillars[index] - (view.x, view.y)) / np.hypot(*building.pillars[index] - (view.x, view.y))
+        at = building.pillars[index]
+        towards = (at - (view.x, view.y)) / np.hypot(*(at - (view.x, view.y)))
         half = PILLAR_RADIUS * np.array([towards[1], -towards[0]])
-        at, texture = building.pillars[index], looks.pillar_texture(index)
-        board = Upright(at - half, at + half, PILLAR_HEIGHT, texture, None)
-        columns = depths > distances[index]
-        _draw(light, board, view, columns, np.full(view.width, distances[index]))
+        board = Upright(at - half, at + half, PILLAR_HEIGHT, looks.pillar_texture(index), None)
+        _draw(light, board, view, depths > distances[index], np.full(view.width, distances[index]))
 
 
 def _planes(looks: BuildingLooks, view: UprightView) -> np.ndarray:

@@ -158,16 +158,19 @@ def landmark_map(
 def _joined(parts: List[Wall]) -> List[Wall]:
     """Walls of parts that continue one another."""
 
-    def place(part: Wall) -> Tuple[float, ...]:  # direction, distance of its line to the origin, start on it
-        ahead = np.sign(np.round(part.right - part.left, 6))
-        across, along = np.dot([-ahead[1], ahead[0]], part.left), np.dot(ahead, part.left)
-        return (*ahead, *np.round([across, along], 6))
-
     walls: List[Wall] = []
-    for part in sorted(parts, key=place):
-        continues = walls and np.allclose(walls[-1].right, part.left) and place(walls[-1])[:3] == place(part)[:3]
+    for part in sorted(parts, key=_place):
+        continues = walls and _place(walls[-1])[:3] == _place(part)[:3]
+        continues = continues and np.allclose(walls[-1].right, part.left)
         walls.append(Wall(walls.pop().left, part.right) if continues else part)
     return walls
+
+
+def _place(part: Wall) -> Tuple[float, ...]:
+    """Direction (2) of a wall, distance of its line to the origin, and where it begins on it."""
+    ahead = np.sign(np.round(part.right - part.left, 6))
+    across, along = np.dot([-ahead[1], ahead[0]], part.left), np.dot(ahead, part.left)
+    return (*ahead, *np.round([across, along], 6))
 
 
 def _areas() -> List[Tuple[float, float, float, float]]:

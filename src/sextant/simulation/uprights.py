@@ -52,7 +52,7 @@ class UprightImage(NamedTuple):
 
     box: Tuple[int, int, int, int]  # left, top, right and bottom in the image, pixels
     grey: np.ndarray  # uint8 (rows, columns) of the box
-    opaque: Optional[np.ndarray]  # float32 (rows, columns), opacity of the upright, [0, 1]; None: not computed
+    opaque: Optional[np.ndarray]  # float32 (rows, columns), opacity, [0, 1]; None: not computed
     nearest: float  # depth of the nearest visible part, metres
 
 
@@ -73,8 +73,8 @@ def upright_image(
 ) -> Optional[UprightImage]:
     """Projects an upright; None if it is not in the image.
 
-    :param columns: the first column to show, and the one after the last; the caller knows where the upright is
-        there, its opacity is not computed. None: all
+    :param columns: the first column to show, and the one after the last; the caller knows where the upright
+        is there, its opacity is not computed. None: all
     """
     depth, right = view.depth_and_right(np.array([upright.left, upright.right]))
     parts = _visible(depth, right, (view.width / 2 + 1) / view.f, view.near)

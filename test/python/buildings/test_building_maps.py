@@ -37,7 +37,8 @@ def test_markers_hang_upright_and_face_their_normal():
         x, y, heading = marker.pose
         np.testing.assert_allclose(mapped.T_map_marker[:2, 3], [x, y])
         np.testing.assert_allclose(mapped.T_map_marker[:3, 1], [0.0, 0.0, 1.0], atol=1e-12)
-        np.testing.assert_allclose(mapped.T_map_marker[:3, 2], [np.cos(heading), np.sin(heading), 0.0], atol=1e-12)
+        normal = [np.cos(heading), np.sin(heading), 0.0]
+        np.testing.assert_allclose(mapped.T_map_marker[:3, 2], normal, atol=1e-12)
 
 
 def test_the_shipped_pillars_are_those_of_the_building():
@@ -81,7 +82,7 @@ def test_the_plan_is_an_occupancy_grid(folder):
     assert np.all((occupancy > table["occupied_thresh"]) | (occupancy < table["free_thresh"]))
 
     def is_free(x, y):
-        column, row = int((x - table["origin"][0]) / table["resolution"]), int((y - table["origin"][1]) / table["resolution"])
+        column, row = ((np.array([x, y]) - table["origin"][:2]) / table["resolution"]).astype(int)
         return occupancy[grey.shape[0] - 1 - row, column] < table["free_thresh"]
 
     assert all(is_free(*node) for node in BUILDING.nodes)

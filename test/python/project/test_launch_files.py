@@ -71,7 +71,11 @@ BRANCHES = {
         ["map:=" + ROOM, "rviz:=true"],
         ["exposure:=0.005", "gain:=4", "focus:=0", "white_balance:=4600"],
     ],
-    "view.launch": [["hostname:=laptop", "master:=http://robot:11311"], ["rviz:=false"], ["system:=localization"]],
+    "view.launch": [
+        ["hostname:=laptop", "master:=http://robot:11311"],
+        ["rviz:=false"],
+        ["system:=localization"],
+    ],
 }
 RUNS = [
     (path, [*NEEDED.get(path.name, []), *args])
@@ -268,7 +272,8 @@ def test_the_demo_of_landmarks_sets_the_range_of_its_sensor():
 
 def test_one_pose_uses_the_recognized_places_and_is_the_only_pose():
     config = load(ROOT / "launch/localization.launch", ["place_map:=park.txt"])
-    places, slam = (next(node for node in config.nodes if node.name == name) for name in ("place_localizer", "landmark_slam"))
+    nodes = {node.name: node for node in config.nodes}
+    places, slam = nodes["place_localizer"], nodes["landmark_slam"]
     assert resolved(places, "hypotheses") == params_of(config, "landmark_slam")["places"]
     assert resolved(slam, "pose") == "pose" != resolved(places, "pose")
 

@@ -48,10 +48,11 @@ def test_walls_hide_what_is_behind_them():
 
 
 def test_walls_are_between_inside_and_outside():
-    """Their length: outside of the corridors without doors, two blocks between them, eight rooms with doors."""
+    """Their lengths: outside of the corridors but doors, two blocks between them, eight rooms with doors."""
     walls = BUILDING.walls()
     lengths = [np.linalg.norm(wall.right - wall.left) for wall in walls]
-    assert sum(lengths) == pytest.approx(2 * (40 - 4 * 1.2) + 2 * 14 + 2 * 54 + 8 * (2 * 6 + 2 * 5.8 - 1.2 + 2 * 0.2))
+    rooms = 8 * (2 * 6 + 2 * 5.8 - 1.2 + 2 * 0.2)
+    assert sum(lengths) == pytest.approx(2 * (40 - 4 * 1.2) + 2 * 14 + 2 * 54 + rooms)
     for wall, length in zip(walls, lengths):
         across = (wall.right - wall.left) / length
         front = np.array([across[1], -across[0]])

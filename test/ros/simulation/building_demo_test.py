@@ -55,12 +55,14 @@ class BuildingDemoTest(unittest.TestCase):
 
     def last(self):
         """Errors and standard deviations of the newest poses, m."""
-        known = [(each.pose, self.truth.at(each.header.stamp, 5.0)) for each in self.poses.all()[-STEADY:]]
-        errors = [
-            np.hypot(*(planar(pose.pose) - planar(truth.pose.pose))[:2]) if truth else np.inf
-            for pose, truth in known
-        ]
-        return np.array(errors), np.array([np.sqrt(pose.covariance[0] + pose.covariance[7]) for pose, _ in known])
+        poses = self.poses.all()[-STEADY:]
+        deviations = [np.sqrt(each.pose.covariance[0] + each.pose.covariance[7]) for each in poses]
+        return np.array([self.error(each) for each in poses]), np.array(deviations)
+
+    def error(self, pose):
+        """Metres from the truth of that stamp."""
+        truth = self.truth.at(pose.header.stamp, 5.0)
+        return np.hypot(*(planar(pose.pose.pose) - planar(truth.pose.pose))[:2]) if truth else np.inf
 
     def is_localized(self):
         errors, deviations = self.last()
@@ -69,7 +71,7 @@ class BuildingDemoTest(unittest.TestCase):
     def test_the_robot_is_localized_and_relocalized_after_it_was_carried(self):
         self.assertTrue(until(self.is_localized, PATIENCE), self.log.read_text())
         self.assertTrue(until(self.places.all, PATIENCE), "no place was recognized")
-        self.assertTrue(until(lambda: any(each.markers for each in self.markers.all())), "no marker was detected")
+        self.assertTrue(until(lambda: any(each.markers for each in self.markers.all())), "no marker detected")
         answer = rospy.ServiceProxy("building_simulator/kidnap", Trigger)()
         self.assertTrue(answer.success, answer.message)
         self.assertTrue(until(lambda: self.last()[0].max() > NEAR), "it was not carried")

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Node building_simulator: a simulated robot with a camera and a sensor of pillars on a floor of a building."""
+"""Node building_simulator: a simulated robot with a camera and a sensor of pillars in a building."""
 
 import math
 from dataclasses import dataclass
@@ -40,8 +40,8 @@ class BuildingSimulatorParams(BuildingDriveParams, SimulatedRobotParams):
 
     map_folder: str = param(
         "",
-        "folder of the place map: photos of an earlier day, `map.txt` and a floor plan (`plan.yaml`, for map_server), "
-        "which are written if there is no `map.txt`; empty: none",
+        "folder of the place map: photos of an earlier day, `map.txt` and a floor plan (`plan.yaml`, for "
+        "map_server), which are written if there is no `map.txt`; empty: none",
     )
     spacing: float = param(2.0, "distance between the photos", within(0.5, 20.0), "m")
     camera_frame: str = param("camera_optical_frame", "frame of the images", not_empty)
@@ -109,7 +109,7 @@ def pillars_to_messages(pillars: List["sextant.LabelledObservation"]) -> List[La
 
 
 def main() -> None:
-    """Runs the node; exits with status 1 and the reason if a parameter is invalid or a map cannot be written."""
+    """Runs the node; exits with status 1 and the reason if a parameter or the map's folder is invalid."""
     with simulated_time("building_simulator"):
         params, building = read_params(BuildingSimulatorParams), Building()
         folder = Path(params.map_folder)
