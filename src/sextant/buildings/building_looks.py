@@ -60,11 +60,11 @@ class BuildingLooks:
         markers = [(marker, at) for marker in self._building.markers for at in _places_on(wall, marker)]
         if not markers:
             self._hang(grey, wall)
-        places = np.linspace(wall.left, wall.right, grey.shape[1])
-        grey = np.clip(grey * self._light(places), 0, 255).astype(np.uint8)
         for marker, share in markers:
             at = share * (grey.shape[1] - 1), (1 - MARKER_HEIGHT / HEIGHT) * (grey.shape[0] - 1)
             print_marker(grey, FAMILY, marker.id, MARKER_SIZE, at)
+        places = np.linspace(wall.left, wall.right, grey.shape[1])
+        grey = np.clip(grey * self._light(places), 0, 255).astype(np.uint8)
         return with_coarse(Upright(wall.left, wall.right, HEIGHT, grey, None))
 
     def _hang(self, grey: np.ndarray, wall: Wall) -> None:

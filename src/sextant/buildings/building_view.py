@@ -136,7 +136,7 @@ def _planes(looks: BuildingLooks, view: UprightView) -> np.ndarray:
 
 def _plane(levels: Pyramid, view: UprightView, rows: np.ndarray, distance: float) -> np.ndarray:
     """A horizontal plane in some rows, float32. :param distance: to the camera, along z, metres"""
-    depth = np.float32(distance * view.f / np.abs(rows - view.horizon))
+    depth = np.float32(distance * view.f / np.maximum(np.abs(rows - view.horizon), 0.25))
     right = np.outer(depth, np.float32(np.arange(view.width) - view.centre[0]) / np.float32(view.f))
     cosine, sine = np.float32(np.cos(view.yaw)), np.float32(np.sin(view.yaw))
     x = view.x + cosine * depth[:, None] + sine * right
