@@ -55,19 +55,23 @@ def choose_image_topic(bag: BagFile, name: str = "") -> Tuple[CameraTopic, List[
     :param name: empty: the topic of the only camera
     :raises BagError: it does not exist, or there are several cameras
     """
-    found = _found(bag, BagParams(), IMAGE, COMPRESSED)
     if name:
-        return _named(bag, [name], found, "images")[0], []
-    images = [
-        each for each in found if each.type != IMAGE or is_camera_image(bag.first(each.topic, whole=True))
-    ]
-    chosen, left_out = _best_of_each(images)
+        return _named(bag, [name], _found(bag, BagParams(), IMAGE, COMPRESSED), "images")[0], []
+    chosen, left_out = image_topics(bag)
     if len(chosen) != 1:
         there = listed(each.topic for each in chosen)
         what = "there are images of several cameras in it" if chosen else "there are no images in it"
         advice = f"name the topic of one: {there}" if chosen else f"its topics are: {listed(bag.types)}"
         raise bag.error(what, advice)
     return chosen[0], left_out
+
+
+def image_topics(bag: BagFile) -> Tuple[List[CameraTopic], List[str]]:
+    """One image topic of each camera, with or without camera_info, and notes on skipped topics."""
+    found = _found(bag, BagParams(), IMAGE, COMPRESSED)
+    return _best_of_each(
+        [each for each in found if each.type != IMAGE or is_camera_image(bag.first(each.topic, whole=True))]
+    )
 
 
 def _found(bag: BagFile, params: BagParams, *types: str) -> List[CameraTopic]:

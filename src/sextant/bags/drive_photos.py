@@ -58,6 +58,19 @@ class PhotoParams(StrictParams):
         return BagParams(base_frame=self.base_frame, mounts=self.mounts, every=self.every)
 
 
+class BasePath(NamedTuple):
+    """Poses of the base on drives."""
+
+    frame: str  # their frame_id
+    stamps: np.ndarray  # (n,) int64 nanoseconds, increasing
+    poses: np.ndarray  # (n, 4, 4) T_frame_base, metres
+
+    def at(self, stamps: Sequence[int]) -> Dict[int, np.ndarray]:
+        """Interpolated T_frame_base (4, 4) by stamp, where it is known."""
+        poses = interpolated_poses(self.stamps, self.poses, np.array(stamps, dtype=np.int64), MAX_GAP)
+        return {stamp: T for stamp, T in zip(stamps, poses) if T is not None}
+
+
 class DrivePhoto(NamedTuple):
     """A photo with the pose of its camera."""
 
@@ -89,9 +102,10 @@ class DrivePhotos:
     warnings: Tuple[str, ...] = ()  # notes on the reading
 
 
-def read_drive_photos(path: str, params: PhotoParams) -> DrivePhotos:
+def read_drive_photos(path: str, params: PhotoParams, base_path: Optional[BasePath] = None) -> DrivePhotos:
     """Reads a bag without a master. Of photos from almost the same pose the sharpest is selected.
 
+    :param base_path: of the base; None: by tf or the topic of the parameters
     :raises BagError: the bag, its images, its poses or the mount cannot be used, and what to do
     """
     with BagFile(path) as bag:
@@ -101,7 +115,10 @@ def read_drive_photos(path: str, params: PhotoParams) -> DrivePhotos:
         tree = read_transforms(bag)
         optical = frame_name(read.first.header.frame_id)
         mounts = find_mounts(bag, {topic.camera: optical}, params.reading(), tree)
-        frame, T_map_base, more = _base_poses(path, params, stamps)
+        if base_path:
+            frame, T_map_base, more = base_path.frame, base_path.at(stamps), []
+        else:
+            frame, T_map_base, more = _base_poses(path, params, stamps)
         poses = _camera_poses(stamps, T_map_base, mounts.by_camera[topic.camera])
         if not poses:
             raise bag.error(f"no image of {topic.topic} has a pose", "were both recorded at the same time?")
@@ -115,6 +132,30 @@ def read_drive_photos(path: str, params: PhotoParams) -> DrivePhotos:
         more = [*more, f"{len(stamps) - len(poses)} of {len(stamps)} images have no pose"]
     warnings = [*notes, *read.notes, *mounts.notes, *more, *losses, *unknown]
     return DrivePhotos(frame, _paths(stamps, poses), photos, camera, tuple(dict.fromkeys(warnings)))
+
+
+class DriveCameraView(NamedTuple):
+    """The camera of the images of a bag."""
+
+    camera: Optional[PhotoCamera]  # None: the bag has no calibration
+    mount: Mount  # T_base_camera (4, 4) at a stamp
+    warnings: Tuple[str, ...]  # notes on the reading
+
+
+def read_camera_view(path: str, params: PhotoParams) -> DriveCameraView:
+    """Calibration and mount of the camera of the images.
+
+    :raises BagError: the bag, its images or the mount cannot be used, and what to do
+    """
+    with BagFile(path) as bag:
+        topic, notes = choose_image_topic(bag, params.image)
+        first = bag.first(topic.topic, whole=True)
+        if first is None:
+            raise bag.error(f"no message on {topic.topic} can be read", "record again")
+        optical = frame_name(first.header.frame_id)
+        mounts = find_mounts(bag, {topic.camera: optical}, params.reading(), read_transforms(bag))
+        camera, unknown = _camera(bag, topic)
+    return DriveCameraView(camera, mounts.by_camera[topic.camera], (*notes, *mounts.notes, *unknown))
 
 
 def _camera_frame(message: Any, first: Any) -> str:
@@ -132,9 +173,7 @@ def _base_poses(
         known, notes = read_frame(path, params.frame, params.base_frame, stamps)
         return frame_name(params.frame), known, notes
     read = read_poses(path, params.pose)
-    at = interpolated_poses(read.stamps, read.poses, np.array(stamps, dtype=np.int64), MAX_GAP)
-    known = {stamp: T for stamp, T in zip(stamps, at) if T is not None}
-    return read.frame, known, list(read.warnings)
+    return read.frame, BasePath(read.frame, read.stamps, read.poses).at(stamps), list(read.warnings)
 
 
 def _camera_poses(

@@ -13,12 +13,13 @@ next to the map, map.html.
 import argparse
 import functools
 from pathlib import Path
-from typing import Dict, List, Optional, Sequence, Tuple
+from typing import Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
+import numpy as np
 from tqdm import tqdm
 
 import sextant
-from sextant.bags.landmark_reader import LandmarkTopics, read_landmarks, run_on_recorded
+from sextant.bags.landmark_reader import LandmarkTopics, RecordedLandmarks, read_landmarks, run_on_recorded
 from sextant.base.params_file import read_params_file
 from sextant.base.strict_params import parse_struct
 from sextant.commands.bag_options import add_job_options, pair, read_bags, read_mounts
@@ -30,6 +31,15 @@ from sextant.landmarks.landmark_findings import list_findings, verdict
 from sextant.landmarks.landmark_report import write_landmark_report
 from sextant.landmarks.slam_run import LandmarkResult, SlamRun
 from sextant.landmarks.slam_summary import summary, warnings
+
+
+class MadeLandmarks(NamedTuple):
+    """A landmark map that was made of drives."""
+
+    slam_run: SlamRun  # of the filter
+    result: LandmarkResult  # map and poses
+    notes: List[str]  # on the order of the bags
+    problems: List[str]  # of the drive and the adjustment
 
 
 def main(arguments: Optional[Sequence[str]] = None) -> int:
@@ -106,17 +116,44 @@ def _make(options: argparse.Namespace) -> Answer:
     slam_run = SlamRun(params)
     reading = functools.partial(read_landmarks, topics=_topics(options, params), paths=options.bags)
     read, notes = read_bags(reading, options.bags, options)
+    made = made_landmarks([recorded for _, recorded in read], slam_run, options.online or params.read_only)
+    lines = [*notes, *landmark_lines(made), *_written(options, made.result)]
+    return Answer([*lines, *_reported(options, made)])
+
+
+def observation_reading(options: argparse.Namespace) -> Callable[[str], RecordedLandmarks]:
+    """Reads odometry and landmarks of one bag; for read_bags().
+
+    :param options: bags, landmarks, and those of add_robot_options()
+    """
+    topics = LandmarkTopics(
+        odometry=options.odometry, landmarks=options.landmarks, base_frame=options.base_frame,
+        mounts=read_mounts(options.mounts),
+    )  # fmt: skip
+    return functools.partial(read_landmarks, topics=topics, paths=options.bags)
+
+
+def made_landmarks(
+    recorded: Sequence[RecordedLandmarks], slam_run: SlamRun, is_online: bool = False
+) -> MadeLandmarks:
+    """Runs the filter over the bags, and estimates map and poses by all observations.
+
+    :param is_online: the map and the poses are those of the filter
+    :raises ValueError: two bags overlap in time
+    """
     with _bar("filter", 100, "%") as bar:
-        notes += run_on_recorded(
-            [recorded for _, recorded in read], slam_run, lambda share: bar.update(100 * share - bar.n)
-        )
-    is_online = options.online or params.read_only
+        notes = run_on_recorded(recorded, slam_run, lambda share: bar.update(100 * share - bar.n))
     result, problems = _result(slam_run, is_online)
-    problems = [*warnings(slam_run), *problems]
-    lines = [*notes, *summary(slam_run, result), *(f"warning: {problem}" for problem in problems)]
-    if result.sightings:
-        lines += [verdict(result), *(f"- {finding}" for finding in list_findings(result))]
-    return Answer([*lines, *_written(options, result), *_reported(options, slam_run, result, problems)])
+    return MadeLandmarks(slam_run, result, notes, [*warnings(slam_run), *problems])
+
+
+def landmark_lines(made: MadeLandmarks) -> List[str]:
+    """Returns lines on the drive, the map, its problems and its findings."""
+    lines = [*made.notes, *summary(made.slam_run, made.result)]
+    lines += [f"warning: {problem}" for problem in made.problems]
+    if made.result.sightings:
+        lines += [verdict(made.result), *(f"- {finding}" for finding in list_findings(made.result))]
+    return lines
 
 
 def _bar(name: str, total: int, unit: str) -> tqdm:
@@ -158,8 +195,7 @@ def _report(options: argparse.Namespace) -> Optional[Path]:
 
 def _params(options: argparse.Namespace) -> "sextant.LandmarkSlamNodeParams":
     """:raises ValueError: as parse_struct(), or options that contradict one another"""
-    values = read_params_file(options.params) if options.params else {}
-    params = parse_struct(sextant.LandmarkSlamNodeParams, values, str(options.params), ": ")
+    params, start = landmark_params(options.params)
     params.map_file = options.start_map or ""
     params.marker_map_file = options.marker_map or params.marker_map_file
     if options.lost and not options.start_map:
@@ -167,8 +203,18 @@ def _params(options: argparse.Namespace) -> "sextant.LandmarkSlamNodeParams":
     if options.read_only and not (options.start_map or params.marker_map_file):
         raise ValueError("--read-only: specify a map by --start-map or --marker-map")
     params.read_only |= options.read_only
-    params.start = "unknown" if options.lost else values.get("start", "map")
+    params.start = "unknown" if options.lost else start or "map"
     return params
+
+
+def landmark_params(path: Optional[str]) -> Tuple["sextant.LandmarkSlamNodeParams", Optional[str]]:
+    """Reads a file of parameters of the nodelet; None: its defaults.
+
+    :returns: the parameters, and `start` if the file sets it
+    :raises OSError, ValueError: the file cannot be read, or a parameter is unknown or out of range
+    """
+    values = read_params_file(path) if path else {}
+    return parse_struct(sextant.LandmarkSlamNodeParams, values, str(path), ": "), values.get("start")
 
 
 def _topics(options: argparse.Namespace, params: "sextant.LandmarkSlamNodeParams") -> LandmarkTopics:
@@ -190,11 +236,7 @@ def _written(options: argparse.Namespace, result: LandmarkResult) -> List[str]:
         sextant.write_landmark_map(result.map, str(options.output))
         lines.append(f"{options.output}: written")
     if options.trajectory:
-        poses = {
-            stamp: sextant.pose_from_xyz_rpy([x, y, 0.0], [0.0, 0.0, heading])
-            for segment in result.segments
-            for stamp, (x, y, heading) in segment.robot.items()
-        }
+        poses = robot_poses(result)
         write_trajectory(options.trajectory, poses)
         lines.append(f"{options.trajectory}: {len(poses)} poses")
     if options.plot:
@@ -203,17 +245,33 @@ def _written(options: argparse.Namespace, result: LandmarkResult) -> List[str]:
     return lines
 
 
-def _reported(
-    options: argparse.Namespace, slam_run: SlamRun, result: LandmarkResult, problems: List[str]
-) -> List[str]:
+def robot_poses(result: LandmarkResult) -> Dict[int, np.ndarray]:
+    """Returns T_map_base (4, 4) of all drives, by stamp in nanoseconds."""
+    return {
+        stamp: sextant.pose_from_xyz_rpy([x, y, 0.0], [0.0, 0.0, heading])
+        for segment in result.segments
+        for stamp, (x, y, heading) in segment.robot.items()
+    }
+
+
+def _reported(options: argparse.Namespace, made: MadeLandmarks) -> List[str]:
     """Writes the report. :returns: a line on it; none without an adjustment"""
     path = _report(options)
-    if not (path and result.sightings):
+    if not (path and made.result.sightings):
         return []
     values: Dict[str, object] = {
         "recording": ", ".join(options.bags), "params": options.params, "start_map": options.start_map,
         "lost": options.lost, "marker_map": options.marker_map,
     }  # fmt: skip
+    return report_landmarks(made, path, values)
+
+
+def report_landmarks(made: MadeLandmarks, path: Path, values: Mapping[str, object]) -> List[str]:
+    """Writes the report of an adjusted map. :returns: a line on it
+
+    :param values: bags and options by name; empty ones are left out
+    """
     origin = {name: value for name, value in values.items() if value}
-    write_landmark_report(path, result, summary(slam_run, result), problems, origin)
+    lines = summary(made.slam_run, made.result)
+    write_landmark_report(path, made.result, lines, made.problems, origin)
     return [f"{path}: report with a plot"]

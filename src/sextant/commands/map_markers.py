@@ -12,7 +12,7 @@ It also writes a report next to the map, better.html.
 import argparse
 import functools
 from pathlib import Path
-from typing import Dict, List, Optional, Sequence
+from typing import Callable, Dict, List, NamedTuple, Optional, Sequence
 
 import numpy as np
 
@@ -33,6 +33,23 @@ from sextant.mapping.map_quality import MapQuality, map_quality
 from sextant.mapping.map_report import MapOrigin, write_map_report
 
 
+class MarkerInputs(NamedTuple):
+    """What is known of the markers before a drive."""
+
+    known: "sextant.MarkerMap"  # of --known or --refine
+    sizes: "sextant.MarkerSizes"  # of the others
+    params: "sextant.MappingParams"  # of the map maker
+
+
+class MadeMarkers(NamedTuple):
+    """A marker map that was made of drives."""
+
+    result: "sextant.MappingResult"  # the map and the path of the robot
+    recorded: RecordedInstants  # from which it was made
+    quality: MapQuality  # what the findings are of
+    origin: MapOrigin  # for the report
+
+
 def main(arguments: Optional[Sequence[str]] = None) -> int:
     """Runs the command.
 
@@ -47,15 +64,16 @@ def _parser() -> CommandParser:
     parser.add_argument("-o", "--output", type=Path, required=True, help="map to write, .yaml")
     parser.add_argument("--report", type=Path, help="report to write (default: next to the map, .html)")
     parser.add_argument("--force", action="store_true", help="overwrite existing files")
-    _add_frame(parser.add_argument_group("map frame"))
-    _add_markers(parser.add_argument_group("markers"))
+    add_frame_options(parser.add_argument_group("map frame"))
+    add_marker_options(parser.add_argument_group("markers"))
     bags = parser.add_argument_group("bags")
     for add in (add_bag_options, add_robot_options, add_job_options):
         add(bags)
     return parser
 
 
-def _add_frame(group) -> None:
+def add_frame_options(group) -> None:
+    """Adds the options of the map frame."""
     known = group.add_mutually_exclusive_group()
     known.add_argument(
         "--known", metavar="MAP", help="map of known markers, exact or with standard deviations"
@@ -75,7 +93,8 @@ def _add_frame(group) -> None:
     )  # fmt: skip
 
 
-def _add_markers(group) -> None:
+def add_marker_options(group) -> None:
+    """Adds the options of the markers and the noise of their corners."""
     group.add_argument(
         "--families", nargs="+", help="families to detect in images (default: those of the known map)"
     )
@@ -101,18 +120,51 @@ def _make(options: argparse.Namespace) -> Answer:
         raise ValueError(f"{options.output}: the file name of a map with covariances must end in .yaml")
     for path in (options.output, report):
         check_output(path, options.force)
-    params, sizes, known = mapping_params(options), marker_sizes(options), known_markers(options)
+    inputs = marker_inputs(options)
+    read, notes = read_bags(drive_reading(options, inputs.known), options.bags, options)
+    made = made_markers(options, inputs, [drive for _, drive in read])
+    written = write_markers(made, options.output, report)
+    return Answer([*notes, verdict(made.quality), *marker_findings(made), *written])
+
+
+def marker_inputs(options: argparse.Namespace) -> MarkerInputs:
+    """Checks the options before any bag is read.
+
+    :raises ValueError, RuntimeError: one is out of range, or the known map cannot be read
+    """
+    params, sizes = mapping_params(options), marker_sizes(options)
+    return MarkerInputs(known_markers(options), sizes, params)
+
+
+def drive_reading(options: argparse.Namespace, known: "sextant.MarkerMap") -> Callable[[str], RecordedDrive]:
+    """Reads the markers of one bag; for read_bags()."""
     families = options.families or sorted({marker.family for marker in known.markers})
-    reading = functools.partial(read_drive, params=bag_params(options, families))
-    read, notes = read_bags(reading, options.bags, options)
-    drives = [drive for _, drive in read]
+    return functools.partial(read_drive, params=bag_params(options, families))
+
+
+def made_markers(
+    options: argparse.Namespace, inputs: MarkerInputs, drives: List[RecordedDrive]
+) -> MadeMarkers:
+    """Makes the map.
+
+    :raises RuntimeError: no marker can be located
+    """
     recorded = recorded_instants(drives)
-    result = sextant.make_marker_map(recorded.instants, sizes, known, params)
-    quality = map_quality(result, recorded.instants, known)
-    sextant.write_marker_map(result.map, str(options.output))
-    write_map_report(report, result, quality, _origin(options, drives, recorded))
-    written = [f"{options.output}: written", f"{report}: report with plots"]
-    return Answer([*notes, *_summary(quality), *written])
+    result = sextant.make_marker_map(recorded.instants, inputs.sizes, inputs.known, inputs.params)
+    quality = map_quality(result, recorded.instants, inputs.known)
+    return MadeMarkers(result, recorded, quality, _origin(options, drives, recorded))
+
+
+def write_markers(made: MadeMarkers, output: Path, report: Path) -> List[str]:
+    """Writes the map and its report. :returns: a line on each"""
+    sextant.write_marker_map(made.result.map, str(output))
+    write_map_report(report, made.result, made.quality, made.origin)
+    return [f"{output}: written", f"{report}: report with plots"]
+
+
+def marker_findings(made: MadeMarkers) -> List[str]:
+    """Returns a line on each finding."""
+    return [f"- {finding}" for finding in findings(made.quality)]
 
 
 def known_markers(options: argparse.Namespace) -> "sextant.MarkerMap":
@@ -177,7 +229,3 @@ def _origin(
     }  # fmt: skip
     given = {name: value for name, value in values.items() if value not in (None, "")}
     return MapOrigin([drive.name for drive in drives], recorded.cameras, options.corner_sigma, given)
-
-
-def _summary(quality: MapQuality) -> List[str]:
-    return [verdict(quality), *(f"- {finding}" for finding in findings(quality))]

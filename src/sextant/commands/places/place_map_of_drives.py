@@ -19,7 +19,7 @@ import math
 import os
 from collections import Counter
 from pathlib import Path
-from typing import Dict, Iterable, Iterator, Sequence, Tuple
+from typing import Dict, Iterable, Iterator, List, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -50,20 +50,17 @@ def parser() -> CommandParser:
     begin("--map-yaml", type=Path, metavar="YAML", help="map_server map whose image is the overview")
     text = "around the paths of a drawn overview (default: %(default)s)"
     begin("--margin", type=float, default=MARGIN, metavar="METRES", help=text)
-    _add_picking(result.add_argument_group("which photos"))
+    add_photo_options(result.add_argument_group("which photos"))
     _add_poses(result.add_argument_group("poses"))
     bags = result.add_argument_group("bags")
-    bags.add_argument("--image", default="", metavar="TOPIC", help="image topic (default: the only one)")
-    text = "depth images with camera_info beside them, aligned with the images or with tf (default: none)"
-    bags.add_argument("--depth", default="", metavar="TOPIC", help=text)
-    text = "factor that corrects the depths; estimate_depth_scale estimates it (default: %(default)s)"
-    bags.add_argument("--depth-scale", type=float, default=1.0, metavar="FACTOR", help=text)
+    add_image_options(bags)
     bags.add_argument("--every", type=int, default=1, metavar="N", help="use every n-th image")
     add_job_options(bags)
     return result
 
 
-def _add_picking(group) -> None:
+def add_photo_options(group) -> None:
+    """Adds the options of the selection of photos."""
     add, distance, turn = group.add_argument, PhotoParams.distance, round(math.degrees(PhotoParams.turn))
     text = "between photos (default: %(default)s)"
     add("--distance", type=float, default=distance, metavar="METRES", help=text)
@@ -71,6 +68,16 @@ def _add_picking(group) -> None:
     add("--turn", type=float, default=turn, metavar="DEGREES", help=text)
     text = f"a photo within this distance of a place is added to it (default: {MERGE:g} of --distance)"
     add("--merge", type=float, metavar="METRES", help=text)
+
+
+def add_image_options(group) -> None:
+    """Adds the options of the topics of images and depth."""
+    add = group.add_argument
+    add("--image", default="", metavar="TOPIC", help="image topic (default: the only one)")
+    text = "depth images with camera_info beside them, aligned with the images or with tf (default: none)"
+    add("--depth", default="", metavar="TOPIC", help=text)
+    text = "factor that corrects the depths; estimate_depth_scale estimates it (default: %(default)s)"
+    add("--depth-scale", type=float, default=1.0, metavar="FACTOR", help=text)
 
 
 def _add_poses(group) -> None:
@@ -85,9 +92,24 @@ def make(options: argparse.Namespace) -> Answer:
     :raises OSError, ValueError, RuntimeError: an option or a bag is invalid; no map was written
     """
     base_map = existing_map(options)
-    _check(options)
-    reading = functools.partial(read_drive_photos, params=_photo_params(options))
+    check(options)
+    reading = functools.partial(read_drive_photos, params=photo_params(options))
     read, notes = read_bags(reading, options.bags, options)
+    return write_photos(options, read, notes, base_map)
+
+
+def write_photos(
+    options: argparse.Namespace,
+    read: Sequence[Tuple[str, DrivePhotos]],
+    notes: List[str],
+    base_map: Optional[PlaceMap] = None,
+) -> Answer:
+    """Makes the map of the drives that were read, and writes it.
+
+    :param read: (bag, drive)
+    :param base_map: that is extended; None: a new one
+    :raises OSError, ValueError: no map was written
+    """
     drives = [drive for _, drive in read]
     frame, files = _frame(read), {}
     if base_map is None:
@@ -96,19 +118,18 @@ def make(options: argparse.Namespace) -> Answer:
     place = _metric(options.output, base_map, frame)
     photos = _by_name(drives)
     known = [photo.image for photo in base_map.photos if photos.pop(photo.image, None)]
-    notes += [f"{len(known)} photos of these drives are already in the map"] if known else []
+    notes = [*notes, *([f"{len(known)} photos of these drives are already in the map"] if known else [])]
     found = [_new_photo(base_map, place, photo) for photo in photos.values()]
     made, left_out = add_photos(base_map, found, _merge(options) / place.resolution)
     reasons = list(map(": ".join, left_out.items()))
     if not made.photos:
         raise ValueError(f"no photo can be placed: {reasons[0]} (the first of {len(reasons)} reasons)")
     files.update(_files(photo for name, photo in photos.items() if name not in left_out))
-    poses = _poses(options, made, drives)
-    return write_map(options, made, files, reasons, notes, poses)
+    return write_map(options, made, files, reasons, notes, _poses(options, made, drives))
 
 
-def _check(options: argparse.Namespace) -> None:
-    """Checks the options before any bag is read."""
+def check(options: argparse.Namespace) -> None:
+    """Checks the options before any bag is read. :raises ValueError: one is invalid, or a bag a duplicate"""
     if options.pose and options.frame:
         raise ValueError("--frame cannot be used with --pose: the poses have a frame")
     if not 0 < options.margin < np.inf:
@@ -126,7 +147,8 @@ def _merge(options: argparse.Namespace) -> float:
     return MERGE * options.distance if options.merge is None else options.merge
 
 
-def _photo_params(options: argparse.Namespace) -> PhotoParams:
+def photo_params(options: argparse.Namespace) -> PhotoParams:
+    """Returns the parameters of the selection of photos. :raises ValueError: one is out of range"""
     return PhotoParams(
         options.image, options.depth, options.depth_scale, options.pose,
         options.frame or PhotoParams.frame, options.distance, math.radians(options.turn), options.every,
