@@ -1,0 +1,64 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""The markers in the images of a drive as observations of landmarks."""
+
+from collections import Counter
+from typing import Iterable, List, Optional
+
+import numpy as np
+
+import sextant
+from sextant.bags.landmark_reader import RecordedLandmarks, SensorScan
+from sextant.localization.drive_observations import DriveCamera, DriveObservations
+from sextant.messages.landmark_messages import planar_sensor_pose
+
+
+def with_marker_scans(recorded: RecordedLandmarks, scans: Iterable[SensorScan]) -> RecordedLandmarks:
+    """Adds scans to the messages of a bag, in the order of their stamps: none is late."""
+    messages = sorted([*recorded.messages, *scans], key=lambda message: message.stamp)
+    return recorded._replace(messages=messages)
+
+
+def marker_scans(
+    drive: DriveObservations, marker_map: "sextant.MarkerMap", params: "sextant.MarkerLandmarkParams"
+) -> List[SensorScan]:
+    """Observations of the mapped markers, in the robot frame, of each image that shows one.
+
+    A marker that an image shows twice is left out: there are two prints of it.
+    """
+    models = {name: camera.model() for name, camera in drive.cameras.items()}
+    scans = []
+    for image in drive.images:
+        camera, count = drive.cameras[image.camera], Counter((each.family, each.id) for each in image.markers)
+        once = (each for each in image.markers if count[each.family, each.id] == 1)
+        found = [_observation(each, camera, models[image.camera], marker_map, params) for each in once]
+        observations = [each for each in found if each]
+        if observations:
+            T_base_sensor = planar_sensor_pose(camera.T_base_camera)
+            scans.append(SensorScan(image.stamp, observations, T_base_sensor, True))
+    return scans
+
+
+def _observation(
+    detection: "sextant.Detection",
+    camera: DriveCamera,
+    model: "sextant.CameraModel",
+    marker_map: "sextant.MarkerMap",
+    params: "sextant.MarkerLandmarkParams",
+) -> Optional["sextant.LabelledObservation"]:
+    """Nothing if the marker is not mapped, or its corners do not determine its pose."""
+    marker = marker_map.find(detection.family, detection.id)
+    poses = marker and sextant.solve_marker_pose(model, detection.corners, marker.size)
+    if not poses:
+        return None
+    sigmas = np.array(detection.corner_sigmas, dtype=float)
+    sigma = float(np.sqrt(np.mean(np.where(sigmas > 0.0, sigmas, params.corner_sigma) ** 2)))
+    T, other = poses.best.T_camera_marker, poses.alternative
+    covariance = sextant.marker_pose_covariance(model, T, marker.size, sigma)
+    if covariance is None:
+        return None
+    errors = poses.best.reprojection_error, other.reprojection_error if other else np.inf
+    probability = sextant.alternative_pose_probability(*errors, sigma) if other else 0.0
+    return sextant.marker_observation(
+        marker.family, marker.id, camera.T_base_camera, T, covariance, probability, params
+    )
