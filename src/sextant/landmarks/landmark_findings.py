@@ -33,9 +33,7 @@ def list_findings(result: LandmarkResult) -> List[Finding]:
 def verdict(result: LandmarkResult) -> str:
     """Summarizes the map in one line."""
     named = {key for finding in list_findings(result) for key in finding.keys}
-    return verdict_text(
-        f"{count_text(len(result.map.landmarks), 'landmark')} mapped", len(named), "landmark"
-    )
+    return verdict_text(f"{count_text(len(result.map.landmarks), 'landmark')} mapped", len(named), "landmark")
 
 
 def landmark_name(result: LandmarkResult, index: int) -> str:
@@ -119,9 +117,10 @@ def _seldom(result: LandmarkResult) -> Iterator[Finding]:
 
 
 def _one_sided(result: LandmarkResult) -> Iterator[Finding]:
-    for index, sightings in enumerate(result.sightings):
+    """Landmarks with a heading have a front: a marker on a wall is seen from one side only."""
+    for index, (sightings, landmark) in enumerate(zip(result.sightings, result.map.landmarks)):
         angle = spread(sightings.directions)
-        if len(sightings.stamps) and angle < ONE_SIDE:
+        if len(sightings.stamps) and angle < ONE_SIDE and landmark.heading is None:
             yield Finding(
                 (index,),
                 "seen from one side",
