@@ -16,6 +16,7 @@ from test_doc import NODES_PAGE, section, table_of
 from test_launch_files import NEEDED, load
 
 from sextant.commands.command_line import CommandParser
+from sextant.commands.maps.maps_folder import LANDMARKS, MapPart, write_folder
 
 ROOT = Path(__file__).resolve().parents[3]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "doc").rglob("*.md"))]
@@ -98,8 +99,11 @@ def test_commands_and_nodes_accept_their_arguments(command, monkeypatch, capsys)
 
 
 @pytest.mark.parametrize("command", of_kind("roslaunch", "sextant"), ids=tag_of)
-def test_launch_files_accept_their_arguments(command):
+def test_launch_files_accept_their_arguments(command, tmp_path):
     file, given = ROOT / "launch" / command[2], list(command[3:])
+    if any(each.startswith("maps:=") for each in given):
+        write_folder(tmp_path, "Maps", [MapPart("landmarks", "one landmark", file=LANDMARKS)], None)
+        given = [f"maps:={tmp_path}" if each.startswith("maps:=") else each for each in given]
     known = re.findall(r'<arg name="(\w+)"', file.read_text())
     assert {each.partition(":=")[0] for each in given} <= set(known)
     assert load(file, [*NEEDED.get(file.name, []), *given]).nodes

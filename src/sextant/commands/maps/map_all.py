@@ -1,0 +1,317 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Makes all maps of one drive in one frame: markers, landmarks, and photos of places with their poses.
+
+    map_all drive.bag -o hall/ --size 0.16
+    map_all drive.bag -o hall/ --size 0.16 --known door.yaml      in the frame of door.yaml
+
+What the bags lack is left out. roslaunch sextant localization.launch maps:=hall/ uses the maps. The marker
+map is made first; landmarks are mapped among its markers, and photos get the poses of that estimate.
+"""
+
+import argparse
+import functools
+import tempfile
+from pathlib import Path
+from typing import Dict, Iterable, List, NamedTuple, Optional, Sequence, Set, Tuple, Union
+
+import numpy as np
+
+import sextant
+from sextant.bags.bag_file import BagError, BagFile
+from sextant.bags.bag_params import NO_ODOMETRY
+from sextant.bags.camera_topics import MARKERS as MARKER_ARRAY
+from sextant.bags.camera_topics import choose_image_topic, image_topics
+from sextant.bags.drive_photos import BasePath, read_drive_photos
+from sextant.bags.drive_reader import RecordedDrive
+from sextant.bags.landmark_reader import LANDMARKS as OBSERVATIONS
+from sextant.bags.landmark_reader import OdometryReading, RecordedLandmarks
+from sextant.bags.marker_scans import marker_scans, with_marker_scans
+from sextant.bags.odometry import ODOMETRY
+from sextant.base.findings import count_text, verdict_text
+from sextant.commands.bag_options import add_bag_options, add_job_options, add_robot_options, read_bags
+from sextant.commands.command_line import Answer, CommandParser, run
+from sextant.commands.map_landmarks import (
+    MadeLandmarks,
+    landmark_params,
+    made_landmarks,
+    observation_reading,
+    report_landmarks,
+    robot_poses,
+)
+from sextant.commands.map_markers import (
+    MadeMarkers,
+    MarkerInputs,
+    add_frame_options,
+    add_marker_options,
+    drive_reading,
+    made_markers,
+    marker_inputs,
+    write_markers,
+)
+from sextant.commands.maps.maps_folder import (
+    LANDMARK_PAGE,
+    LANDMARKS,
+    MARKER_PAGE,
+    MARKERS,
+    PLACES,
+    MapPart,
+    check_folder,
+    write_folder,
+)
+from sextant.commands.places import place_map_of_drives as photos_of_drives
+from sextant.geometry.plane_poses import planar
+from sextant.geometry.poses import MAX_GAP
+from sextant.landmarks.landmark_findings import list_findings
+from sextant.landmarks.slam_run import SlamRun
+from sextant.mapping.map_findings import findings as marker_findings
+from sextant.mapping.map_findings import verdict as marker_verdict
+
+FLOOR_SIGMA = 0.01  # metres, default of --floor-sigma: landmarks are in the plane of the floor
+CAMERA_INFO = "sensor_msgs/CameraInfo"
+
+# Standard deviations of the first pose, metres, metres, radians: the robot may move until the first image.
+START_SIGMAS = [0.3, 0.3, 0.2]
+
+Reason = str  # why there is no map
+
+
+class _Recording(NamedTuple):
+    """What the bags have."""
+
+    types: Set[str]  # of messages
+    has_images: bool  # of a camera
+
+
+def main(arguments: Optional[Sequence[str]] = None) -> int:
+    """:returns: exit code: 0, or 2 when nothing was written."""
+    return run(_parser(), arguments, _make)
+
+
+def _parser() -> CommandParser:
+    parser = CommandParser(prog="map_all", description=__doc__)
+    parser.add_argument("bags", nargs="+", metavar="BAG", help="bag with odometry, images and landmarks")
+    parser.add_argument("-o", "--output", type=Path, required=True, metavar="FOLDER", help="folder to write")
+    parser.add_argument("--force", action="store_true", help="overwrite existing files")
+    add_frame_options(parser.add_argument_group("map frame"))
+    add_marker_options(parser.add_argument_group("markers"))
+    landmarks = parser.add_argument_group("landmarks").add_argument
+    landmarks("--landmarks", default="", metavar="TOPIC", help="of the observations (default: the only one)")
+    landmarks("--params", metavar="YAML", help="parameters of the nodelet landmark_slam")
+    photos = parser.add_argument_group("photos")
+    for add in (photos_of_drives.add_photo_options, photos_of_drives.add_image_options):
+        add(photos)
+    bags = parser.add_argument_group("bags")
+    for add in (add_bag_options, add_robot_options, add_job_options):
+        add(bags)
+    # Those of make_place_map drive that are not set here: a new map, with the poses of the other maps.
+    parser.set_defaults(
+        floor_sigma=FLOOR_SIGMA, pose="", add=False, map_yaml=None, margin=photos_of_drives.MARGIN
+    )
+    return parser
+
+
+def _make(options: argparse.Namespace) -> Answer:
+    """Reads the bags, makes the maps, and writes them with a page of findings."""
+    check_folder(options.output, options.force)
+    inputs, params = _checked(options)
+    recording, notes, drives = _recording(options), [], {}
+    markers = _markers(options, inputs, recording, drives, notes)
+    landmarks = _landmarks(options, params, recording, (markers, drives), notes)
+    path = _base_path(markers, landmarks)
+    if path is None:
+        raise ValueError(f"no map can be made: {markers}; {landmarks}")
+    options.output.mkdir(parents=True, exist_ok=True)
+    parts = [_written_markers(options, markers), _written_landmarks(options, landmarks)]
+    parts.append(_photos(options, recording, path, notes))
+    marker_map = None if isinstance(markers, Reason) else markers.result.map
+    written = write_folder(options.output, "Maps of a drive", parts, marker_map)
+    return Answer([*notes, *(line for part in parts for line in part.lines()), *written])
+
+
+def _checked(options: argparse.Namespace) -> Tuple[MarkerInputs, "sextant.LandmarkSlamNodeParams"]:
+    """Checks the options before any bag is read."""
+    photos_of_drives.check(options)
+    photos_of_drives.photo_params(options)
+    params, _ = landmark_params(options.params)
+    params.map_file, params.map_frame, params.start, params.read_only = "", options.frame, "origin", False
+    return marker_inputs(options), params
+
+
+def _recording(options: argparse.Namespace) -> _Recording:
+    """:raises BagError: a bag cannot be read, or it has several cameras and none is named"""
+    types: Set[str] = set()
+    has_images = False
+    for path in options.bags:
+        try:
+            with BagFile(path) as bag:
+                types.update(bag.types.values())
+                if image_topics(bag)[0]:
+                    choose_image_topic(bag, options.image)
+                    has_images = True
+        except BagError:
+            if not options.skip:
+                raise
+    return _Recording(types, has_images)
+
+
+# ---- what is made
+
+
+def _markers(
+    options: argparse.Namespace,
+    inputs: MarkerInputs,
+    recording: _Recording,
+    drives: Dict[str, RecordedDrive],
+    notes: List[str],
+) -> Union[MadeMarkers, Reason]:
+    """:param drives: gets the drives by bag"""
+    has_calibration = CAMERA_INFO in recording.types or options.calibrations
+    if MARKER_ARRAY not in recording.types and not (recording.has_images and has_calibration):
+        return f"the bags have neither {MARKER_ARRAY} nor images with camera_info"
+    read, more = read_bags(drive_reading(options, inputs.known), options.bags, options)
+    notes += [f"markers: {note}" for note in more]
+    drives.update(read)
+    if all(map(_is_base, drives.values())):
+        inputs.params.floor_height_sigma = 0.0
+    try:
+        return made_markers(options, inputs, list(drives.values()))
+    except RuntimeError as error:  # no marker can be located
+        return str(error)
+
+
+def _is_base(drive: RecordedDrive) -> bool:
+    """Whether the poses are those of a camera, which is not on the floor."""
+    return all(np.array_equal(camera.T_base_camera, np.eye(4)) for camera in drive.cameras.values())
+
+
+def _landmarks(
+    options: argparse.Namespace,
+    params: "sextant.LandmarkSlamNodeParams",
+    recording: _Recording,
+    marked: Tuple[Union[MadeMarkers, Reason], Dict[str, RecordedDrive]],
+    notes: List[str],
+) -> Union[MadeLandmarks, Reason]:
+    """:param marked: the marker map, and the drives by bag"""
+    if options.odometry == NO_ODOMETRY:
+        return "odometry is not used"
+    missing = sorted({OBSERVATIONS, ODOMETRY} - recording.types)
+    if missing:
+        return f"the bags have no {' and no '.join(missing)}"
+    read, more = read_bags(observation_reading(options), options.bags, options)
+    notes += [f"landmarks: {note}" for note in more]
+    markers, drives = marked
+    if isinstance(markers, Reason):
+        made = made_landmarks([recorded for _, recorded in read], _slam_run(params))
+    else:
+        made = _among_markers(params, markers, drives, read)
+    notes += [f"landmarks: {note}" for note in made.notes]
+    return made if _own_landmarks(made) else "no landmark was observed often enough"
+
+
+def _among_markers(
+    params: "sextant.LandmarkSlamNodeParams",
+    markers: MadeMarkers,
+    drives: Dict[str, RecordedDrive],
+    read: Sequence[Tuple[str, RecordedLandmarks]],
+) -> MadeLandmarks:
+    """Landmarks in the frame of the markers, which are observed, too. :param drives, read: by bag"""
+    marker_map = markers.result.map
+    scans = {bag: marker_scans(drive, marker_map, params.markers) for bag, drive in drives.items()}
+    recorded = [with_marker_scans(each, scans.get(bag, ())) for bag, each in read]
+    _set_start(params, _path_by_markers(markers), recorded)
+    return made_landmarks(recorded, _slam_run(params, marker_map))
+
+
+def _set_start(
+    params: "sextant.LandmarkSlamNodeParams", path: BasePath, recorded: Iterable[RecordedLandmarks]
+) -> None:
+    """Sets where the robot starts, if markers show that; otherwise it is lost until it observes one."""
+    first = min(recorded, key=lambda each: each.start)
+    begin = next(message.stamp for message in first.messages if isinstance(message, OdometryReading))
+    nearest = int(np.abs(path.stamps - begin).argmin())
+    if abs(path.stamps[nearest] - begin) <= 1e9 * MAX_GAP:
+        params.start_pose, params.pose_sigma = planar(path.poses[nearest]).tolist(), START_SIGMAS
+
+
+def _slam_run(
+    params: "sextant.LandmarkSlamNodeParams", marker_map: Optional["sextant.MarkerMap"] = None
+) -> SlamRun:
+    """A run among the markers of a map, if there is one."""
+    params.marker_map_file = ""
+    if marker_map is None:
+        return SlamRun(params)
+    with tempfile.TemporaryDirectory() as folder:
+        params.marker_map_file = f"{folder}/{MARKERS}"
+        sextant.write_marker_map(marker_map, params.marker_map_file)
+        return SlamRun(params)
+
+
+def _own_landmarks(made: MadeLandmarks) -> Set[int]:
+    """Indices of the landmarks that are not of the marker map."""
+    known = set(made.slam_run.first_map.labels)
+    return {index for index, label in enumerate(made.result.map.labels) if label not in known}
+
+
+def _base_path(
+    markers: Union[MadeMarkers, Reason], landmarks: Union[MadeLandmarks, Reason]
+) -> Optional[BasePath]:
+    """Poses of the base by all observations; None: there are none."""
+    if not isinstance(landmarks, Reason):
+        return _path(landmarks.result.map.frame, robot_poses(landmarks.result))
+    return None if isinstance(markers, Reason) else _path_by_markers(markers)
+
+
+def _path_by_markers(made: MadeMarkers) -> BasePath:
+    pairs = zip(made.recorded.stamps.tolist(), made.result.T_map_base)
+    return _path(made.result.map.frame, {stamp: T for stamp, T in pairs if T is not None})
+
+
+def _path(frame: str, poses: Dict[int, np.ndarray]) -> BasePath:
+    stamps = sorted(poses)
+    at = np.array([poses[stamp] for stamp in stamps]).reshape(-1, 4, 4)
+    return BasePath(frame, np.array(stamps, dtype=np.int64), at)
+
+
+# ---- what is written
+
+
+def _written_markers(options: argparse.Namespace, made: Union[MadeMarkers, Reason]) -> MapPart:
+    if isinstance(made, Reason):
+        return MapPart("markers", f"no map: {made}")
+    write_markers(made, options.output / MARKERS, options.output / MARKER_PAGE)
+    return MapPart(
+        "markers", marker_verdict(made.quality), marker_findings(made.quality), MARKER_PAGE, MARKERS
+    )
+
+
+def _written_landmarks(options: argparse.Namespace, made: Union[MadeLandmarks, Reason]) -> MapPart:
+    if isinstance(made, Reason):
+        return MapPart("landmarks", f"no map: {made}")
+    sextant.write_landmark_map(made.result.map, str(options.output / LANDMARKS))
+    own, page, findings = _own_landmarks(made), "", []
+    if made.result.sightings:  # otherwise the map is that of the filter: the problems have the reason
+        values = {"recording": ", ".join(options.bags), "params": options.params}
+        report_landmarks(made, options.output / LANDMARK_PAGE, values)
+        page, findings = LANDMARK_PAGE, [each for each in list_findings(made.result) if own & set(each.keys)]
+    named = own & {key for finding in findings for key in finding.keys}
+    verdict = verdict_text(f"{count_text(len(own), 'landmark')} mapped", len(named), "landmark")
+    return MapPart("landmarks", verdict, [*made.problems, *map(str, findings)], page, LANDMARKS)
+
+
+def _photos(options: argparse.Namespace, recording: _Recording, path: BasePath, notes: List[str]) -> MapPart:
+    """Reads and writes the photos; the other maps remain if that is not possible."""
+    if not recording.has_images:
+        return MapPart("places", "no map: the bags have no images")
+    of_photos = argparse.Namespace(**{**vars(options), "output": options.output / PLACES})
+    reading = functools.partial(
+        read_drive_photos, params=photos_of_drives.photo_params(options), base_path=path
+    )
+    try:
+        read, more = read_bags(reading, options.bags, options)
+        of_photos.output.parent.mkdir(exist_ok=True)
+        *lines, made = photos_of_drives.write_photos(of_photos, read, more).lines
+    except (ValueError, RuntimeError) as error:
+        return MapPart("places", f"no map: {error}")
+    notes += [f"places: {line}" for line in lines]
+    return MapPart("places", made[len(f"{of_photos.output}: ") :], file=PLACES)

@@ -1,0 +1,144 @@
+# SPDX-FileCopyrightText: Sextant authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""A folder with the maps of all systems in one frame, as localization.launch uses it (maps:=FOLDER).
+
+maps.launch names the maps that exist; it is written last, so that it never names a missing file.
+"""
+
+import os
+from collections import Counter
+from pathlib import Path
+from typing import Dict, List, NamedTuple, Optional, Sequence
+from xml.sax.saxutils import quoteattr
+
+import sextant
+from sextant.base.atomic_file import atomic_file
+from sextant.base.html_report import Table, write_report
+from sextant.commands.command_line import check_output
+
+MARKERS, LANDMARKS, PLACES = "markers.yaml", "landmarks.yaml", "places/map.txt"
+MARKER_PAGE, LANDMARK_PAGE = "markers.html", "landmarks.html"
+LAUNCH, PAGE = "maps.launch", "index.html"
+FILES = (MARKERS, LANDMARKS, PLACES, MARKER_PAGE, LANDMARK_PAGE, LAUNCH, PAGE)
+
+_LAUNCH = """\
+<launch>
+  <!-- The maps of this folder: roslaunch sextant localization.launch maps:=FOLDER
+       Without its lines, a map is not used. -->
+  <arg name="folder" value="$(dirname)"/>
+  <include file="$(find sextant)/launch/localization.launch" pass_all_args="true">
+    <arg name="maps" value=""/>
+{lines}
+  </include>
+</launch>
+"""
+_PAGE = """\
+{% extends "report" %}
+{% from "macros" import table %}
+{% block content %}
+<h1>{{ title }}</h1>
+<p class="verdict">{{ verdict }}</p>
+{%- for part in parts %}
+<h2>{{ part.name }}</h2>
+<p>{{ part.verdict }}{% if part.page %}: <a href="{{ part.page }}">report</a>{% endif %}</p>
+{%- if part.findings %}
+<ol class="findings">
+{%- for finding in part.findings %}
+<li>{{ finding }}</li>
+{%- endfor %}
+</ol>
+{%- endif %}
+{%- endfor %}
+{%- if details.rows %}
+<h2>{{ details_title }}</h2>
+<p class="note">{{ details_note }}</p>
+{{ table(details) }}
+{%- endif %}
+{% endblock %}
+"""
+
+
+class MapPart(NamedTuple):
+    """What the page has of one map."""
+
+    name: str  # of the system
+    verdict: str  # one line, or why there is no map
+    findings: Sequence[str] = ()  # one sentence each
+    page: str = ""  # file of its report in the folder; empty: none
+    file: str = ""  # of the map in the folder: MARKERS, LANDMARKS or PLACES; empty: there is no map
+
+    def lines(self) -> List[str]:
+        """For the terminal."""
+        return [f"{self.name}: {self.verdict}", *(f"- {finding}" for finding in self.findings)]
+
+
+class Details(NamedTuple):
+    """A table below the maps of the page."""
+
+    title: str  # above it
+    note: str  # what its columns are
+    table: Table  # without rows it is left out
+
+
+NO_DETAILS = Details("", "", Table((), []))
+
+
+def check_folder(folder: Path, force: bool) -> None:
+    """Checks a folder before anything is computed; it may not exist yet.
+
+    :param force: overwrite the files of earlier maps
+    :raises ValueError: a file exists and force is False, or the folder cannot be created or written to
+    """
+    for path in (folder / name for name in FILES):
+        if path.parent.is_dir():
+            check_output(path, force)
+    above = folder.absolute()
+    first = next(each for each in (above, *above.parents) if each.exists())
+    if not (first.is_dir() and os.access(first, os.W_OK)):
+        raise ValueError(f"{folder}: cannot be written, as {first} is no folder, or write-protected")
+
+
+def write_folder(
+    folder: Path,
+    title: str,
+    parts: Sequence[MapPart],
+    marker_map: Optional["sextant.MarkerMap"],
+    details: Details = NO_DETAILS,
+) -> List[str]:
+    """Writes the page and the launch file of maps that were written.
+
+    :param title: of the page
+    :param marker_map: in MARKERS; None: there is none
+    :returns: lines for the terminal
+    :raises OSError: a file cannot be written
+    """
+    files = [part.file for part in parts if part.file]
+    content: Dict[str, object] = {
+        "title": title,
+        "verdict": f"{len(files)} of {len(parts)} systems have a map",
+        "parts": parts,
+        "details_title": details.title,
+        "details_note": details.note,
+        "details": details.table,
+    }
+    write_report(folder / PAGE, _PAGE, content)
+    arguments = {_ARGUMENTS[name]: f"$(arg folder)/{name}" for name in files}
+    arguments.update(_detector_arguments(marker_map) if marker_map else {})
+    lines = "\n".join(f'    <arg name="{key}" value={quoteattr(arguments[key])}/>' for key in arguments)
+    with atomic_file(folder / LAUNCH) as file:
+        file.write(_LAUNCH.format(lines=lines))
+    how = f"roslaunch sextant localization.launch maps:={folder}"
+    return [f"{folder / PAGE}: findings of all maps", f"{folder / LAUNCH}: {how}"]
+
+
+_ARGUMENTS = {MARKERS: "marker_map", LANDMARKS: "landmark_map", PLACES: "place_map"}
+
+
+def _detector_arguments(marker_map: "sextant.MarkerMap") -> Dict[str, str]:
+    """Families and sizes of the markers, as arguments of localization.launch."""
+    markers = marker_map.markers
+    size = Counter(marker.size for marker in markers).most_common(1)[0][0]
+    families = ", ".join(sorted({marker.family for marker in markers}))
+    others = [f"'{each.family}/{each.id}': {each.size}" for each in markers if each.size != size]
+    arguments = {"families": f"[{families}]", "marker_size": str(size)}
+    return {**arguments, "marker_sizes": f"{{{', '.join(others)}}}"} if others else arguments
