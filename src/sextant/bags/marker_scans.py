@@ -3,7 +3,7 @@
 """The markers in the images of a drive as observations of landmarks."""
 
 from collections import Counter
-from typing import Iterable, List, Optional
+from typing import Callable, Iterable, List, Optional
 
 import numpy as np
 
@@ -11,6 +11,8 @@ import sextant
 from sextant.bags.landmark_reader import RecordedLandmarks, SensorScan
 from sextant.localization.drive_observations import DriveCamera, DriveObservations
 from sextant.messages.landmark_messages import planar_sensor_pose
+
+SizeOf = Callable[[str, int], Optional[float]]  # edge length by family and id, metres; None: not to be used
 
 
 def with_marker_scans(recorded: RecordedLandmarks, scans: Iterable[SensorScan]) -> RecordedLandmarks:
@@ -20,9 +22,9 @@ def with_marker_scans(recorded: RecordedLandmarks, scans: Iterable[SensorScan]) 
 
 
 def marker_scans(
-    drive: DriveObservations, marker_map: "sextant.MarkerMap", params: "sextant.MarkerLandmarkParams"
+    drive: DriveObservations, size_of: SizeOf, params: "sextant.MarkerLandmarkParams"
 ) -> List[SensorScan]:
-    """Observations of the mapped markers, in the robot frame, of each image that shows one.
+    """Observations of markers, in the robot frame, of each image that shows one.
 
     A marker that an image shows twice is left out: there are two prints of it.
     """
@@ -31,7 +33,7 @@ def marker_scans(
     for image in drive.images:
         camera, count = drive.cameras[image.camera], Counter((each.family, each.id) for each in image.markers)
         once = (each for each in image.markers if count[each.family, each.id] == 1)
-        found = [_observation(each, camera, models[image.camera], marker_map, params) for each in once]
+        found = [_observation(each, camera, models[image.camera], size_of, params) for each in once]
         observations = [each for each in found if each]
         if observations:
             T_base_sensor = planar_sensor_pose(camera.T_base_camera)
@@ -43,22 +45,22 @@ def _observation(
     detection: "sextant.Detection",
     camera: DriveCamera,
     model: "sextant.CameraModel",
-    marker_map: "sextant.MarkerMap",
+    size_of: SizeOf,
     params: "sextant.MarkerLandmarkParams",
 ) -> Optional["sextant.LabelledObservation"]:
-    """Nothing if the marker is not mapped, or its corners do not determine its pose."""
-    marker = marker_map.find(detection.family, detection.id)
-    poses = marker and sextant.solve_marker_pose(model, detection.corners, marker.size)
+    """Nothing if the marker is not to be used, or its corners do not determine its pose."""
+    size = size_of(detection.family, detection.id)
+    poses = size and sextant.solve_marker_pose(model, detection.corners, size)
     if not poses:
         return None
     sigmas = np.array(detection.corner_sigmas, dtype=float)
     sigma = float(np.sqrt(np.mean(np.where(sigmas > 0.0, sigmas, params.corner_sigma) ** 2)))
     T, other = poses.best.T_camera_marker, poses.alternative
-    covariance = sextant.marker_pose_covariance(model, T, marker.size, sigma)
+    covariance = sextant.marker_pose_covariance(model, T, size, sigma)
     if covariance is None:
         return None
     errors = poses.best.reprojection_error, other.reprojection_error if other else np.inf
     probability = sextant.alternative_pose_probability(*errors, sigma) if other else 0.0
     return sextant.marker_observation(
-        marker.family, marker.id, camera.T_base_camera, T, covariance, probability, params
+        detection.family, detection.id, camera.T_base_camera, T, covariance, probability, params
     )

@@ -15,6 +15,14 @@ T_MAP_BASE = sextant.pose_from_xyz_rpy([0.3, 0.1, 0.0], [0.0, 0.0, 0.1])
 PARAMS = sextant.MarkerLandmarkParams()
 
 
+def size_in(marker_map):
+    def size_of(family, id):
+        marker = marker_map.find(family, id)
+        return marker.size if marker else None
+
+    return size_of
+
+
 def drive(*images):
     camera = SimulatedCamera("plumb_bob 4")
     cameras = {"front": DriveCamera(camera.calibration, T_base_camera=T_BASE_CAMERA)}
@@ -26,7 +34,9 @@ def detections(*markers, seed=1):
 
 
 def test_positions_and_headings_are_those_of_the_markers():
-    (scan,) = marker_scans(drive(ImageDetections(7, "front", detections(*WALL.markers))), WALL, PARAMS)
+    (scan,) = marker_scans(
+        drive(ImageDetections(7, "front", detections(*WALL.markers))), size_in(WALL), PARAMS
+    )
     assert scan.stamp == 7 and scan.has_markers and len(scan.observations) == 2
     np.testing.assert_allclose(scan.T_base_sensor, [0.1, 0.0, 0.0], atol=1e-9)
     for seen, marker in zip(scan.observations, WALL.markers):
@@ -41,14 +51,14 @@ def test_markers_that_are_not_mapped_or_seen_twice_are_left_out():
     first, second = WALL.markers
     alone = sextant.MarkerMap()
     alone.add(first)
-    assert marker_scans(drive(ImageDetections(1, "front", detections(second))), alone, PARAMS) == []
+    assert marker_scans(drive(ImageDetections(1, "front", detections(second))), size_in(alone), PARAMS) == []
     twice = [*detections(first), *detections(first, seed=2), *detections(second)]
-    (scan,) = marker_scans(drive(ImageDetections(1, "front", twice)), WALL, PARAMS)
+    (scan,) = marker_scans(drive(ImageDetections(1, "front", twice)), size_in(WALL), PARAMS)
     assert [seen.label.id for seen in scan.observations] == [second.id]
 
 
 def test_scans_are_between_the_readings_of_odometry():
     readings = [OdometryReading(stamp, np.zeros(3)) for stamp in (1, 5, 9)]
     recorded = RecordedLandmarks("a.bag", 0.0, 1.0, readings, ())
-    scans = marker_scans(drive(ImageDetections(6, "front", detections(*WALL.markers))), WALL, PARAMS)
+    scans = marker_scans(drive(ImageDetections(6, "front", detections(*WALL.markers))), size_in(WALL), PARAMS)
     assert [each.stamp for each in with_marker_scans(recorded, scans).messages] == [1, 5, 6, 9]

@@ -53,7 +53,7 @@ def test_all_maps_of_a_drive_are_those_of_the_hall(tmp_path, known, capsys):
     check_markers(sextant.read_marker_map(str(out / "markers.yaml")))
     assert sextant.read_landmark_map(str(out / "landmarks.yaml")).frame == "hall"
     found = own_landmarks(out / "landmarks.yaml")
-    assert len(found) >= 5 and max(distance(*each) for each in found) < 0.1
+    assert len(found) >= 5 and max(distance(*each) for each in found) < 0.15
     check_photos(out / "places/map.txt")
     text = capsys.readouterr().out
     assert "photos of" in text and "no map" not in text
@@ -73,7 +73,7 @@ def check_markers(made):
     for marker in made.markers[1:]:
         truth = hall.WALLS.find(marker.family, marker.id).T_map_marker
         error = sextant.pose_error(truth, marker.T_map_marker)
-        assert np.linalg.norm(error[:3]) < 0.1 and error @ np.linalg.solve(marker.covariance, error) < CHI_6
+        assert np.linalg.norm(error[:3]) < 0.15 and error @ np.linalg.solve(marker.covariance, error) < CHI_6
 
 
 def check_photos(path):
@@ -84,7 +84,7 @@ def check_photos(path):
         seconds = float(Path(photo.image).stem.rpartition("_")[2]) - START * 1e-9
         truth = planar(hall.pose(seconds)) @ hall.T_BASE_CAMERA
         error = sextant.pose_error(truth, poses.photos[photo.image].T_map_camera)
-        assert np.linalg.norm(error[:3]) < 0.12 and np.linalg.norm(error[3:]) < 0.03
+        assert np.linalg.norm(error[:3]) < 0.15 and np.linalg.norm(error[3:]) < 0.03
         assert place_map.path(photo).is_file()
 
 

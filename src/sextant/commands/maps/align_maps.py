@@ -222,7 +222,7 @@ def _written(options: argparse.Namespace, maps: Dict[str, _Map], found: Dict[str
         parts.append(MapPart(system, aligned.verdict, aligned.findings, file=FILES[system]))
     table = Table(HEADS, [Row(_cells(system, each)) for system, each in found.items()], (0,))
     details = Details("Transforms and residuals", NOTE, table)
-    written = write_folder(options.output, "Aligned maps", parts, marker_map, details)
+    written = write_folder(options.output, "Aligned maps", parts, marker_map, details=details)
     lines = [line for part in parts for line in part.lines()]
     return [*lines, *text_table(table).splitlines(), *written]
 

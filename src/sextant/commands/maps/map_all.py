@@ -5,15 +5,14 @@
     map_all drive.bag -o hall/ --size 0.16
     map_all drive.bag -o hall/ --size 0.16 --known door.yaml      in the frame of door.yaml
 
-What the bags lack is left out. roslaunch sextant localization.launch maps:=hall/ uses the maps. The marker
-map is made first; landmarks are mapped among its markers, and photos get the poses of that estimate.
+What the bags lack is left out. roslaunch sextant localization.launch maps:=hall/ uses the maps. Landmarks are
+mapped among the markers, and photos get the poses of that estimate.
 """
 
 import argparse
 import functools
-import tempfile
 from pathlib import Path
-from typing import Dict, Iterable, List, NamedTuple, Optional, Sequence, Set, Tuple, Union
+from typing import List, NamedTuple, Optional, Sequence, Set, Tuple, Union
 
 import numpy as np
 
@@ -25,8 +24,6 @@ from sextant.bags.camera_topics import choose_image_topic, image_topics
 from sextant.bags.drive_photos import BasePath, read_drive_photos
 from sextant.bags.drive_reader import RecordedDrive
 from sextant.bags.landmark_reader import LANDMARKS as OBSERVATIONS
-from sextant.bags.landmark_reader import OdometryReading, RecordedLandmarks
-from sextant.bags.marker_scans import marker_scans, with_marker_scans
 from sextant.bags.odometry import ODOMETRY
 from sextant.base.findings import count_text, verdict_text
 from sextant.commands.bag_options import add_bag_options, add_job_options, add_robot_options, read_bags
@@ -37,7 +34,6 @@ from sextant.commands.map_landmarks import (
     made_landmarks,
     observation_reading,
     report_landmarks,
-    robot_poses,
 )
 from sextant.commands.map_markers import (
     MadeMarkers,
@@ -48,6 +44,16 @@ from sextant.commands.map_markers import (
     made_markers,
     marker_inputs,
     write_markers,
+)
+from sextant.commands.maps.drive_maps import (
+    Drives,
+    Params,
+    Recorded,
+    landmarks_among,
+    own_landmarks,
+    path_of_landmarks,
+    path_of_markers,
+    with_path_by_landmarks,
 )
 from sextant.commands.maps.maps_folder import (
     LANDMARK_PAGE,
@@ -60,8 +66,6 @@ from sextant.commands.maps.maps_folder import (
     write_folder,
 )
 from sextant.commands.places import place_map_of_drives as photos_of_drives
-from sextant.geometry.plane_poses import planar
-from sextant.geometry.poses import MAX_GAP
 from sextant.landmarks.landmark_findings import list_findings
 from sextant.landmarks.slam_run import SlamRun
 from sextant.mapping.map_findings import findings as marker_findings
@@ -69,9 +73,6 @@ from sextant.mapping.map_findings import verdict as marker_verdict
 
 FLOOR_SIGMA = 0.01  # metres, default of --floor-sigma: landmarks are in the plane of the floor
 CAMERA_INFO = "sensor_msgs/CameraInfo"
-
-# Standard deviations of the first pose, metres, metres, radians: the robot may move until the first image.
-START_SIGMAS = [0.3, 0.3, 0.2]
 
 Reason = str  # why there is no map
 
@@ -115,9 +116,11 @@ def _make(options: argparse.Namespace) -> Answer:
     """Reads the bags, makes the maps, and writes them with a page of findings."""
     check_folder(options.output, options.force)
     inputs, params = _checked(options)
-    recording, notes, drives = _recording(options), [], {}
-    markers = _markers(options, inputs, recording, drives, notes)
-    landmarks = _landmarks(options, params, recording, (markers, drives), notes)
+    recording, notes = _recording(options), []
+    drives = _read_markers(options, inputs, recording, notes)
+    recorded = _read_landmarks(options, recording, notes)
+    markers = _markers(options, inputs, drives, recorded, params)
+    landmarks = _landmarks(markers, (drives, recorded), inputs, params, notes)
     path = _base_path(markers, landmarks)
     if path is None:
         raise ValueError(f"no map can be made: {markers}; {landmarks}")
@@ -125,7 +128,7 @@ def _make(options: argparse.Namespace) -> Answer:
     parts = [_written_markers(options, markers), _written_landmarks(options, landmarks)]
     parts.append(_photos(options, recording, path, notes))
     marker_map = None if isinstance(markers, Reason) else markers.result.map
-    written = write_folder(options.output, "Maps of a drive", parts, marker_map)
+    written = write_folder(options.output, "Maps of a drive", parts, marker_map, inputs.sizes)
     return Answer([*notes, *(line for part in parts for line in part.lines()), *written])
 
 
@@ -134,7 +137,8 @@ def _checked(options: argparse.Namespace) -> Tuple[MarkerInputs, "sextant.Landma
     photos_of_drives.check(options)
     photos_of_drives.photo_params(options)
     params, _ = landmark_params(options.params)
-    params.map_file, params.map_frame, params.start, params.read_only = "", options.frame, "origin", False
+    params.map_file, params.marker_map_file, params.map_frame = "", "", options.frame
+    params.start, params.read_only = "origin", False
     return marker_inputs(options), params
 
 
@@ -155,25 +159,46 @@ def _recording(options: argparse.Namespace) -> _Recording:
     return _Recording(types, has_images)
 
 
-# ---- what is made
+# ---- what is read and made
 
 
-def _markers(
-    options: argparse.Namespace,
-    inputs: MarkerInputs,
-    recording: _Recording,
-    drives: Dict[str, RecordedDrive],
-    notes: List[str],
-) -> Union[MadeMarkers, Reason]:
-    """:param drives: gets the drives by bag"""
+def _read_markers(
+    options: argparse.Namespace, inputs: MarkerInputs, recording: _Recording, notes: List[str]
+) -> Union[Drives, Reason]:
     has_calibration = CAMERA_INFO in recording.types or options.calibrations
     if MARKER_ARRAY not in recording.types and not (recording.has_images and has_calibration):
         return f"the bags have neither {MARKER_ARRAY} nor images with camera_info"
     read, more = read_bags(drive_reading(options, inputs.known), options.bags, options)
     notes += [f"markers: {note}" for note in more]
-    drives.update(read)
+    return dict(read)
+
+
+def _read_landmarks(
+    options: argparse.Namespace, recording: _Recording, notes: List[str]
+) -> Union[Recorded, Reason]:
+    if options.odometry == NO_ODOMETRY:
+        return "odometry is not used"
+    missing = sorted({OBSERVATIONS, ODOMETRY} - recording.types)
+    if missing:
+        return f"the bags have no {' and no '.join(missing)}"
+    read, more = read_bags(observation_reading(options), options.bags, options)
+    notes += [f"landmarks: {note}" for note in more]
+    return dict(read)
+
+
+def _markers(
+    options: argparse.Namespace,
+    inputs: MarkerInputs,
+    drives: Union[Drives, Reason],
+    recorded: Union[Recorded, Reason],
+    params: Params,
+) -> Union[MadeMarkers, Reason]:
+    if isinstance(drives, Reason):
+        return drives
     if all(map(_is_base, drives.values())):
         inputs.params.floor_height_sigma = 0.0
+    elif not isinstance(recorded, Reason):
+        drives = with_path_by_landmarks(drives, recorded, inputs, params)
     try:
         return made_markers(options, inputs, list(drives.values()))
     except RuntimeError as error:  # no marker can be located
@@ -186,71 +211,21 @@ def _is_base(drive: RecordedDrive) -> bool:
 
 
 def _landmarks(
-    options: argparse.Namespace,
-    params: "sextant.LandmarkSlamNodeParams",
-    recording: _Recording,
-    marked: Tuple[Union[MadeMarkers, Reason], Dict[str, RecordedDrive]],
+    markers: Union[MadeMarkers, Reason],
+    read: Tuple[Union[Drives, Reason], Union[Recorded, Reason]],
+    inputs: MarkerInputs,
+    params: Params,
     notes: List[str],
 ) -> Union[MadeLandmarks, Reason]:
-    """:param marked: the marker map, and the drives by bag"""
-    if options.odometry == NO_ODOMETRY:
-        return "odometry is not used"
-    missing = sorted({OBSERVATIONS, ODOMETRY} - recording.types)
-    if missing:
-        return f"the bags have no {' and no '.join(missing)}"
-    read, more = read_bags(observation_reading(options), options.bags, options)
-    notes += [f"landmarks: {note}" for note in more]
-    markers, drives = marked
-    if isinstance(markers, Reason):
-        made = made_landmarks([recorded for _, recorded in read], _slam_run(params))
+    drives, recorded = read
+    if isinstance(recorded, Reason):
+        return recorded
+    if isinstance(markers, Reason) or isinstance(drives, Reason):
+        made = made_landmarks(list(recorded.values()), SlamRun(params))
     else:
-        made = _among_markers(params, markers, drives, read)
+        made = landmarks_among(markers, drives, recorded, inputs, params)
     notes += [f"landmarks: {note}" for note in made.notes]
-    return made if _own_landmarks(made) else "no landmark was observed often enough"
-
-
-def _among_markers(
-    params: "sextant.LandmarkSlamNodeParams",
-    markers: MadeMarkers,
-    drives: Dict[str, RecordedDrive],
-    read: Sequence[Tuple[str, RecordedLandmarks]],
-) -> MadeLandmarks:
-    """Landmarks in the frame of the markers, which are observed, too. :param drives, read: by bag"""
-    marker_map = markers.result.map
-    scans = {bag: marker_scans(drive, marker_map, params.markers) for bag, drive in drives.items()}
-    recorded = [with_marker_scans(each, scans.get(bag, ())) for bag, each in read]
-    _set_start(params, _path_by_markers(markers), recorded)
-    return made_landmarks(recorded, _slam_run(params, marker_map))
-
-
-def _set_start(
-    params: "sextant.LandmarkSlamNodeParams", path: BasePath, recorded: Iterable[RecordedLandmarks]
-) -> None:
-    """Sets where the robot starts, if markers show that; otherwise it is lost until it observes one."""
-    first = min(recorded, key=lambda each: each.start)
-    begin = next(message.stamp for message in first.messages if isinstance(message, OdometryReading))
-    nearest = int(np.abs(path.stamps - begin).argmin())
-    if abs(path.stamps[nearest] - begin) <= 1e9 * MAX_GAP:
-        params.start_pose, params.pose_sigma = planar(path.poses[nearest]).tolist(), START_SIGMAS
-
-
-def _slam_run(
-    params: "sextant.LandmarkSlamNodeParams", marker_map: Optional["sextant.MarkerMap"] = None
-) -> SlamRun:
-    """A run among the markers of a map, if there is one."""
-    params.marker_map_file = ""
-    if marker_map is None:
-        return SlamRun(params)
-    with tempfile.TemporaryDirectory() as folder:
-        params.marker_map_file = f"{folder}/{MARKERS}"
-        sextant.write_marker_map(marker_map, params.marker_map_file)
-        return SlamRun(params)
-
-
-def _own_landmarks(made: MadeLandmarks) -> Set[int]:
-    """Indices of the landmarks that are not of the marker map."""
-    known = set(made.slam_run.first_map.labels)
-    return {index for index, label in enumerate(made.result.map.labels) if label not in known}
+    return made if own_landmarks(made) else "no landmark was observed often enough"
 
 
 def _base_path(
@@ -258,19 +233,8 @@ def _base_path(
 ) -> Optional[BasePath]:
     """Poses of the base by all observations; None: there are none."""
     if not isinstance(landmarks, Reason):
-        return _path(landmarks.result.map.frame, robot_poses(landmarks.result))
-    return None if isinstance(markers, Reason) else _path_by_markers(markers)
-
-
-def _path_by_markers(made: MadeMarkers) -> BasePath:
-    pairs = zip(made.recorded.stamps.tolist(), made.result.T_map_base)
-    return _path(made.result.map.frame, {stamp: T for stamp, T in pairs if T is not None})
-
-
-def _path(frame: str, poses: Dict[int, np.ndarray]) -> BasePath:
-    stamps = sorted(poses)
-    at = np.array([poses[stamp] for stamp in stamps]).reshape(-1, 4, 4)
-    return BasePath(frame, np.array(stamps, dtype=np.int64), at)
+        return path_of_landmarks(landmarks)
+    return None if isinstance(markers, Reason) else path_of_markers(markers)
 
 
 # ---- what is written
@@ -289,7 +253,7 @@ def _written_landmarks(options: argparse.Namespace, made: Union[MadeLandmarks, R
     if isinstance(made, Reason):
         return MapPart("landmarks", f"no map: {made}")
     sextant.write_landmark_map(made.result.map, str(options.output / LANDMARKS))
-    own, page, findings = _own_landmarks(made), "", []
+    own, page, findings = own_landmarks(made), "", []
     if made.result.sightings:  # otherwise the map is that of the filter: the problems have the reason
         values = {"recording": ", ".join(options.bags), "params": options.params}
         report_landmarks(made, options.output / LANDMARK_PAGE, values)

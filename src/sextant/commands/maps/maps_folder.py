@@ -103,12 +103,14 @@ def write_folder(
     title: str,
     parts: Sequence[MapPart],
     marker_map: Optional["sextant.MarkerMap"],
+    sizes: Optional["sextant.MarkerSizes"] = None,
     details: Details = NO_DETAILS,
 ) -> List[str]:
     """Writes the page and the launch file of maps that were written.
 
     :param title: of the page
     :param marker_map: in MARKERS; None: there is none
+    :param sizes: of markers that are not in it; None: there are none
     :returns: lines for the terminal
     :raises OSError: a file cannot be written
     """
@@ -123,7 +125,7 @@ def write_folder(
     }
     write_report(folder / PAGE, _PAGE, content)
     arguments = {_ARGUMENTS[name]: f"$(arg folder)/{name}" for name in files}
-    arguments.update(_detector_arguments(marker_map) if marker_map else {})
+    arguments.update(_detector_arguments(marker_map, sizes) if marker_map else {})
     lines = "\n".join(f'    <arg name="{key}" value={quoteattr(arguments[key])}/>' for key in arguments)
     with atomic_file(folder / LAUNCH) as file:
         file.write(_LAUNCH.format(lines=lines))
@@ -134,11 +136,15 @@ def write_folder(
 _ARGUMENTS = {MARKERS: "marker_map", LANDMARKS: "landmark_map", PLACES: "place_map"}
 
 
-def _detector_arguments(marker_map: "sextant.MarkerMap") -> Dict[str, str]:
+def _detector_arguments(
+    marker_map: "sextant.MarkerMap", sizes: Optional["sextant.MarkerSizes"]
+) -> Dict[str, str]:
     """Families and sizes of the markers, as arguments of localization.launch."""
     markers = marker_map.markers
-    size = Counter(marker.size for marker in markers).most_common(1)[0][0]
+    size = sizes.size if sizes else Counter(marker.size for marker in markers).most_common(1)[0][0]
+    others = dict(sizes.sizes) if sizes else {}
+    others.update({f"{each.family}/{each.id}": each.size for each in markers if each.size != size})
     families = ", ".join(sorted({marker.family for marker in markers}))
-    others = [f"'{each.family}/{each.id}': {each.size}" for each in markers if each.size != size]
     arguments = {"families": f"[{families}]", "marker_size": str(size)}
-    return {**arguments, "marker_sizes": f"{{{', '.join(others)}}}"} if others else arguments
+    listed = ", ".join(f"'{name}': {value}" for name, value in others.items())
+    return {**arguments, "marker_sizes": f"{{{listed}}}"} if others else arguments
