@@ -8,7 +8,16 @@ import roslaunch.config
 from simulated_observations import wall_map
 
 import sextant
-from sextant.commands.maps.maps_folder import LANDMARKS, MARKERS, PLACES, MapPart, check_folder, write_folder
+from sextant.commands.maps.maps_folder import (
+    LANDMARKS,
+    MARKERS,
+    PLACES,
+    MapPart,
+    check_folder,
+    detector_arguments,
+    params_arguments,
+    write_folder,
+)
 
 LAUNCH = Path(__file__).resolve().parents[3] / "launch/localization.launch"
 
@@ -21,13 +30,14 @@ def loaded(*arguments):
     return {node.name for node in config.nodes}, {key: each.value for key, each in config.params.items()}
 
 
-def written(folder, marker_map, *files):
+def written(folder, marker_map, *files, params=None):
     (folder / PLACES).parent.mkdir(parents=True)
     parts = [
         MapPart(name, "made", ["a <b>: c"], file=name if name in files else "")
         for name in (MARKERS, LANDMARKS, PLACES)
     ]
-    return write_folder(folder, "Maps", parts, marker_map)
+    arguments = {**detector_arguments(marker_map), **params_arguments(folder, params)} if marker_map else {}
+    return write_folder(folder, "Maps", parts, arguments)
 
 
 def two_sizes():
@@ -38,7 +48,8 @@ def two_sizes():
 
 
 def test_all_systems_of_a_folder_are_started_from_any_directory(tmp_path, monkeypatch):
-    written(tmp_path / "my hall", two_sizes(), MARKERS, LANDMARKS, PLACES)
+    (tmp_path / "slam.yaml").write_text("max_range: 3.5\n")
+    written(tmp_path / "my hall", two_sizes(), MARKERS, LANDMARKS, PLACES, params=str(tmp_path / "slam.yaml"))
     monkeypatch.chdir(tmp_path)
     nodes, params = loaded("maps:=my hall/", "start:=map")
     assert {"marker_detector", "landmark_slam", "place_localizer"} <= nodes
@@ -47,6 +58,7 @@ def test_all_systems_of_a_folder_are_started_from_any_directory(tmp_path, monkey
     assert params["/landmark_slam/map_file"] == str(folder / LANDMARKS)
     assert params["/place_localizer/map_file"] == str(folder / PLACES)
     assert params["/landmark_slam/start"] == "map" and params["/landmark_slam/cameras"] == ["markers"]
+    assert params["/landmark_slam/max_range"] == 3.5
     assert params["/marker_detector/families"] == ["tag25h9", "tag36h11"]
     assert params["/marker_detector/marker_size"] == 0.2
     assert params["/marker_detector/marker_sizes/tag25h9/4"] == 0.08

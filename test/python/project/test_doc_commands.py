@@ -102,7 +102,7 @@ def test_commands_and_nodes_accept_their_arguments(command, monkeypatch, capsys)
 def test_launch_files_accept_their_arguments(command, tmp_path):
     file, given = ROOT / "launch" / command[2], list(command[3:])
     if any(each.startswith("maps:=") for each in given):
-        write_folder(tmp_path, "Maps", [MapPart("landmarks", "one landmark", file=LANDMARKS)], None)
+        write_folder(tmp_path, "Maps", [MapPart("landmarks", "one landmark", file=LANDMARKS)], {})
         given = [f"maps:={tmp_path}" if each.startswith("maps:=") else each for each in given]
     known = re.findall(r'<arg name="(\w+)"', file.read_text())
     assert {each.partition(":=")[0] for each in given} <= set(known)

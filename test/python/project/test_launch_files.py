@@ -102,6 +102,7 @@ ARGUMENTS_ALONE = {
     ("places.launch", "visualizer_params"): {"map_file"},
     ("amcl.launch", "localizer_params"): {"map_file"},
     ("ball_task.launch", "locator_params"): {"base_frame"},
+    ("localization.launch", "landmark_params"): {"start", "read_only", "tf_output"},
 }
 
 
@@ -253,7 +254,8 @@ def test_a_file_wins_over_defaults_and_arguments_win_over_the_file(path, name, t
     start = STARTED.get(name, [])
     node = reader_of(path, name, file, start)
     empty = {arg for arg, (default, _) in own_declared(path).items() if default == ""}
-    sevens = [f"{arg}:=7" for arg in empty - {"camera_info", "manager", "detections"}]  # which are names
+    names = {"camera_info", "manager", "detections", "maps"}
+    sevens = [f"{arg}:=7" for arg in empty - names]
     plain, given = params_with(path, *start), params_with(path, *start, *sevens)
     from_file = {key: "of the file" for key in given if key.startswith(node)}
     file.write_text(yaml.safe_dump({key[len(node) :]: value for key, value in from_file.items()}))

@@ -29,6 +29,8 @@ from sextant.commands.maps.maps_folder import (
     Details,
     MapPart,
     check_folder,
+    detector_arguments,
+    params_arguments,
     write_folder,
 )
 from sextant.commands.maps.moved_maps import (
@@ -215,14 +217,15 @@ def _findings(reference: str, system: str, alignment: FrameAlignment) -> List[st
 def _written(options: argparse.Namespace, maps: Dict[str, _Map], found: Dict[str, _Aligned]) -> List[str]:
     """Writes the moved maps and the page. :returns: lines for the terminal"""
     options.output.mkdir(parents=True, exist_ok=True)
-    parts, marker_map = [], None
+    parts, arguments = [], params_arguments(options.output, options.params)
     for system, aligned in found.items():
-        moved = WRITERS[system](options, maps[system], aligned.move)
-        marker_map = moved if system == "markers" else marker_map
+        WRITERS[system](options, maps[system], aligned.move)
         parts.append(MapPart(system, aligned.verdict, aligned.findings, file=FILES[system]))
+    if "markers" in maps:
+        arguments.update(detector_arguments(maps["markers"].content))
     table = Table(HEADS, [Row(_cells(system, each)) for system, each in found.items()], (0,))
     details = Details("Transforms and residuals", NOTE, table)
-    written = write_folder(options.output, "Aligned maps", parts, marker_map, details=details)
+    written = write_folder(options.output, "Aligned maps", parts, arguments, details)
     lines = [line for part in parts for line in part.lines()]
     return [*lines, *text_table(table).splitlines(), *written]
 
@@ -243,10 +246,8 @@ def _cells(system: str, aligned: _Aligned) -> Sequence[str]:
     )
 
 
-def _write_markers(options: argparse.Namespace, of: _Map, move: FrameMove) -> "sextant.MarkerMap":
-    moved = moved_marker_map(of.content, move)
-    sextant.write_marker_map(moved, str(options.output / MARKERS))
-    return moved
+def _write_markers(options: argparse.Namespace, of: _Map, move: FrameMove) -> None:
+    sextant.write_marker_map(moved_marker_map(of.content, move), str(options.output / MARKERS))
 
 
 def _write_landmarks(options: argparse.Namespace, of: _Map, move: FrameMove) -> None:

@@ -63,6 +63,8 @@ from sextant.commands.maps.maps_folder import (
     PLACES,
     MapPart,
     check_folder,
+    detector_arguments,
+    params_arguments,
     write_folder,
 )
 from sextant.commands.places import place_map_of_drives as photos_of_drives
@@ -127,8 +129,10 @@ def _make(options: argparse.Namespace) -> Answer:
     options.output.mkdir(parents=True, exist_ok=True)
     parts = [_written_markers(options, markers), _written_landmarks(options, landmarks)]
     parts.append(_photos(options, recording, path, notes))
-    marker_map = None if isinstance(markers, Reason) else markers.result.map
-    written = write_folder(options.output, "Maps of a drive", parts, marker_map, inputs.sizes)
+    arguments = params_arguments(options.output, options.params)
+    if not isinstance(markers, Reason):
+        arguments.update(detector_arguments(markers.result.map, inputs.sizes))
+    written = write_folder(options.output, "Maps of a drive", parts, arguments)
     return Answer([*notes, *(line for part in parts for line in part.lines()), *written])
 
 

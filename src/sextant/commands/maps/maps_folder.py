@@ -8,7 +8,7 @@ maps.launch names the maps that exist; it is written last, so that it never name
 import os
 from collections import Counter
 from pathlib import Path
-from typing import Dict, List, NamedTuple, Optional, Sequence
+from typing import Dict, List, Mapping, NamedTuple, Optional, Sequence
 from xml.sax.saxutils import quoteattr
 
 import sextant
@@ -18,8 +18,8 @@ from sextant.commands.command_line import check_output
 
 MARKERS, LANDMARKS, PLACES = "markers.yaml", "landmarks.yaml", "places/map.txt"
 MARKER_PAGE, LANDMARK_PAGE = "markers.html", "landmarks.html"
-LAUNCH, PAGE = "maps.launch", "index.html"
-FILES = (MARKERS, LANDMARKS, PLACES, MARKER_PAGE, LANDMARK_PAGE, LAUNCH, PAGE)
+LAUNCH, PAGE, PARAMS = "maps.launch", "index.html", "landmark_slam.yaml"
+FILES = (MARKERS, LANDMARKS, PLACES, MARKER_PAGE, LANDMARK_PAGE, LAUNCH, PAGE, PARAMS)
 
 _LAUNCH = """\
 <launch>
@@ -102,15 +102,13 @@ def write_folder(
     folder: Path,
     title: str,
     parts: Sequence[MapPart],
-    marker_map: Optional["sextant.MarkerMap"],
-    sizes: Optional["sextant.MarkerSizes"] = None,
+    arguments: Mapping[str, str],
     details: Details = NO_DETAILS,
 ) -> List[str]:
     """Writes the page and the launch file of maps that were written.
 
     :param title: of the page
-    :param marker_map: in MARKERS; None: there is none
-    :param sizes: of markers that are not in it; None: there are none
+    :param arguments: of localization.launch, besides the maps
     :returns: lines for the terminal
     :raises OSError: a file cannot be written
     """
@@ -124,8 +122,7 @@ def write_folder(
         "details": details.table,
     }
     write_report(folder / PAGE, _PAGE, content)
-    arguments = {_ARGUMENTS[name]: f"$(arg folder)/{name}" for name in files}
-    arguments.update(_detector_arguments(marker_map, sizes) if marker_map else {})
+    arguments = {**{_ARGUMENTS[name]: f"$(arg folder)/{name}" for name in files}, **arguments}
     lines = "\n".join(f'    <arg name="{key}" value={quoteattr(arguments[key])}/>' for key in arguments)
     with atomic_file(folder / LAUNCH) as file:
         file.write(_LAUNCH.format(lines=lines))
@@ -136,10 +133,27 @@ def write_folder(
 _ARGUMENTS = {MARKERS: "marker_map", LANDMARKS: "landmark_map", PLACES: "place_map"}
 
 
-def _detector_arguments(
-    marker_map: "sextant.MarkerMap", sizes: Optional["sextant.MarkerSizes"]
+def params_arguments(folder: Path, path: Optional[str]) -> Dict[str, str]:
+    """Copies a file of parameters of landmark_slam; returns the argument of localization.launch that sets it.
+
+    :param path: None: there is no file, and no argument
+    :raises OSError: it cannot be copied
+    """
+    if not path:
+        return {}
+    content = Path(path).read_bytes()
+    with atomic_file(folder / PARAMS, "wb") as file:
+        file.write(content)
+    return {"landmark_params": f"$(arg folder)/{PARAMS}"}
+
+
+def detector_arguments(
+    marker_map: "sextant.MarkerMap", sizes: Optional["sextant.MarkerSizes"] = None
 ) -> Dict[str, str]:
-    """Families and sizes of the markers, as arguments of localization.launch."""
+    """Families and sizes of the markers, as arguments of localization.launch.
+
+    :param sizes: of markers that are not in the map; None: there are none
+    """
     markers = marker_map.markers
     size = sizes.size if sizes else Counter(marker.size for marker in markers).most_common(1)[0][0]
     others = dict(sizes.sizes) if sizes else {}
