@@ -22,10 +22,11 @@ from nav_msgs.msg import Odometry
 from std_msgs.msg import Header
 
 from landmarks.commanded_drive import read_commanded_drive
-from landmarks.stamped_drive import DELAY, LABELS, StampedDrive, arriving, slam_params
+from landmarks.stamped_drive import DELAY, LABELS, StampedDrive, arriving, labelled, slam_params
 from sextant.base.atomic_file import atomic_file, atomic_files
 from sextant.commands.command_line import Answer, CommandParser, check_output, run
-from sextant.msg import LandmarkObservation, LandmarkObservations
+from sextant.messages.landmark_messages import observations_to_messages
+from sextant.msg import LandmarkObservations
 
 BEGIN = 1.0  # seconds: a stamp of zero is none
 ODOMETRY, BASE = "odom", "base_link"
@@ -64,8 +65,8 @@ def write_drive_bag(path: Path, drive: StampedDrive, label: Callable[[int], obje
     with atomic_files(path.parent) as folder, rosbag.Bag(str(folder / path.name), "w") as bag:
         written = _Odometry(bag)
         for stamp, sightings in arriving(drive, written):
-            observations = [_message(each, label) for each in sightings]
-            message = LandmarkObservations(_header(stamp, BASE), observations)
+            seen = [labelled(each, label) for each in sightings]
+            message = LandmarkObservations(_header(stamp, BASE), observations_to_messages(seen))
             bag.write("/landmarks", message, _time(stamp + DELAY))
 
 
@@ -81,12 +82,6 @@ class _Odometry:
         at = PoseWithCovariance(pose=Pose(Point(pose[0], pose[1], 0.0), turn))
         message = Odometry(header=_header(stamp, ODOMETRY), child_frame_id=BASE, pose=at)
         self._bag.write("/odom", message, _time(stamp))
-
-
-def _message(sighting, label: Callable[[int], object]) -> LandmarkObservation:
-    of, seen = label(sighting.subject), sighting.observation
-    id = -1 if of.id is None else of.id
-    return LandmarkObservation(of.class_name, id, *seen.position, np.nan, seen.covariance.ravel().tolist())
 
 
 def _header(stamp: float, frame: str) -> Header:

@@ -14,6 +14,28 @@ from sextant.simulation.building_round import BuildingRound, RoundParams, RoundS
 
 SYSTEMS = ("markers", "landmarks", "places")
 DELAY = 0.3  # seconds from a photo to its places
+TRUE_SIGMA = 0.003  # metres and radians: standard deviation that a map without errors states
+
+
+class Maps(NamedTuple):
+    """Of one building."""
+
+    landmarks: List  # sextant.Landmark2D of pillars and markers
+    labels: List  # sextant.LandmarkLabel of each
+    covariance: np.ndarray  # (3 + n, 3 + n), the robot first
+    placed: Callable[[np.ndarray], np.ndarray]  # pose (3,) that the photos have for a true one
+
+
+def true_maps(building: Building) -> Maps:
+    """Maps without errors."""
+    landmarks = landmark_map(building, np.random.default_rng(0), sigma=0.0)
+    covariance = TRUE_SIGMA**2 * np.eye(len(landmarks[2]))
+    return Maps(*landmarks[:2], covariance, lambda pose: pose)
+
+
+def right_maps(building: Building, seed: int) -> Maps:
+    """Maps that are right to a few centimetres."""
+    return Maps(*landmark_map(building, np.random.default_rng([seed, 6])), lambda pose: pose)
 
 
 class Look(NamedTuple):
@@ -51,17 +73,21 @@ def looks(
     params: RoundParams,
     systems: Sequence[str] = SYSTEMS,
     failure: Callable[[RoundStep], RoundStep] = lambda step: step,
+    maps: Optional[Maps] = None,
 ) -> Iterator[Look]:
-    """The robot is lost at first; its maps are right to a few centimetres.
+    """The robot is lost at first.
 
+    :param seed: of the building
     :param failure: what is observed instead
+    :param maps: of the building; by default right_maps
     """
     building, monitor = Building(seed), sextant.SourceMonitor()
-    timeline = _timeline(building, seed, systems)
+    maps = maps or right_maps(building, seed)
+    timeline = _timeline(maps, systems)
     waiting: List = []
     for step in map(failure, BuildingRound(building, params)):
         if step.places is not None and "places" in systems:
-            waiting.append((step.stamp, step.places))
+            waiting.append((step.stamp, [(maps.placed(pose), *rest) for pose, *rest in step.places]))
         calls = [partial(timeline.odometry, step.stamp, step.T_odom_base), *_scans(timeline, step, systems)]
         while waiting and waiting[0][0] + DELAY <= step.stamp:
             calls.append(partial(timeline.observe_places, *waiting.pop(0)))
@@ -82,20 +108,23 @@ def _apply(calls: List[Callable[[], object]], timeline, monitor) -> None:
             monitor.add(applied)
 
 
-def _timeline(building: Building, seed: int, systems: Sequence[str]):
+def _timeline(maps: Maps, systems: Sequence[str]):
     """sextant.LandmarkTimeline with the parts of the map that the systems use."""
     params = sextant.LandmarkSlamNodeParams()
     params.read_only, params.start, params.places = True, "unknown", "places/hypotheses"
     params.max_range, params.field_of_view = 4.5, 1.0
     params.scale_sigma = params.turn_scale_sigma = 0.05
     timeline = sextant.LandmarkSession(params).timeline
-    landmarks, labels, covariance = landmark_map(building, np.random.default_rng([seed, 6]))
-    kinds = ["landmarks" if label.id is None else "markers" for label in labels]
-    used = [k for k, kind in enumerate(kinds) if kind in systems]
+    used, rows, begin = [], [0, 1, 2], 3
+    for k, (label, landmark) in enumerate(zip(maps.labels, maps.landmarks)):
+        end = begin + (2 if landmark.heading is None else 3)
+        if ("landmarks" if label.id is None else "markers") in systems:
+            used.append(k)
+            rows += range(begin, end)
+        begin = end
     if used:
-        size = 3 + sum(2 if landmarks[k].heading is None else 3 for k in used)
-        kept = covariance[:size, :size]  # all have the same variance, without correlations
-        timeline.set_map(np.zeros(3), [landmarks[k] for k in used], [labels[k] for k in used], kept)
+        landmarks, labels = [maps.landmarks[k] for k in used], [maps.labels[k] for k in used]
+        timeline.set_map(np.zeros(3), landmarks, labels, maps.covariance[np.ix_(rows, rows)])
         timeline.relocalize()
     return timeline
 

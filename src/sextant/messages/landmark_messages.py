@@ -11,6 +11,7 @@ import sextant
 from sextant.geometry.plane_poses import planar
 from sextant.geometry.poses import pose_of_fields
 from sextant.messages.damaged_message import DamagedMessage
+from sextant.msg import LandmarkObservation
 
 MIN_COS_TILT = 0.999  # of a frame whose z axis is up
 
@@ -39,6 +40,17 @@ def landmark_observations(message: Any, T_base_frame: np.ndarray) -> List["sexta
         frame = message.header.frame_id
         raise DamagedMessage(f"the z axis of its frame '{frame}' is not up")
     return [_observation(each, planar(T_base_frame)) for each in message.observations]
+
+
+def observations_to_messages(observations: List["sextant.LabelledObservation"]) -> List[LandmarkObservation]:
+    """Converts observations to messages in the same frame."""
+    messages = []
+    for each in observations:
+        seen, id = each.observation, -1 if each.label.id is None else each.label.id
+        heading = math.nan if seen.heading is None else seen.heading
+        covariance = np.ravel(seen.covariance).tolist()
+        messages.append(LandmarkObservation(each.label.class_name, id, *seen.position, heading, covariance))
+    return messages
 
 
 def marker_observations(

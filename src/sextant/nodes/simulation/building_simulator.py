@@ -2,10 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Node building_simulator: a simulated robot with a camera and a sensor of pillars in a building."""
 
-import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import List
 
 import numpy as np
 import rospy
@@ -15,13 +13,13 @@ from std_msgs.msg import Header
 from std_srvs.srv import Trigger, TriggerResponse
 from visualization_msgs.msg import MarkerArray
 
-import sextant
 from sextant.base.strict_params import not_empty, param, within
 from sextant.buildings.building_drive import BuildingDrive, BuildingDriveParams, BuildingStep
 from sextant.buildings.building_maps import FRAME, has_building_map, write_building_map
 from sextant.messages.camera_messages import calibration_to_message
 from sextant.messages.image_messages import image_to_message
-from sextant.msg import LandmarkObservation, LandmarkObservations
+from sextant.messages.landmark_messages import observations_to_messages
+from sextant.msg import LandmarkObservations
 from sextant.nodes.base.exits import fatal
 from sextant.nodes.base.params import read_params
 from sextant.nodes.base.subscriber_wait import wait_for_subscriber
@@ -83,7 +81,7 @@ class BuildingSimulator(SimulatedRobot):
         if step.pillars is None:
             return
         base = Header(stamp=stamp, frame_id=self._params.base_frame)
-        self._pillars.publish(LandmarkObservations(base, pillars_to_messages(step.pillars)))
+        self._pillars.publish(LandmarkObservations(base, observations_to_messages(step.pillars)))
         camera = Header(stamp=stamp, frame_id=self._params.camera_frame)
         self._camera_info.publish(calibration_to_message(self._calibration, camera))
         if image is not None:
@@ -93,19 +91,6 @@ class BuildingSimulator(SimulatedRobot):
         with self._lock:
             distance = self._drive.carry()
         return TriggerResponse(True, f"carried {distance:.0f} m away, without odometry")
-
-
-def pillars_to_messages(pillars: List["sextant.LabelledObservation"]) -> List[LandmarkObservation]:
-    """Converts observations without id and heading, in the robot frame."""
-    messages = []
-    for each in pillars:
-        covariance = np.zeros((3, 3))
-        covariance[:2, :2] = each.observation.covariance[:2, :2]
-        x, y = each.observation.position
-        messages.append(
-            LandmarkObservation(each.label.class_name, -1, x, y, math.nan, list(np.ravel(covariance)))
-        )
-    return messages
 
 
 def main() -> None:
