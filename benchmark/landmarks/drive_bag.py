@@ -56,7 +56,7 @@ def _write(options: argparse.Namespace) -> Answer:
     drive = read_commanded_drive(options.folder, options.set, options.robot)
     write_drive_bag(options.output, drive, LABELS[options.labels])
     with atomic_file(params) as file:
-        yaml.safe_dump(differing(slam_params()), file)
+        yaml.safe_dump(_differing(slam_params()), file)
     return Answer([f"{options.output}: {len(drive.scans)} scans", f"{params}: parameters of landmark_slam"])
 
 
@@ -92,7 +92,7 @@ def _time(stamp: float) -> rospy.Time:
     return rospy.Time(0, round(1e9 * (BEGIN + stamp)))
 
 
-def differing(params) -> dict:
+def _differing(params) -> dict:
     """Values by name of the parameters that differ from their defaults."""
     default = type(params)()
     names = [name for name, *_ in type(params).fields()]
