@@ -20,6 +20,7 @@ NODES_PAGE = ROOT / "doc/reference/nodes.md"
 # Arguments without which a file cannot be loaded or starts next to nothing.
 ARGS = {
     "amcl.launch": ["places:=map.txt", "floor:=floor.yaml"],
+    "localization.launch": ["marker_map:=map.yaml", "place_map:=map.txt"],
     "places.launch": ["map:=map.txt"],
     "markers.launch": ["map:=map.yaml"],
     "robot.launch": ["map:=map.yaml", "start_camera:=true"],
@@ -136,14 +137,13 @@ def sections(path: Path, topics: Dict[str, Topics]) -> Iterator[str]:
     if graph:
         shown = " ".join(ARGS.get(path.name, []))
         yield f"With `{shown}`:\n\n{graph}" if shown else graph
-    yield "\n".join(
-        ["| argument | default | description |", "| --- | --- | --- |", *map(row_of, root.findall("arg"))]
-    )
+    rows = [row_of(each) for each in root.findall("arg") if "value" not in each.attrib]
+    yield "\n".join(["| argument | default | description |", "| --- | --- | --- |", *rows])
 
 
 def row_of(arg: ElementTree.Element) -> str:
     """Returns the row of an argument."""
-    default = arg.get("default", arg.get("value"))
+    default = arg.get("default")
     shown = "required" if default is None else f"`{default}`" if default else ""
     return " ".join(
         [

@@ -3,8 +3,8 @@
 """What one bad message costs, and whether hours in a large map do.
 
 A bad message comes in the middle of a drive; the next good one is answered when the pose that it gives is
-there, by the same conversion and calls as in the node. The map is compared with that of a drive without it: no
-landmark may have moved by more than its standard deviation.
+there, by the same conversion and calls as in the node. The map is compared with that of a drive without it:
+no landmark may have moved by more than its standard deviation.
 
 In the long drive all landmarks are in the map from the start, as after it was loaded, so that quarters of the
 drive compare. Landmarks have no ids: up to `hypotheses` states are kept. Time is that of the process.
@@ -64,7 +64,8 @@ def _bad_messages() -> Table:
         ]
         rows.append((name, figures))
     title = "One bad message in a drive among 15 landmarks"
-    return Table(title, ["next answer after, s", "landmarks more", "largest change of one, m", "over its sigma"], rows)
+    columns = ["next answer after, s", "landmarks more", "largest change of one, m", "over its sigma"]
+    return Table(title, columns, rows)
 
 
 def _driven(bad: Optional[LandmarkObservations]) -> Outcome:

@@ -2,10 +2,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Maps that map_all makes of one recorded round, and localization with them.
 
-The images of the round are rendered, with the markers on the walls. The frame of the maps is arbitrary: before
-they are compared with the truth, they are aligned with it by the poses of the photos. Localization is that of
-rounds without kidnappings, since a minute after their begin; with true maps it is the same rounds with the same
-noise. The answers of photos are drawn, and moved by the error of the nearest photo of the map.
+The images of the round are rendered, with the markers on the walls. The frame of the maps is arbitrary:
+they are aligned with the truth by the poses of the photos. Localization is that of rounds without
+kidnappings, from one minute after the start; with true maps it is the same rounds with the same noise. The
+answers of photos are drawn, and moved by the error of the nearest photo of the map.
 """
 
 import tempfile
@@ -73,8 +73,8 @@ def _row(seed: int, quick: bool) -> Row:
     building = Building(seed)
     made = made_maps(seed, QUICK_DRIVE if quick else DRIVE)
     rounds, duration = (1, QUICK_DURATION) if quick else (ROUNDS, DURATION)
-    way = [RoundParams(seed=seed + 100 + k, duration=duration, kidnappings=0) for k in range(rounds)]
-    with_made, with_true = (_rms(seed, way, maps) for maps in (made.maps, true_maps(building)))
+    drives = [RoundParams(seed=seed + 100 + k, duration=duration, kidnappings=0) for k in range(rounds)]
+    with_made, with_true = (_rms(seed, drives, maps) for maps in (made.maps, true_maps(building)))
     figures = [
         Value(len(made.markers), 0),
         Value(len(building.pillars), 0),
@@ -87,10 +87,10 @@ def _row(seed: int, quick: bool) -> Row:
     return f"building {seed}", figures
 
 
-def _rms(seed: int, way: List[RoundParams], maps: Maps) -> float:
+def _rms(seed: int, drives: List[RoundParams], maps: Maps) -> float:
     distances = [
         look.distance
-        for params in way
+        for params in drives
         for look in looks(seed, params, SYSTEMS, maps=maps)
         if look.stamp > SETTLED and look.pose is not None
     ]

@@ -30,7 +30,7 @@ constexpr double kSettledPlace = 0.5;  // probability of a place that corrects t
 constexpr double kSamePlace = 0.999;   // of the squared distance of a pose from its place
 
 constexpr double kLogElsewhere = -3;  // density of what a wrong source shows, 1/m^2: it is somewhere in view
-constexpr double kLogLost = -12;      // of a hypothesis that is lost, while another one takes a source to be wrong
+constexpr double kLogLost = -12;      // of a lost one, while the others take a source to be wrong
 
 /// Whether two hypotheses have the same landmarks, at the same places, and the same pose.
 bool areEqual(const LandmarkSlam& a, const LandmarkSlam& b) {
@@ -62,14 +62,14 @@ bool agrees(const ScanInterpretation& how) {
   return !how.slipped && std::any_of(how.outcomes.begin(), how.outcomes.end(), is_associated);
 }
 
-/// Whether a scan shows only what is not where the map has it.
+/// Whether a scan shows only what is not where the map has it; markers that are not in the map do not count.
 bool contradicts(const ScanInterpretation& how, const std::vector<LabelledObservation>& observations) {
   if (agrees(how)) return false;
   bool is_elsewhere = how.slipped;
   for (size_t i = 0; i < observations.size(); ++i) {
     const Outcome outcome = how.outcomes[i].outcome;
-    const bool is_rejected = outcome == Outcome::ambiguous && observations[i].label.id;
-    is_elsewhere = is_elsewhere || is_rejected || outcome == Outcome::unassociated;
+    const Outcome if_elsewhere = observations[i].label.id ? Outcome::ambiguous : Outcome::unassociated;
+    is_elsewhere = is_elsewhere || outcome == if_elsewhere;
   }
   return is_elsewhere;
 }
@@ -88,7 +88,7 @@ LandmarkReport LandmarkHypotheses::observe(double stamp, const std::vector<Label
                                            const Pose2& T_base_sensor, Detects detects) {
   const Scan scan{stamp, observations, T_base_sensor, detects};
   const size_t most = affordable();
-  std::vector<Child> children = this->children(scan, most);
+  std::vector<Child> children = childrenOf(scan, most);
   std::stable_sort(children.begin(), children.end(),
                    [](const Child& a, const Child& b) { return a.log_weight > b.log_weight; });
   const double best_weight = children.front().log_weight;
@@ -109,7 +109,7 @@ LandmarkReport LandmarkHypotheses::observe(double stamp, const std::vector<Label
   return all_.front().report;
 }
 
-std::vector<LandmarkHypotheses::Child> LandmarkHypotheses::children(const Scan& scan, size_t most) {
+std::vector<LandmarkHypotheses::Child> LandmarkHypotheses::childrenOf(const Scan& scan, size_t most) {
   std::vector<Child> found;
   for (size_t i = 0; i < all_.size(); ++i) addChildren(scan, i, most, found);
   weigh(scan, found);
@@ -217,7 +217,7 @@ void LandmarkHypotheses::addPlaces(const std::vector<PossiblePose>& poses) {
   std::vector<Hypothesis> added;
   for (const PossiblePose& each : poses) {
     const bool is_known = std::any_of(all_.begin(), all_.end(), [&](const Hypothesis& hypothesis) {
-      return isAt(poseOf(hypothesis.slam), each);
+      return !hypothesis.is_aside && isAt(poseOf(hypothesis.slam), each);
     });
     if (each.probability < kMinPlace || is_known) continue;
     added.push_back({best(), kLogCarried - all_.front().faults.logPrior(), 0, false});

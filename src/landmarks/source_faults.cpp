@@ -49,6 +49,8 @@ double SourceFaults::compare(PoseSource source, bool agrees) {
 
 void SourceFaults::drive(double distance) {
   for (State& each : states_) each.unsupported += distance;
+  for (const PoseSource source : {PoseSource::markers, PoseSource::landmarks, PoseSource::places})
+    if (isExcluded(source) && !mayBeWrong(source)) of(source) = State();
 }
 
 double SourceFaults::logPrior() const {

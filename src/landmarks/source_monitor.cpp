@@ -108,8 +108,8 @@ std::vector<std::string> SourceMonitor::problems() const {
       });
     });
     if (is_supported && isContradicting(sources_[i])) found.emplace_back(kSources[i].contradicts);
-    const bool is_blank = count(sources_[i], Verdict::supports) + count(sources_[i], Verdict::contradicts) == 0;
-    if (is_blank && count(sources_[i], Verdict::misses) >= kSources[i].blank)
+    const size_t shown = count(sources_[i], Verdict::supports) + count(sources_[i], Verdict::contradicts);
+    if (shown == 0 && count(sources_[i], Verdict::misses) >= kSources[i].blank)
       found.emplace_back(kSources[i].misses);
   }
   return found;

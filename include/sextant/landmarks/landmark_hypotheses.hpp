@@ -72,7 +72,7 @@ class LandmarkHypotheses {
     double log_places = 0;     // of images, relative to that which fits best
     bool is_confirmed = true;  // whether a landmark was associated since it was at a place
     double unmeasured = 0;     // metres driven since a landmark was associated or a place corrected the pose
-    SourceFaults faults = {};
+    SourceFaults faults = {};  // sources that it takes to be wrong
     bool is_aside = false;  // whether it is lost, while others are not
     LandmarkReport report = {};
 
@@ -80,10 +80,10 @@ class LandmarkHypotheses {
   };
   /// What becomes of a hypothesis with a scan.
   struct Child {
-    size_t parent;
+    size_t parent;  // index of the hypothesis
     ScanInterpretation how;
-    double log_weight;
-    bool is_applied;  // or its source is excluded
+    double log_weight;  // of the parent and the scan
+    bool is_applied;    // or its source is excluded
   };
   struct Scan {
     double stamp;
@@ -91,7 +91,7 @@ class LandmarkHypotheses {
     const Pose2& T_base_sensor;
     Detects detects;
   };
-  std::vector<Child> children(const Scan& scan, size_t most);
+  std::vector<Child> childrenOf(const Scan& scan, size_t most);
   void addChildren(const Scan& scan, size_t parent, size_t most, std::vector<Child>& found);
   void weigh(const Scan& scan, std::vector<Child>& found) const;
   static void apply(const Scan& scan, const Child& child, Hypothesis& to);

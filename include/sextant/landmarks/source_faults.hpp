@@ -40,7 +40,8 @@ class SourceFaults {
   /// @returns logarithm of the probability of a scan that contradicts the pose, while no other source has
   /// confirmed the exclusion
   double compare(PoseSource source, bool agrees);
-  /// Moves the robot. @param distance metres
+  /// Moves the robot. An excluded source is used again if no other one supported the pose within the last
+  /// metres. @param distance metres
   void drive(double distance);
 
   /// Logarithm of the probability of the exclusions that no other source has confirmed yet; at most 0.

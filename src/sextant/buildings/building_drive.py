@@ -27,7 +27,7 @@ DRIVE_DAY = 1  # of sextant.buildings.building_looks
 class BuildingDriveParams(StrictParams):
     """Parameters of robot and camera."""
 
-    seed: int = param(0, "random seed of the way and of all noise", within(0, 2**31 - 1))
+    seed: int = param(0, "random seed of the route and of all noise", within(0, 2**31 - 1))
     speed: float = param(0.5, "speed of the rounds", within(0.0, 2.0), "m/s")
     odometry_rate: int = param(20, "rate of odometry", within(1, 100), "Hz")
     images_every: int = param(2, "readings of odometry per image and per scan for pillars", within(1, 1000))

@@ -71,7 +71,7 @@ def building_view(
 
 
 def visible_walls(looks: BuildingLooks, view: UprightView) -> Tuple[np.ndarray, np.ndarray]:
-    """The nearest panel in each column of an image, all of them reach from the floor to the ceiling.
+    """The nearest panel in each column of an image. All panels reach from the floor to the ceiling.
 
     :returns: its index (width,), -1: none, and its depth (width,), metres
     """

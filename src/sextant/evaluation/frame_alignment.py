@@ -24,7 +24,6 @@ SAMPLES, MAX_SAMPLE = 500, 300  # pairs of positions that are tried; positions b
 MEDIAN_LENGTH, LONGEST = 1.1774, 3.4
 MIN_SCALE = 0.005  # metres: standard deviation, below which no position is left out
 ROUNDS = 20  # of least squares, at most
-MIN_USED = 0.5  # share of the positions that must fit
 MAX_RMS = 1.0  # metres, of the positions that fit
 MAX_TURN_SIGMA, MAX_SIGMA = 0.05, 0.5  # radians; metres, of the transform where the robot drove
 MAX_HEADING = 0.5  # radians, median difference of the headings
@@ -67,6 +66,7 @@ def frame_alignment(to: Trajectory, of: Trajectory, seed: int = 0) -> FrameAlign
         T = _least_squares(there[used], here[used])
         if np.array_equal(before, used):
             break
+    _check_drive(stamps[used], there[used])
     covariance = _covariance(T, stamps[used], there[used], here[used])
     found = FrameAlignment(
         T, covariance, stamps, _distances(T, there, here), used, there[used, :2].mean(axis=0)
@@ -164,9 +164,9 @@ def _check_drive(stamps: np.ndarray, there: np.ndarray) -> None:
 
 
 def _check(found: FrameAlignment, there: np.ndarray, here: np.ndarray) -> None:
-    share = float(np.mean(found.used))
-    if share < MIN_USED or found.rms > MAX_RMS:
-        fit = f"with the best transform {share:.0%} of the poses fit, {found.rms:.2f} m (RMS) apart"
+    if found.rms > MAX_RMS:
+        share = float(np.mean(found.used))
+        fit = f"with the best transform {share:.0%} of the poses are {found.rms:.2f} m (RMS) apart"
         raise ValueError(f"the poses contradict one another: {fit}; are these maps of this place?")
     off = np.median(np.abs(wrapped(there[:, 2] - here[:, 2] - found.T_to_from[2])[found.used]))
     if off > MAX_HEADING:

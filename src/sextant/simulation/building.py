@@ -208,7 +208,7 @@ def _ways() -> Tuple[np.ndarray, Dict[int, List[int]]]:
 
 
 def _pillars(rng: np.random.Generator) -> List[Tuple[float, float]]:
-    """Beside the way in corridors, and in the corners of rooms."""
+    """Along the corridors, and in the corners of rooms."""
     found = []
     for y in (LOWER, UPPER):
         for x in np.arange(4.0, LENGTH - 2, 6.0):

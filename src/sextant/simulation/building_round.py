@@ -26,7 +26,7 @@ TURN_GAIN, TURN_RATE = 2.0, 1.0  # 1/s; rad/s
 class RoundParams(StrictParams):
     """Parameters of a round."""
 
-    seed: int = param(0, "random seed of the way and of all noise", within(0, 2**31 - 1))
+    seed: int = param(0, "random seed of the route and of all noise", within(0, 2**31 - 1))
     duration: float = param(600.0, "simulated duration", within(1, 1e6), "s")
     kidnappings: int = param(5, "number of times that the robot is carried", within(0, 1000))
     odometry_rate: int = param(10, "rate of odometry", within(1, 100), "Hz")

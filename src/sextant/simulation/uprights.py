@@ -73,8 +73,8 @@ def upright_image(
 ) -> Optional[UprightImage]:
     """Projects an upright; None if it is not in the image.
 
-    :param columns: the first column to show, and the one after the last; the caller knows where the upright
-        is there, its opacity is not computed. None: all
+    :param columns: the first column to show, and the one after the last; the upright must cover all of them,
+        as its opacity is not computed. None: all
     """
     depth, right = view.depth_and_right(np.array([upright.left, upright.right]))
     parts = _visible(depth, right, (view.width / 2 + 1) / view.f, view.near)

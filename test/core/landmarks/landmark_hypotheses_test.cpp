@@ -323,6 +323,16 @@ TEST(LandmarkHypotheses, UntilAnotherSourceDecidesThePoseIsUncertain) {
   EXPECT_LT((all.best().filter().pose().position - carried.position).norm(), 0.1);
 }
 
+TEST(LandmarkHypotheses, AMarkerThatIsNotInTheMapDoesNotExcludeTheOthers) {
+  LandmarkHypotheses all = amongThreeSources();
+  const LabelledObservation unknown{{"tag36h11", 9}, {{2, 2}, 0.5, 1e-4 * Matrix3d::Identity()}};
+  for (int i = 0; i < 30; ++i) {
+    observePillars(all, 0.2 * i);
+    EXPECT_EQ(all.observe(0.2 * i + 0.1, {unknown}, {}, Detects::with_id).excluded, 0);
+  }
+  EXPECT_EQ(all.observe(7, {marker({})}, {}, Detects::with_id).associated, 1);
+}
+
 TEST(LandmarkHypotheses, LandmarksThatWereMovedAreExcluded) {
   LandmarkHypotheses all = amongThreeSources();
   all.observe(0, {marker({})}, {}, Detects::with_id);

@@ -23,8 +23,6 @@ TEST(SourceFaults, ASourceMayBeWrongOnlyIfAnotherOneSupportsThePose) {
 TEST(SourceFaults, AnExcludedSourceIsNoSupport) {
   SourceFaults faults;
   faults.support(kLandmarks);
-  faults.support(kPlaces);
-  faults.exclude(kPlaces);
   faults.exclude(kLandmarks);
   EXPECT_FALSE(faults.mayBeWrong(kMarkers));
 }
@@ -64,6 +62,16 @@ TEST(SourceFaults, ASourceThatAgreesAgainIsUsedAgain) {
   faults.compare(kMarkers, true);
   EXPECT_FALSE(faults.isExcluded(kMarkers));
   EXPECT_TRUE(faults.mayBeWrong(kLandmarks));
+}
+
+TEST(SourceFaults, ASourceIsUsedAgainIfNoOtherOneSupportsThePose) {
+  SourceFaults faults;
+  faults.support(kLandmarks);
+  faults.exclude(kMarkers);
+  for (int i = 0; i < 9; ++i) faults.support(kLandmarks), faults.drive(1);
+  EXPECT_TRUE(faults.isExcluded(kMarkers));
+  faults.drive(100);
+  EXPECT_FALSE(faults.isExcluded(kMarkers));
 }
 
 TEST(SourceFaults, AreEqualIfTheyExcludeTheSame) {

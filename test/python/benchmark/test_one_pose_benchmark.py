@@ -69,6 +69,9 @@ def test_quick_run():
     assert one["at a wrong place"]["value"] == 0
     for row in topics["failures"][0]["rows"]:
         assert row["within 3 sigma, %"]["value"] > 30
+    (maps,) = topics["maps"][0]["rows"]
+    assert maps["pillars mapped"]["value"] >= 3 and maps["pillars, m"]["value"] < 0.5
+    assert maps["photos, m"]["value"] < 0.5
 
 
 def test_the_outcome_of_a_failure():

@@ -20,7 +20,7 @@ from std_srvs.srv import Trigger
 
 from sextant.msg import MarkerArray, PlaceHypotheses
 
-PATIENCE = 240.0  # s of the wall's clock, on a busy machine
+PATIENCE = 150.0  # s of the wall's clock, on a busy machine
 ARGS = {"spacing": 3.0, "seed": 1}
 NEAR, DEVIATION = 1.0, 1.0  # m: error of the pose, and standard deviation that it states
 STEADY = 40  # poses
@@ -49,32 +49,39 @@ class BuildingDemoTest(unittest.TestCase):
     @classmethod
     def stop(cls):
         cls.demo.send_signal(signal.SIGINT)
-        cls.demo.wait(40)
+        try:
+            cls.demo.wait(60)
+        finally:
+            cls.demo.kill()
         log = cls.log.read_text().replace(OF_ROSLAUNCH, "")
-        assert "SIGKILL" not in log and "Traceback" not in log, log
+        assert "Traceback" not in log, log
 
     def last(self):
         """Errors and standard deviations of the newest poses, m."""
-        poses = self.poses.all()[-STEADY:]
+        newest = self.poses.all()[-2 * STEADY :]
+        poses = [each for each in newest if self.truth.has(each.header.stamp)][-STEADY:]
         deviations = [np.sqrt(each.pose.covariance[0] + each.pose.covariance[7]) for each in poses]
         return np.array([self.error(each) for each in poses]), np.array(deviations)
 
     def error(self, pose):
         """Metres from the truth of that stamp."""
-        truth = self.truth.at(pose.header.stamp, 5.0)
-        return np.hypot(*(planar(pose.pose.pose) - planar(truth.pose.pose))[:2]) if truth else np.inf
+        truth = self.truth.at(pose.header.stamp)
+        return np.hypot(*(planar(pose.pose.pose) - planar(truth.pose.pose))[:2])
 
     def is_localized(self):
         errors, deviations = self.last()
         return len(errors) == STEADY and errors.max() < NEAR and deviations.max() < DEVIATION
 
+    def has_place(self):
+        return any(each.places and each.unknown_probability < 0.5 for each in self.places.all())
+
     def test_the_robot_is_localized_and_relocalized_after_it_was_carried(self):
         self.assertTrue(until(self.is_localized, PATIENCE), self.log.read_text())
-        self.assertTrue(until(self.places.all, PATIENCE), "no place was recognized")
+        self.assertTrue(until(self.has_place, PATIENCE), "no place was recognized")
         self.assertTrue(until(lambda: any(each.markers for each in self.markers.all())), "no marker detected")
         answer = rospy.ServiceProxy("building_simulator/kidnap", Trigger)()
         self.assertTrue(answer.success, answer.message)
-        self.assertTrue(until(lambda: self.last()[0].max() > NEAR), "it was not carried")
+        self.assertTrue(until(lambda: self.last()[0].max(initial=0) > NEAR), "it was not carried")
         self.assertTrue(until(self.is_localized, PATIENCE), self.last())
         for topic in ("markers/image", "places/image"):
             self.assertGreater(rospy.wait_for_message(topic, Image, 60.0).width, 0)

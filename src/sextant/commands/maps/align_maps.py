@@ -21,6 +21,7 @@ from sextant.base.html_report import Row, Table
 from sextant.base.table_file import text_table
 from sextant.commands.bag_options import add_bag_options, add_job_options, add_robot_options, pair
 from sextant.commands.command_line import Answer, CommandParser, run
+from sextant.commands.map_landmarks import landmark_params
 from sextant.commands.maps.map_trajectories import TRAJECTORIES
 from sextant.commands.maps.maps_folder import (
     LANDMARKS,
@@ -28,6 +29,7 @@ from sextant.commands.maps.maps_folder import (
     PLACES,
     Details,
     MapPart,
+    begin_folder,
     check_folder,
     detector_arguments,
     params_arguments,
@@ -110,6 +112,7 @@ def _parser() -> CommandParser:
 def _make(options: argparse.Namespace) -> Answer:
     """Localizes the robot by each map, aligns the trajectories, and writes the maps."""
     check_folder(options.output, options.force)
+    landmark_params(options.params)
     maps = _read_maps(options)
     reference = options.frame or next(iter(maps))
     if reference not in maps:
@@ -216,7 +219,7 @@ def _findings(reference: str, system: str, alignment: FrameAlignment) -> List[st
 
 def _written(options: argparse.Namespace, maps: Dict[str, _Map], found: Dict[str, _Aligned]) -> List[str]:
     """Writes the moved maps and the page. :returns: lines for the terminal"""
-    options.output.mkdir(parents=True, exist_ok=True)
+    begin_folder(options.output)
     parts, arguments = [], params_arguments(options.output, options.params)
     for system, aligned in found.items():
         WRITERS[system](options, maps[system], aligned.move)

@@ -56,25 +56,28 @@ def with_path_by_landmarks(
 ) -> Drives:
     """The drives with the path by landmarks and markers instead of odometry; sets the noise of inputs.params.
 
-    :returns: the same drives if the observations do not determine a path
+    :returns: the same drives if the observations do not determine a path of each
     """
     scanned = _with_scans(drives, recorded, _expected_size(inputs), params)
     made = made_landmarks(list(scanned.values()), SlamRun(params))
     if not made.result.sightings:
         return drives
+    poses = robot_poses(made.result)
+    found = {bag: _with_path(drive, recorded.get(bag), poses) for bag, drive in drives.items()}
+    if any(each is None for each in found.values()):  # the noise is that of all drives
+        return drives
     for name, value in PATH_DRIFT.items():
         setattr(inputs.params.odometry, name, value)
-    poses = robot_poses(made.result)
-    return {bag: _with_path(drive, recorded.get(bag), poses) for bag, drive in drives.items()}
+    return {bag: drive for bag, drive in found.items() if drive}
 
 
 def _with_path(
     drive: RecordedDrive, recorded: Optional[RecordedLandmarks], poses: Dict[int, np.ndarray]
-) -> RecordedDrive:
+) -> Optional[RecordedDrive]:
     messages = recorded.messages if recorded else ()
     stamps = [each.stamp for each in messages if isinstance(each, OdometryReading) and each.stamp in poses]
     if not stamps:
-        return drive
+        return None
     at = np.array([poses[stamp] for stamp in stamps])
     return dataclasses.replace(drive, odometry_stamps=np.array(stamps, dtype=np.int64), odometry=at)
 
@@ -138,4 +141,6 @@ def _run_among(params: Params, marker_map: "sextant.MarkerMap") -> SlamRun:
     with tempfile.TemporaryDirectory() as folder:
         params.marker_map_file = f"{folder}/markers.yaml"
         sextant.write_marker_map(marker_map, params.marker_map_file)
-        return SlamRun(params)
+        run = SlamRun(params)
+    params.marker_map_file = ""
+    return run

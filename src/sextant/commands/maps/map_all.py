@@ -62,6 +62,7 @@ from sextant.commands.maps.maps_folder import (
     MARKERS,
     PLACES,
     MapPart,
+    begin_folder,
     check_folder,
     detector_arguments,
     params_arguments,
@@ -126,7 +127,7 @@ def _make(options: argparse.Namespace) -> Answer:
     path = _base_path(markers, landmarks)
     if path is None:
         raise ValueError(f"no map can be made: {markers}; {landmarks}")
-    options.output.mkdir(parents=True, exist_ok=True)
+    begin_folder(options.output)
     parts = [_written_markers(options, markers), _written_landmarks(options, landmarks)]
     parts.append(_photos(options, recording, path, notes))
     arguments = params_arguments(options.output, options.params)
@@ -279,7 +280,7 @@ def _photos(options: argparse.Namespace, recording: _Recording, path: BasePath, 
         read, more = read_bags(reading, options.bags, options)
         of_photos.output.parent.mkdir(exist_ok=True)
         *lines, made = photos_of_drives.write_photos(of_photos, read, more).lines
-    except (ValueError, RuntimeError) as error:
+    except (OSError, ValueError, RuntimeError) as error:
         return MapPart("places", f"no map: {error}")
     notes += [f"places: {line}" for line in lines]
     return MapPart("places", made[len(f"{of_photos.output}: ") :], file=PLACES)

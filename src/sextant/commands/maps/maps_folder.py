@@ -11,9 +11,12 @@ from pathlib import Path
 from typing import Dict, List, Mapping, NamedTuple, Optional, Sequence
 from xml.sax.saxutils import quoteattr
 
+import yaml
+
 import sextant
 from sextant.base.atomic_file import atomic_file
 from sextant.base.html_report import Table, write_report
+from sextant.base.params_file import read_params_file
 from sextant.commands.command_line import check_output
 
 MARKERS, LANDMARKS, PLACES = "markers.yaml", "landmarks.yaml", "places/map.txt"
@@ -24,7 +27,7 @@ FILES = (MARKERS, LANDMARKS, PLACES, MARKER_PAGE, LANDMARK_PAGE, LAUNCH, PAGE, P
 _LAUNCH = """\
 <launch>
   <!-- The maps of this folder: roslaunch sextant localization.launch maps:=FOLDER
-       Without its lines, a map is not used. -->
+       Remove the line of a map to localize without it. -->
   <arg name="folder" value="$(dirname)"/>
   <include file="$(find sextant)/launch/localization.launch" pass_all_args="true">
     <arg name="maps" value=""/>
@@ -49,10 +52,10 @@ _PAGE = """\
 </ol>
 {%- endif %}
 {%- endfor %}
-{%- if details.rows %}
-<h2>{{ details_title }}</h2>
-<p class="note">{{ details_note }}</p>
-{{ table(details) }}
+{%- if details %}
+<h2>{{ details.title }}</h2>
+<p class="note">{{ details.note }}</p>
+{{ table(details.table) }}
 {%- endif %}
 {% endblock %}
 """
@@ -77,10 +80,7 @@ class Details(NamedTuple):
 
     title: str  # above it
     note: str  # what its columns are
-    table: Table  # without rows it is left out
-
-
-NO_DETAILS = Details("", "", Table((), []))
+    table: Table  # its content
 
 
 def check_folder(folder: Path, force: bool) -> None:
@@ -98,14 +98,23 @@ def check_folder(folder: Path, force: bool) -> None:
         raise ValueError(f"{folder}: cannot be written, as {first} is no folder, or write-protected")
 
 
+def begin_folder(folder: Path) -> None:
+    """Creates the folder; removes the launch file of earlier maps, which are in another frame.
+
+    :raises OSError: that is not possible
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / LAUNCH).unlink(missing_ok=True)
+
+
 def write_folder(
     folder: Path,
     title: str,
     parts: Sequence[MapPart],
     arguments: Mapping[str, str],
-    details: Details = NO_DETAILS,
+    details: Optional[Details] = None,
 ) -> List[str]:
-    """Writes the page and the launch file of maps that were written.
+    """Writes the page and the launch file of maps that were written; removes other maps.
 
     :param title: of the page
     :param arguments: of localization.launch, besides the maps
@@ -117,34 +126,41 @@ def write_folder(
         "title": title,
         "verdict": f"{len(files)} of {len(parts)} systems have a map",
         "parts": parts,
-        "details_title": details.title,
-        "details_note": details.note,
-        "details": details.table,
+        "details": details,
     }
     write_report(folder / PAGE, _PAGE, content)
     arguments = {**{_ARGUMENTS[name]: f"$(arg folder)/{name}" for name in files}, **arguments}
     lines = "\n".join(f'    <arg name="{key}" value={quoteattr(arguments[key])}/>' for key in arguments)
+    written = {PAGE, *files, *(part.page for part in parts), *([PARAMS] if _PARAMS in arguments else [])}
+    for name in set(FILES) - written:
+        (folder / name).unlink(missing_ok=True)
     with atomic_file(folder / LAUNCH) as file:
         file.write(_LAUNCH.format(lines=lines))
     how = f"roslaunch sextant localization.launch maps:={folder}"
     return [f"{folder / PAGE}: findings of all maps", f"{folder / LAUNCH}: {how}"]
 
 
+_OF_LAUNCH = (
+    *("map_file", "marker_map_file", "map_frame", "start"),
+    *("cameras", "places", "read_only", "tf_output"),
+)
+_PARAMS = "landmark_params"  # argument of localization.launch
 _ARGUMENTS = {MARKERS: "marker_map", LANDMARKS: "landmark_map", PLACES: "place_map"}
 
 
 def params_arguments(folder: Path, path: Optional[str]) -> Dict[str, str]:
-    """Copies a file of parameters of landmark_slam; returns the argument of localization.launch that sets it.
+    """Writes parameters of landmark_slam, without those that localization.launch sets.
 
-    :param path: None: there is no file, and no argument
-    :raises OSError: it cannot be copied
+    :param path: of a file of parameters; None: there is none
+    :returns: the argument of localization.launch that sets the new file
+    :raises OSError, ValueError: it cannot be read or written
     """
     if not path:
         return {}
-    content = Path(path).read_bytes()
-    with atomic_file(folder / PARAMS, "wb") as file:
-        file.write(content)
-    return {"landmark_params": f"$(arg folder)/{PARAMS}"}
+    values = {name: value for name, value in read_params_file(path).items() if name not in _OF_LAUNCH}
+    with atomic_file(folder / PARAMS) as file:
+        yaml.safe_dump(values, file, sort_keys=False)
+    return {_PARAMS: f"$(arg folder)/{PARAMS}"}
 
 
 def detector_arguments(

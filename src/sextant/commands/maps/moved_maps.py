@@ -127,8 +127,10 @@ def _flat(image: str) -> str:
 
 
 def _files(folder: Path, images: Sequence[str]) -> Dict[str, bytes]:
-    files = {}
+    files: Dict[str, bytes] = {}
     for image in images:
+        if _flat(image) in files:
+            raise ValueError(f"{folder / image}: another photo would be '{_flat(image)}', too: rename one")
         files[_flat(image)] = (folder / image).read_bytes()
         depth = depth_path(folder / image)
         if depth.is_file():
