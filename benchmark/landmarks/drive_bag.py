@@ -96,9 +96,7 @@ def _differing(params) -> dict:
     """Values by name of the parameters that differ from their defaults."""
     default = type(params)()
     names = [name for name, *_ in type(params).fields()]
-    return {
-        name: getattr(params, name) for name in names if getattr(params, name) != getattr(default, name)
-    }
+    return {name: getattr(params, name) for name in names if getattr(params, name) != getattr(default, name)}
 
 
 if __name__ == "__main__":

@@ -62,9 +62,7 @@ def kidnapping_tables(quick: bool) -> List[Table]:
     with ProcessPoolExecutor() as pool:
         done = list(pool.map(driven, *zip(*jobs)))
     found = {name: done[k * rounds : (k + 1) * rounds] for k, name in enumerate(kinds)}
-    best = [
-        np.min([found[f"{name} alone"][k].distances for name in SYSTEMS], axis=0) for k in range(rounds)
-    ]
+    best = [np.min([found[f"{name} alone"][k].distances for name in SYSTEMS], axis=0) for k in range(rounds)]
     rows: List[Row] = [
         (name, _figures(each, best, name == ONE and not quick)) for name, each in found.items()
     ]
@@ -116,9 +114,7 @@ def _relocalized_after(part: List[Look]) -> Optional[float]:
 
 
 def _is_at_a_wrong_place(part: List[Look], last: Optional[Look]) -> bool:
-    is_off = [
-        look.distance > WRONG and look.sigma < SURE and not _is_unaware(look, last) for look in part
-    ]
+    is_off = [look.distance > WRONG and look.sigma < SURE and not _is_unaware(look, last) for look in part]
     return max(_longest(part, is_off)) >= LONG
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import sextant
 from sextant.geometry.plane_poses import wrapped
 from sextant.simulation.building import Building, landmark_map
-from sextant.simulation.building_round import BuildingRound, RoundParams, RoundStep
+from sextant.simulation.building_round import BuildingRound, Place, RoundParams, RoundStep
 
 SYSTEMS = ("markers", "landmarks", "places")
 DELAY = 0.3  # seconds from a photo to its places
@@ -87,18 +87,24 @@ def looks(
     waiting: List = []
     for step in map(failure, BuildingRound(building, params)):
         if step.places is not None and "places" in systems:
-            waiting.append((step.stamp, [(maps.placed(pose), *rest) for pose, *rest in step.places]))
+            waiting.append((step.stamp, _in_map(step.places, maps)))
         calls = [partial(timeline.odometry, step.stamp, step.T_odom_base), *_scans(timeline, step, systems)]
         while waiting and waiting[0][0] + DELAY <= step.stamp:
             calls.append(partial(timeline.observe_places, *waiting.pop(0)))
         if step.is_black and "places" in systems:
             monitor.add_unusable(step.stamp)
         _apply(calls, timeline, monitor)
-        now = None if timeline.is_lost else timeline.now
-        estimate = (now.pose, now.covariance) if now else (None, None)
-        yield Look(
-            step.stamp, step.is_kidnapped, step.pose, step.T_odom_base, *estimate, monitor.problems
-        )
+        yield _look(step, timeline, monitor)
+
+
+def _look(step: RoundStep, timeline, monitor) -> Look:
+    now = None if timeline.is_lost else timeline.now
+    estimate = (now.pose, now.covariance) if now else (None, None)
+    return Look(step.stamp, step.is_kidnapped, step.pose, step.T_odom_base, *estimate, monitor.problems)
+
+
+def _in_map(places: List[Place], maps: Maps) -> List[Place]:
+    return [(maps.placed(pose), covariance, probability) for pose, covariance, probability in places]
 
 
 def _apply(calls: List[Callable[[], object]], timeline, monitor) -> None:

@@ -74,6 +74,12 @@ bool contradicts(const ScanInterpretation& how, const std::vector<LabelledObserv
   return is_elsewhere;
 }
 
+/// Whether it does so in all interpretations.
+bool isElsewhere(const std::vector<ScanInterpretation>& all,
+                 const std::vector<LabelledObservation>& observations) {
+  return std::none_of(all.begin(), all.end(), agrees) && contradicts(all.front(), observations);
+}
+
 }  // namespace
 
 void LandmarkHypotheses::predict(const OdometryStep& step, double duration) {
@@ -126,10 +132,8 @@ void LandmarkHypotheses::addChildren(const Scan& scan, size_t parent, size_t mos
   const size_t of_each = is_excluded || of.is_aside ? 1 : std::min(most, 1 + most / all_.size());
   const auto all = of.slam.interpretations(scan.observations, scan.T_base_sensor, of_each, scan.detects);
   for (const ScanInterpretation& how : all) found.push_back({parent, how, 0, !is_excluded});
-  const bool may_be_wrong = of.slam.params().read_only && most > 1 && !is_excluded && !of.is_aside &&
-                            of.faults.mayBeWrong(source);
-  if (may_be_wrong && std::none_of(all.begin(), all.end(), agrees) &&
-      contradicts(all.front(), scan.observations))
+  const bool is_open = of.slam.params().read_only && !is_excluded && !of.is_aside;
+  if (is_open && most > 1 && of.faults.mayBeWrong(source) && isElsewhere(all, scan.observations))
     found.push_back({parent, all.front(), SourceFaults::kLogWrong, false});
 }
 

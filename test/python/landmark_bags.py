@@ -49,9 +49,7 @@ def write_world(path, world, begin=1.0, delay=0.0, frame="base_link", mount=(0.0
         return write_drive(lambda seconds: bag, world, begin, delay, frame, mount, arrivals)
 
 
-def write_drive(
-    bag_at, world, begin=1.0, delay=0.0, frame="base_link", mount=(0.0, 0.0, 0.0), arrivals=None
-):
+def write_drive(bag_at, world, begin=1.0, delay=0.0, frame="base_link", mount=(0.0, 0.0, 0.0), arrivals=None):
     """write_world() into several bags. :param bag_at: the open WrittenBag of a time of reception, seconds"""
     odometry, truth, sets = np.zeros(3), {}, []
     bag_at(begin).odometry("/odom", planar(odometry), begin)

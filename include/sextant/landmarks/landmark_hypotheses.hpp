@@ -73,7 +73,7 @@ class LandmarkHypotheses {
     bool is_confirmed = true;  // whether a landmark was associated since it was at a place
     double unmeasured = 0;     // metres driven since a landmark was associated or a place corrected the pose
     SourceFaults faults = {};  // sources that it takes to be wrong
-    bool is_aside = false;  // whether it is lost, while others are not
+    bool is_aside = false;     // whether it is lost, while others are not
     LandmarkReport report = {};
 
     double weight() const { return log_weight + log_places; }  // natural logarithm

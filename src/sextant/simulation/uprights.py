@@ -145,9 +145,7 @@ def _projected(view: UprightView, depth: np.ndarray, right: np.ndarray, height: 
     return np.array([[u[0], top[0]], [u[1], top[1]], [u[1], bottom[1]], [u[0], bottom[0]]])
 
 
-def _box(
-    corners: np.ndarray, columns: Tuple[int, int], height: int
-) -> Optional[Tuple[int, int, int, int]]:
+def _box(corners: np.ndarray, columns: Tuple[int, int], height: int) -> Optional[Tuple[int, int, int, int]]:
     """Left, top, right and bottom of the bounding box in the image; None if the box is outside.
 
     :param columns: the first one of the image, and the one after its last

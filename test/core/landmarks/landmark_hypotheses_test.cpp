@@ -291,13 +291,14 @@ TEST(LandmarkHypotheses, MarkersThatContradictThePoseAreExcludedUntilTheyAgree) 
   LandmarkHypotheses all = amongThreeSources();
   observePillars(all, 0);
   for (int i = 0; i < 30; ++i) {
-    const LandmarkReport report =
-        all.observe(0.2 * i, {marker({}, {0, 2})}, {}, Detects::with_id);
+    const LandmarkReport report = all.observe(0.2 * i, {marker({}, {0, 2})}, {}, Detects::with_id);
     EXPECT_EQ(report.associated, 0);
     observePillars(all, 0.2 * i + 0.1);
     EXPECT_LT(farOff(all), 0.1);
     EXPECT_LT(all.predictPose({}).covariance(1, 1), 0.01);
-    if (i >= 10) { EXPECT_EQ(report.excluded, 1); }
+    if (i >= 10) {
+      EXPECT_EQ(report.excluded, 1);
+    }
   }
   for (int i = 0; i < 10; ++i) all.observe(7 + 0.2 * i, {marker({})}, {}, Detects::with_id);
   EXPECT_EQ(all.observe(9, {marker({})}, {}, Detects::with_id).associated, 1);
@@ -338,7 +339,9 @@ TEST(LandmarkHypotheses, LandmarksThatWereMovedAreExcluded) {
   all.observe(0, {marker({})}, {}, Detects::with_id);
   for (int i = 0; i < 30; ++i) {
     const LandmarkReport report = observePillars(all, 0.2 * i, {}, {1.5, -2});
-    if (i >= 10) { EXPECT_EQ(report.excluded, 2); }
+    if (i >= 10) {
+      EXPECT_EQ(report.excluded, 2);
+    }
     all.observe(0.2 * i + 0.1, {marker({})}, {}, Detects::with_id);
     EXPECT_LT(farOff(all), 0.1);
   }
