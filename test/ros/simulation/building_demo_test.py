@@ -20,8 +20,8 @@ from std_srvs.srv import Trigger
 
 from sextant.msg import MarkerArray, PlaceHypotheses
 
-PATIENCE = 150.0  # s of the wall's clock, on a busy machine
-ARGS = {"spacing": 3.0, "seed": 1}
+PATIENCE = 240.0  # s of the wall's clock, on a busy machine
+ARGS = {"spacing": 6.0, "seed": 1}
 NEAR, DEVIATION = 1.0, 1.0  # m: error of the pose, and standard deviation that it states
 STEADY = 40  # poses
 # Debian 11: roslaunch calls a method that its Python does not have, when everything has ended.
