@@ -110,7 +110,7 @@ def test_without_markers_the_first_pose_is_the_origin(tmp_path, capsys):
         (name, (start @ [*position, 0.0, 1.0])[:2])
         for name, position in own_landmarks(out / "landmarks.yaml")
     ]
-    assert max(distance(*each) for each in found) < 0.3  # odometry drifts
+    assert max(distance(*each) for each in found) < 0.6  # odometry drifts
     assert "marker_map" not in (out / "maps.launch").read_text()
 
 

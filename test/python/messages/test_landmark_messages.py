@@ -10,7 +10,7 @@ from sextant.msg import LandmarkObservations
 
 
 def test_observations_are_the_same_as_messages():
-    pillar = sextant.Observation2D([2.0, -0.5], np.diag([0.1, 0.2, 0.0]))
+    pillar = sextant.Observation2D([2.0, -0.5], np.diag([0.1, 0.2]))
     marker = sextant.Observation2D([3.0, 1.0], np.diag([0.01, 0.02, 0.03]), 0.4)
     seen = [
         sextant.LabelledObservation(sextant.LandmarkLabel("red_pillar"), pillar),
