@@ -25,7 +25,7 @@ fi
 results=$build/test_results logs=$build/test_logs
 rm -rf "$results" "$logs"
 complete=0
-(cd "$binary" && timeout 40m ctest --parallel $((2 * $(nproc))) --repeat until-pass:2 "${chosen[@]}") | tee "$build/ctest.log" ||
+(cd "$binary" && timeout 60m ctest --parallel $((2 * $(nproc))) --repeat until-pass:2 "${chosen[@]}") | tee "$build/ctest.log" ||
   complete=$?
 sed -n 's/.*: \([^ ]*\) \.*\*\*\*\(.*[^ ]\)  .*/sextant: \1 at the first attempt: \2/p' "$build/ctest.log" | sort -u
 python3 "$root/tools/test_logs.py" "$binary/Testing/Temporary/LastTest.log" "$logs"
