@@ -56,6 +56,14 @@ PoseEstimate2D poseOf(const LandmarkSlam& slam) {
   return {slam.filter().pose(), slam.filter().covariance({})};
 }
 
+/// Squared difference of two poses. Left and right are the same half turn: near it, the heading is not
+/// correlated with the position.
+Eigen::Matrix3d spread(const Vector3d& off) {
+  const Vector3d turned = off - Vector3d(0, 0, std::copysign(2 * M_PI, off(2)));
+  const double share = std::max(0.0, (std::abs(off(2)) - M_PI_2) / M_PI);
+  return (1 - share) * off * off.transpose() + share * turned * turned.transpose();
+}
+
 /// Whether a scan supports the pose.
 bool agrees(const ScanInterpretation& how) {
   const auto is_associated = [](const Association& each) { return each.outcome == Outcome::associated; };
@@ -361,8 +369,7 @@ PoseEstimate2D LandmarkHypotheses::predictPose(const OdometryStep& step) const {
   found.covariance *= shares.front();
   for (size_t i = 1; i < all_.size(); ++i) {
     const PoseEstimate2D other = all_[i].slam.predictPose(step);
-    const Vector3d off = difference(other.pose, centre);
-    found.covariance += shares[i] * (other.covariance + off * off.transpose());
+    found.covariance += shares[i] * (other.covariance + spread(difference(other.pose, centre)));
   }
   return found;
 }

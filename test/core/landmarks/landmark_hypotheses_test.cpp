@@ -155,6 +155,16 @@ TEST(LandmarkHypotheses, TheCovarianceCoversAllPlaces) {
   EXPECT_NEAR(all.predictPose({}).covariance(0, 0), 0.25 + 0.3 * 20 * 20, 1e-6);
 }
 
+TEST(LandmarkHypotheses, TheCovarianceCoversAHalfTurnToEitherSide) {
+  LandmarkHypotheses all = lostAmongRooms();
+  all.observePlaces({{{}, kRough, 0.6}, {{{20, 0}, M_PI}, kRough, 0.4}});
+  const Matrix3d covariance = all.predictPose({}).covariance;
+  for (const double turn : {M_PI, -M_PI}) {
+    const Eigen::Vector3d off(20, 0, turn);
+    EXPECT_LT(off.dot(covariance.inverse() * off), 2 / 0.4);
+  }
+}
+
 TEST(LandmarkHypotheses, WhatTheRobotMappedAtAWrongPoseIsNotKept) {
   LandmarkHypotheses all = lostAmongRooms();
   all.observePlaces({{{{8, 8}, 0}, kRough, 0.9}});
