@@ -132,7 +132,7 @@ def _figures(rounds: List[Round], best: List[np.ndarray], has_bars: bool) -> Lis
     after = np.array([np.inf if each.after is None else each.after for each in outcomes])
     distances, singles = np.concatenate([one.distances for one in rounds]), np.concatenate(best)
     both = np.isfinite(distances) & np.isfinite(singles)
-    ratio = _rms(distances[both]) / _rms(singles[both])
+    ratio = rms(distances[both]) / rms(singles[both])
     nees = np.concatenate([one.nees for one in rounds])
     bar = (lambda value: value) if has_bars else (lambda value: None)
     return [
@@ -142,7 +142,7 @@ def _figures(rounds: List[Round], best: List[np.ndarray], has_bars: bool) -> Lis
         Value(_quantile(after, 0.95), 1, at_most=bar(MOST)),
         Value(sum(each.is_wrong for each in outcomes), 0, at_most=bar(0)),
         Value(100 * np.isfinite(distances[np.isfinite(singles)]).mean(), 2, at_least=bar(100)),
-        Value(_rms(distances[np.isfinite(distances)]), 2),
+        Value(rms(distances[np.isfinite(distances)]), 2),
         Value(ratio, 2, at_most=bar(1.0)),
         Value(float(nees.mean()) if len(nees) else float("nan"), 2, at_least=bar(0.8), at_most=bar(1.5)),
     ]
@@ -153,5 +153,5 @@ def _quantile(after: np.ndarray, share: float) -> float:
     return float(np.sort(after)[min(len(after) - 1, int(share * len(after)))])
 
 
-def _rms(distances: np.ndarray) -> float:
+def rms(distances: np.ndarray) -> float:
     return float(np.sqrt(np.mean(distances**2))) if len(distances) else float("nan")

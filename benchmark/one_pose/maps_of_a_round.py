@@ -20,6 +20,7 @@ import yaml
 from tables import Row, Table, Value
 
 import sextant
+from one_pose.kidnappings import rms
 from one_pose.round_bag import write_round_bag
 from one_pose.rounds import SYSTEMS, Maps, looks, true_maps
 from sextant.buildings.building_looks import MARKER_SIZE
@@ -28,6 +29,7 @@ from sextant.commands.maps.maps_folder import LANDMARKS, PLACES
 from sextant.commands.maps.moved_maps import FrameMove, moved_landmark_map
 from sextant.evaluation.trajectory_metrics import alignment
 from sextant.geometry.plane_poses import composed, planar, relative, wrapped
+from sextant.messages.landmark_messages import planar_sensor_pose
 from sextant.place_maps.photo_poses import poses_path, read_photo_poses
 from sextant.simulation.building import Building
 from sextant.simulation.building_round import RoundParams
@@ -76,12 +78,12 @@ def _row(seed: int, quick: bool) -> Row:
     made = made_maps(seed, QUICK_DRIVE if quick else DRIVE)
     rounds, duration = (1, QUICK_DURATION) if quick else (ROUNDS, DURATION)
     drives = [RoundParams(seed=seed + 100 + k, duration=duration, kidnappings=0) for k in range(rounds)]
-    with_made, with_true = (_rms(seed, drives, maps) for maps in (made.maps, true_maps(building)))
+    with_made, with_true = (_pose_error(seed, drives, maps) for maps in (made.maps, true_maps(building)))
     figures = [
         Value(len(made.markers), 0),
         Value(len(building.pillars), 0),
         Value(made.of_pillars, 0),
-        *(Value(_root_mean_square(each), 3) for each in (made.markers, made.pillars, made.photos)),
+        *(Value(rms(each), 3) for each in (made.markers, made.pillars, made.photos)),
         Value(with_made, 3),
         Value(with_true, 3),
         Value(with_made / with_true, 2, at_most=None if quick else RATIO),
@@ -89,18 +91,14 @@ def _row(seed: int, quick: bool) -> Row:
     return f"building {seed}", figures
 
 
-def _rms(seed: int, drives: List[RoundParams], maps: Maps) -> float:
+def _pose_error(seed: int, drives: List[RoundParams], maps: Maps) -> float:
     distances = [
         look.distance
         for params in drives
         for look in looks(seed, params, SYSTEMS, maps=maps)
         if look.stamp > SETTLED and look.pose is not None
     ]
-    return _root_mean_square(np.array(distances))
-
-
-def _root_mean_square(values: np.ndarray) -> float:
-    return float(np.sqrt(np.mean(np.square(values)))) if len(values) else float("nan")
+    return rms(np.array(distances))
 
 
 # ---- maps
@@ -134,7 +132,9 @@ def _read(folder: Path, building: Building, truth: Dict[int, np.ndarray]) -> Mad
         FrameMove("map", planar(T_truth_map), np.zeros((3, 3))),
     )
     markers, pillars = _errors(building, mapped)
-    poses = np.array([[_base(true_photos[k]), _base(T_truth_map @ photos[k])] for k in sorted(photos)])
+    poses = np.array(
+        [[planar_sensor_pose(T) for T in (true_photos[k], T_truth_map @ photos[k])] for k in sorted(photos)]
+    )
     off = np.hypot(*(poses[:, 1] - poses[:, 0]).T[:2])
     maps = Maps(mapped.landmarks, mapped.labels, mapped.covariance, PhotoErrors(poses))
     return Made(maps, markers, pillars, off, sum(label.id is None for label in mapped.labels))
@@ -153,12 +153,6 @@ def _errors(building: Building, mapped) -> Tuple[np.ndarray, np.ndarray]:
             of_pillars.append(np.hypot(*(same - landmark.position).T).min())
     near = np.array(of_pillars)
     return np.array(of_markers), near[near < SAME]
-
-
-def _base(T_map_camera: np.ndarray) -> np.ndarray:
-    """(3,) position and viewing direction of a level camera, seen from above."""
-    ahead = T_map_camera[:2, 2]
-    return np.array([*T_map_camera[:2, 3], np.arctan2(ahead[1], ahead[0])])
 
 
 class PhotoErrors:

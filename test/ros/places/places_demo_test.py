@@ -1,17 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
-import shutil
-import signal
 import subprocess
-import tempfile
-import unittest
-from pathlib import Path
 
 import numpy as np
 import rospy
 import rostest
 from geometry_msgs.msg import PoseWithCovarianceStamped
+from launched_demo import DemoTest
 from nav_msgs.msg import Odometry
 from ros_probe import Recorder, until
 from sensor_msgs.msg import Image
@@ -21,42 +17,25 @@ from sextant.place_maps.place_map_file import read_place_map
 
 PATIENCE = 120.0  # seconds, from nothing to the first pose
 SPACING = 6.0  # metres
-# Debian 11: roslaunch calls a method that its Python does not have, when everything has ended.
-OF_ROSLAUNCH = """Traceback (most recent call last):
-  File "/usr/lib/python3/dist-packages/roslaunch/pmon.py", """
-ARGS = {
-    "season": "[autumn]",
-    "spacing": SPACING,
-    "parts": 5,
-    "width": 320,
-    "height": 240,
-    "rate": 5.0,
-    "speed": 10.0,
-    "seed": 2,
-}
 
 
-class PlacesDemoTest(unittest.TestCase):
+class PlacesDemoTest(DemoTest):
+    LAUNCH = "places_demo.launch"
+    ARGS = {
+        "season": "[autumn]",
+        "spacing": SPACING,
+        "parts": 5,
+        "width": 320,
+        "height": 240,
+        "rate": 5.0,
+        "speed": 10.0,
+        "seed": 2,
+    }
+
     @classmethod
     def setUpClass(cls):
-        folder = Path(tempfile.mkdtemp(prefix="a street "))
-        cls.addClassCleanup(shutil.rmtree, folder, ignore_errors=True)  # a node may still write a cache there
-        cls.folder = folder / "map"
-        args = [f"{name}:={value}" for name, value in ARGS.items()]
-        command = ["roslaunch", "sextant", "places_demo.launch", f"folder:={cls.folder}", *args]
         cls.truth, cls.poses = Recorder("ground_truth", Odometry), Recorder("pose", PoseWithCovarianceStamped)
-        cls.log = folder / "log"
-        with open(cls.log, "w") as log:
-            cls.demo = subprocess.Popen(command, stdout=log, stderr=subprocess.STDOUT)
-        cls.addClassCleanup(cls.stop)
-
-    @classmethod
-    def stop(cls):
-        cls.demo.send_signal(signal.SIGINT)
-        cls.demo.wait(40)
-        log = cls.log.read_text()
-        log = log.replace(OF_ROSLAUNCH, "")
-        assert "SIGKILL" not in log and "Traceback" not in log, log
+        super().setUpClass()
 
     def errors(self, count):
         """Metres from the truth, of so many further poses."""
@@ -87,7 +66,7 @@ class PlacesDemoTest(unittest.TestCase):
         exact, clusters = (read_place_map(self.folder / name) for name in ("map.txt", "clusters.txt"))
         self.assertEqual([each[:2] for each in exact.photos], [each[:2] for each in clusters.photos])
         self.assertEqual(len(exact.places()), len(exact.photos))
-        self.assertEqual(len(clusters.places()), ARGS["parts"])
+        self.assertEqual(len(clusters.places()), self.ARGS["parts"])
 
     def test_a_season_that_is_none_stops_the_simulator(self):
         command = ["rosrun", "sextant", "street_simulator", "__name:=refused", "_seasons:=[spring]"]

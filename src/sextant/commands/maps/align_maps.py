@@ -29,6 +29,7 @@ from sextant.commands.maps.maps_folder import (
     PLACES,
     Details,
     MapPart,
+    add_folder_options,
     begin_folder,
     check_folder,
     detector_arguments,
@@ -88,8 +89,7 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
 def _parser() -> CommandParser:
     parser = CommandParser(prog="align_maps", description=__doc__)
     parser.add_argument("bags", nargs="*", metavar="BAG", help="drive through the places of all maps")
-    parser.add_argument("-o", "--output", type=Path, required=True, metavar="FOLDER", help="folder to write")
-    parser.add_argument("--force", action="store_true", help="overwrite existing files")
+    add_folder_options(parser)
     maps = parser.add_argument_group("maps").add_argument
     for name, what in (("marker", "printed markers"), ("landmark", "landmarks"), ("place", "places")):
         maps(f"--{name}-map", type=Path, metavar="MAP", help=f"map of {what}")

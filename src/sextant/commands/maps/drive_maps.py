@@ -68,7 +68,7 @@ def with_path_by_landmarks(
         return drives
     for name, value in PATH_DRIFT.items():
         setattr(inputs.params.odometry, name, value)
-    return {bag: drive for bag, drive in found.items() if drive}
+    return found
 
 
 def _with_path(

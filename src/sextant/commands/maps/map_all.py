@@ -11,7 +11,6 @@ mapped among the markers, and photos get the poses of that estimate.
 
 import argparse
 import functools
-from pathlib import Path
 from typing import List, NamedTuple, Optional, Sequence, Set, Tuple, Union
 
 import numpy as np
@@ -62,6 +61,7 @@ from sextant.commands.maps.maps_folder import (
     MARKERS,
     PLACES,
     MapPart,
+    add_folder_options,
     begin_folder,
     check_folder,
     detector_arguments,
@@ -95,8 +95,7 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
 def _parser() -> CommandParser:
     parser = CommandParser(prog="map_all", description=__doc__)
     parser.add_argument("bags", nargs="+", metavar="BAG", help="bag with odometry, images and landmarks")
-    parser.add_argument("-o", "--output", type=Path, required=True, metavar="FOLDER", help="folder to write")
-    parser.add_argument("--force", action="store_true", help="overwrite existing files")
+    add_folder_options(parser)
     add_frame_options(parser.add_argument_group("map frame"))
     add_marker_options(parser.add_argument_group("markers"))
     landmarks = parser.add_argument_group("landmarks").add_argument
@@ -283,4 +282,4 @@ def _photos(options: argparse.Namespace, recording: _Recording, path: BasePath, 
     except (OSError, ValueError, RuntimeError) as error:
         return MapPart("places", f"no map: {error}")
     notes += [f"places: {line}" for line in lines]
-    return MapPart("places", made[len(f"{of_photos.output}: ") :], file=PLACES)
+    return MapPart("places", made.removeprefix(f"{of_photos.output}: "), file=PLACES)

@@ -5,6 +5,7 @@
 maps.launch names the maps that exist; it is written last, so that it never names a missing file.
 """
 
+import argparse
 import os
 from collections import Counter
 from pathlib import Path
@@ -81,6 +82,12 @@ class Details(NamedTuple):
     title: str  # above it
     note: str  # what its columns are
     table: Table  # its content
+
+
+def add_folder_options(parser: argparse.ArgumentParser) -> None:
+    """Adds `output` and `force`."""
+    parser.add_argument("-o", "--output", type=Path, required=True, metavar="FOLDER", help="folder to write")
+    parser.add_argument("--force", action="store_true", help="overwrite existing files")
 
 
 def check_folder(folder: Path, force: bool) -> None:
