@@ -48,7 +48,7 @@ def poster(wall: np.ndarray, rng: np.random.Generator, centre: float) -> None:
     size = (columns - 2 * left, rows // 2 - top)
     sheet[top : top + size[1], left : left + size[0]] = cv2.resize(cells, size, interpolation=kind)
     for _ in range(rng.integers(2, 6)):
-        at = rng.integers((0, 0), (columns, rows)).tolist()
+        at = tuple(rng.integers((0, 0), (columns, rows)).tolist())  # OpenCV 4.5 takes no list
         cv2.circle(sheet, at, int(rng.integers(6, 22)), rng.uniform(10, 240), -1, cv2.LINE_AA)
     for row in range(rows * 6 // 10, rows - 8, int(rng.integers(9, 16))):
         words = "".join(rng.choice(list("aeioknrstmhlp  "), 24))
