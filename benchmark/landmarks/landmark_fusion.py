@@ -120,18 +120,9 @@ def observations(camera: SimulatedCamera, pose: np.ndarray, marker_map) -> list:
         covariance = sextant.marker_pose_covariance(
             camera.model, poses.best.T_camera_marker, size, camera.sigma
         )
-        found.append(
-            sextant.marker_observation(
-                detection.family,
-                detection.id,
-                T_BASE_CAMERA,
-                poses.best.T_camera_marker,
-                covariance,
-                other,
-                PLANE,
-            )
-        )
-    return found
+        given = detection.family, detection.id, poses.best.T_camera_marker, covariance, other
+        found.append(sextant.SeenMarker(*given))
+    return sextant.marker_observations(found, T_BASE_CAMERA, PLANE)
 
 
 def timeline(start: np.ndarray, marker_map, known: bool):

@@ -8,7 +8,7 @@ shows the failure until diagnostics name it counts.
 """
 
 from concurrent.futures import ProcessPoolExecutor
-from typing import Callable, Dict, List, NamedTuple, Optional
+from typing import Callable, Dict, List, NamedTuple, Optional, Tuple, Union
 
 import numpy as np
 from tables import Row, Table, Value
@@ -19,7 +19,7 @@ from sextant.geometry.plane_poses import composed, rotation
 from sextant.simulation.building import Building, observed_pillars
 from sextant.simulation.building_round import RoundParams, RoundStep
 
-ROUNDS, FIRST_SEED = 20, 2000  # the first seeds were used to choose parameters
+ROUNDS, FIRST_SEED = 20, 5000  # the seeds below were used to choose parameters
 QUICK_ROUNDS, QUICK_DURATION = 1, 90.0  # seconds
 THREE_SIGMA = 14.16  # of chi-squared with three degrees of freedom: 99.73 %
 WITHIN, NAMED = 95.0, 10.0  # % of the time; seconds
@@ -47,13 +47,13 @@ class Fails:
     def __call__(self, step: RoundStep) -> RoundStep:
         if step.stamp < self._begin:
             return step
-        failed, shows = self.failed(step)
+        failed, shows = self._failed(step)
         if shows and self.shown is None:
             self.shown = step.stamp
         return failed
 
-    def failed(self, step: RoundStep):
-        """The step, and whether it shows the failure."""
+    def _failed(self, step: RoundStep) -> Tuple[RoundStep, bool]:
+        """The step as it is observed, and whether it shows the failure."""
         raise NotImplementedError
 
 
@@ -62,8 +62,7 @@ class Nothing(Fails):
 
     text = "no such text"
 
-    def failed(self, step: RoundStep):
-        """As above."""
+    def _failed(self, step: RoundStep) -> Tuple[RoundStep, bool]:
         return step, False
 
 
@@ -72,8 +71,7 @@ class CameraBlack(Fails):
 
     text = "is the camera covered"
 
-    def failed(self, step: RoundStep):
-        """As above."""
+    def _failed(self, step: RoundStep) -> Tuple[RoundStep, bool]:
         nothing = [] if step.pillars is not None else None
         black = step._replace(pillars=nothing, markers=nothing, places=None, is_black=step.places is not None)
         return black, True
@@ -84,8 +82,7 @@ class MarkersOff(Fails):
 
     text = "markers are not where"
 
-    def failed(self, step: RoundStep):
-        """As above."""
+    def _failed(self, step: RoundStep) -> Tuple[RoundStep, bool]:
         if step.markers is None:
             return step, False
         off = -rotation(step.pose[2]).T @ MARKERS_OFF
@@ -97,8 +94,7 @@ class WrongPlaces(Fails):
 
     text = "the recognized places contradict"
 
-    def failed(self, step: RoundStep):
-        """As above."""
+    def _failed(self, step: RoundStep) -> Tuple[RoundStep, bool]:
         if step.places is None:
             return step, False
         places = [(composed(OTHER_BUILDING, pose), *rest) for pose, *rest in step.places]
@@ -116,8 +112,7 @@ class LandmarksMoved(Fails):
         angles, distances = self._rng.uniform(-np.pi, np.pi, count), self._rng.uniform(*MOVED, count)
         self._building.pillars = self._building.pillars + (distances * [np.cos(angles), np.sin(angles)]).T
 
-    def failed(self, step: RoundStep):
-        """As above."""
+    def _failed(self, step: RoundStep) -> Tuple[RoundStep, bool]:
         if step.pillars is None:
             return step, False
         pillars = observed_pillars(self._building, step.pose, self._rng)
@@ -186,18 +181,21 @@ def judged(since: List[Look], shown: Optional[float], text: str) -> Outcome:
 
 
 def _is_within(look: Look) -> bool:
-    return look.pose is not None and look.error @ np.linalg.solve(look.covariance, look.error) < THREE_SIGMA
+    return look.pose is not None and look.nees < THREE_SIGMA
 
 
-def _figures(name: str, outcomes: List[Outcome], quick: bool) -> List[Value]:
+def _figures(name: str, outcomes: List[Outcome], quick: bool) -> List[Union[Value, str]]:
     within, lost, after, others = np.array(
         [each._replace(after=np.inf if each.after is None else each.after) for each in outcomes], dtype=float
     ).T
+    named: List[Union[Value, str]] = [
+        Value(100 * (after <= NAMED).mean(), 0, at_least=None if quick else 100),
+        Value(float(np.median(after)), 1),
+    ]
     return [
         Value(100 * within.mean(), 1, at_least=None if quick else WITHIN),
         Value(100 * within.min(), 1),
         Value(100 * lost.mean(), 1),
-        Value(100 * (after <= NAMED).mean(), 0, at_least=None if quick or name == NONE else 100),
-        Value(float(np.median(after)), 1),
+        *(["-", "-"] if name == NONE else named),
         Value(100 * others.mean(), 0),
     ]

@@ -17,7 +17,8 @@ from tf2_msgs.msg import TFMessage
 
 import sextant
 from sextant.base.atomic_file import atomic_files
-from sextant.buildings.building_looks import BuildingLooks
+from sextant.buildings.building_looks import PHOTO_DAY, BuildingLooks
+from sextant.buildings.building_maps import QUALITY
 from sextant.buildings.building_view import BuildingCamera, building_view
 from sextant.messages.camera_messages import calibration_to_message
 from sextant.messages.landmark_messages import observations_to_messages
@@ -28,8 +29,6 @@ from sextant.simulation.building_round import BuildingRound, RoundParams, RoundS
 
 BEGIN = 10**9  # nanoseconds, first stamp: a stamp of zero is none
 BASE, CAMERA, ODOMETRY = "base_link", "camera_optical_frame", "odom"  # frames
-MAPPING_DAY = 0  # of the building's looks
-QUALITY = 90  # of the JPEG images
 
 
 def write_round_bag(path: Path, building: Building, params: RoundParams) -> Dict[int, np.ndarray]:
@@ -37,7 +36,7 @@ def write_round_bag(path: Path, building: Building, params: RoundParams) -> Dict
 
     :returns: true poses T_map_camera (4, 4) of the optical frame by the stamps of the images, nanoseconds
     """
-    camera, looks = BuildingCamera(), BuildingLooks(building, day=MAPPING_DAY)
+    camera, looks = BuildingCamera(), BuildingLooks(building, day=PHOTO_DAY)
     truth: Dict[int, np.ndarray] = {}
     with atomic_files(path.parent) as folder, rosbag.Bag(str(folder / path.name), "w") as bag:
         for number, step in enumerate(BuildingRound(building, params)):

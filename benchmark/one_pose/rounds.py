@@ -13,6 +13,8 @@ from sextant.simulation.building import Building, landmark_map
 from sextant.simulation.building_round import BuildingRound, Place, RoundParams, RoundStep
 
 SYSTEMS = ("markers", "landmarks", "places")
+# of landmark_slam: metres, radians, and the errors of odometry's scales
+SENSORS = {"max_range": 4.5, "field_of_view": 1.0, "scale_sigma": 0.05, "turn_scale_sigma": 0.05}
 DELAY = 0.3  # seconds from a photo to its places
 TRUE_SIGMA = 0.003  # metres and radians: standard deviation that a map without errors states
 
@@ -54,6 +56,11 @@ class Look(NamedTuple):
         """(3,) of the pose."""
         off = self.pose - self.truth
         return np.array([*off[:2], wrapped(off[2])])
+
+    @property
+    def nees(self) -> float:
+        """Of the pose: squared Mahalanobis distance from the true one."""
+        return float(self.error @ np.linalg.solve(self.covariance, self.error))
 
     @property
     def distance(self) -> float:
@@ -118,8 +125,8 @@ def _timeline(maps: Maps, systems: Sequence[str]):
     """sextant.LandmarkTimeline with the parts of the map that the systems use."""
     params = sextant.LandmarkSlamNodeParams()
     params.read_only, params.start, params.places = True, "unknown", "places/hypotheses"
-    params.max_range, params.field_of_view = 4.5, 1.0
-    params.scale_sigma = params.turn_scale_sigma = 0.05
+    for name, value in SENSORS.items():
+        setattr(params, name, value)
     timeline = sextant.LandmarkSession(params).timeline
     used, rows, begin = [], [0, 1, 2], 3
     for k, (label, landmark) in enumerate(zip(maps.labels, maps.landmarks)):

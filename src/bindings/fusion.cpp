@@ -26,18 +26,18 @@ void bindMarkerLandmarks(py::module_& module) {
                              "(3,) x, y, heading of start_pose in the map")
       .def_property_readonly("first_covariance", &LandmarkSlamNodeParams::startCovariance,
                              "(3, 3) of first_pose, from pose_sigma");
-  module.def(
-      "marker_observation",
-      [](const std::string& family, int id, const Pose& T_base_camera, const Pose& T_camera_marker,
-         const Matrix6d& covariance, double alternative_probability, const MarkerLandmarkParams& params) {
-        return markerObservation({family, id}, T_base_camera, T_camera_marker, covariance,
-                                 alternative_probability, params);
-      },
-      "family"_a, "id"_a, "T_base_camera"_a, "T_camera_marker"_a, "covariance"_a, "alternative_probability"_a,
-      "params"_a,
-      "LabelledObservation of a detected marker; poses (4, 4); covariance (6, 6) of position and rotation in "
-      "the "
-      "axes of the optical frame; probability that the alternative pose is the true one");
+  py::class_<SeenMarker>(module, "SeenMarker", "A detected marker with its pose.")
+      .def(py::init([](const std::string& family, int id, const Pose& T_camera_marker,
+                       const Matrix6d& covariance, double alternative_probability) {
+             return SeenMarker{{family, id}, T_camera_marker, covariance, alternative_probability};
+           }),
+           "family"_a, "id"_a, "T_camera_marker"_a, "covariance"_a, "alternative_probability"_a = 0.0,
+           "T_camera_marker (4, 4); covariance (6, 6) of position and rotation in the axes of the optical "
+           "frame; probability that the alternative pose is the true one");
+  module.def("marker_observations", &markerObservations, "markers"_a, "T_base_camera"_a, "params"_a,
+             "map"_a = nullptr,
+             "LabelledObservation of each SeenMarker of an image in the robot frame; T_base_camera (4, 4); "
+             "MarkerMap whose markers measure the slope below the robot (ramp_sigma), or None");
   module.def("alternative_pose_probability", &alternativePoseProbability, "error"_a, "alternative_error"_a,
              "sigma"_a,
              "Probability that the worse one of the two poses of a marker is the true one; RMS reprojection "

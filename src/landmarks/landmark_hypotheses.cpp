@@ -26,6 +26,7 @@ constexpr double kLogCarried = -8;     // of a hypothesis that contradicts all o
 constexpr double kMostAgainst = 9;     // evidence of images against a hypothesis with landmarks
 constexpr double kMoreAgainst = 1.0;   // for each metre without landmarks
 constexpr double kMeasured = 2;        // metres between two corrections by places: images nearby err alike
+constexpr double kLeastImage = 0.2;    // evidence of an image at the place of the last one
 constexpr double kSettledPlace = 0.5;  // probability of a place that corrects the pose
 constexpr double kSamePlace = 0.999;   // of the squared distance of a pose from its place
 
@@ -91,6 +92,7 @@ bool isElsewhere(const std::vector<ScanInterpretation>& all,
 }  // namespace
 
 void LandmarkHypotheses::predict(const OdometryStep& step, double duration) {
+  since_image_ += step.distance + std::abs(step.turn);
   for (Hypothesis& each : all_) {
     each.slam.predict(step, duration);
     each.unmeasured += step.distance;
@@ -198,8 +200,10 @@ PlaceUse LandmarkHypotheses::observePlaces(const std::vector<PossiblePose>& pose
   }
   const Pose2 before = best().filter().pose();
   addPlaces(poses);
+  const double evidence = evidenceOfImage();
+  since_image_ = 0;
   for (Hypothesis& each : all_)
-    if (!each.is_aside) judge(each, poses);
+    if (!each.is_aside) judge(each, poses, evidence);
   boundPlaces(all_);
   const size_t most = affordable();
   all_ = likely(std::move(all_), most);
@@ -212,6 +216,13 @@ PlaceUse LandmarkHypotheses::observePlaces(const std::vector<PossiblePose>& pose
   return is_at_one ? PlaceUse::agrees : PlaceUse::contradicts;
 }
 
+/// 1: it is independent of earlier ones.
+double LandmarkHypotheses::evidenceOfImage() const {
+  const bool is_settled =
+      std::any_of(all_.begin(), all_.end(), [](const Hypothesis& each) { return each.is_confirmed; });
+  return is_settled ? 1 : std::clamp(since_image_ / kMeasured, kLeastImage, 1.0);
+}
+
 /// The map is that of the best hypothesis, without the landmarks that may have been initialized at a wrong
 /// pose.
 void LandmarkHypotheses::place(const std::vector<PossiblePose>& poses) {
@@ -222,19 +233,22 @@ void LandmarkHypotheses::place(const std::vector<PossiblePose>& poses) {
     placed.back().slam.setPose(each.T_map_base, each.covariance);
   }
   all_ = likely(withoutEqual(std::move(placed)), affordable());
+  since_image_ = 0;
 }
 
 /// Adds a hypothesis for each place at which none is.
 void LandmarkHypotheses::addPlaces(const std::vector<PossiblePose>& poses) {
+  const Hypothesis& first = all_.front();
+  SourceFaults faults = first.faults;
+  faults.forgetUnconfirmed();
   std::vector<Hypothesis> added;
   for (const PossiblePose& each : poses) {
     const bool is_known = std::any_of(all_.begin(), all_.end(), [&](const Hypothesis& hypothesis) {
       return !hypothesis.is_aside && isAt(poseOf(hypothesis.slam), each);
     });
     if (each.probability < kMinPlace || is_known) continue;
-    added.push_back({best(), kLogCarried - all_.front().faults.logPrior(), 0, false});
-    added.back().faults = all_.front().faults;
-    added.back().faults.forgetUnconfirmed();
+    added.push_back({first.slam, kLogCarried - first.faults.logPrior(), 0, false});
+    added.back().faults = faults;
     LandmarkSlam& slam = added.back().slam;
     slam.relocalize();
     slam.setPose(each.T_map_base, each.covariance);
@@ -243,7 +257,9 @@ void LandmarkHypotheses::addPlaces(const std::vector<PossiblePose>& poses) {
 }
 
 /// Adds the evidence of an image, and corrects the pose by the place at which it is.
-void LandmarkHypotheses::judge(Hypothesis& hypothesis, const std::vector<PossiblePose>& poses) {
+/// @param evidence of the image, 1: it is independent of earlier ones
+void LandmarkHypotheses::judge(Hypothesis& hypothesis, const std::vector<PossiblePose>& poses,
+                               double evidence) {
   const PoseEstimate2D robot = poseOf(hypothesis.slam);
   double here = 0;
   const PossiblePose* place = nullptr;
@@ -252,7 +268,7 @@ void LandmarkHypotheses::judge(Hypothesis& hypothesis, const std::vector<Possibl
     here += each.probability;
     if (!place || each.probability > place->probability) place = &each;
   }
-  hypothesis.log_places += std::log(std::max(here, kMinUnknown));
+  hypothesis.log_places += evidence * std::log(std::max(here, kMinUnknown));
   // Without landmarks it may be at this place because of earlier images.
   if (here >= kSettledPlace && hypothesis.is_confirmed) hypothesis.faults.support(PoseSource::places);
   if (!place || place->probability < kSettledPlace || hypothesis.unmeasured < kMeasured) return;

@@ -3,6 +3,7 @@
 #include "sextant/landmarks/source_monitor.hpp"
 
 #include <algorithm>
+#include <iterator>
 
 namespace sextant {
 namespace {
@@ -35,6 +36,7 @@ constexpr Texts kSources[] = {
      "the images have too little content to recognize a place: is the camera covered, or is it dark?",
      kLeast},
 };
+static_assert(std::size(kSources) == kPoseSources);
 
 }  // namespace
 

@@ -231,7 +231,7 @@ class LandmarkSlamNodelet : public nodelet::Nodelet {
         trouble_->report("marker without a size", "marker " + std::to_string(marker.id) + " on " + topic +
                                                       " is skipped: set ~marker_size(s) of its detector");
     addScan(msg->header, topic, Detects::with_id,
-            [this, msg](const Pose& T) { return fromMsg(*msg, T, params_.markers); });
+            [this, msg](const Pose& T) { return fromMsg(*msg, T, params_.markers, session_->markerMap()); });
   }
 
   /// @param observations converts the message to the robot frame, given T_base_frame

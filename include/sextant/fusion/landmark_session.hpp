@@ -24,6 +24,8 @@ class LandmarkSession {
   LandmarkTimeline& timeline() { return *timeline_; }             ///< takes odometry and scans
   const std::string& frame() const { return frame_; }             ///< frame_id of the map
   LandmarkMap map() const;                                        ///< current map, as save() writes it
+  /// The marker map; nullptr if there is none.
+  const MarkerMap* markerMap() const { return markers_ ? &*markers_ : nullptr; }
 
   /// Reason why the map is empty although the parameters need one; empty text: it is not, or not needed.
   std::string emptyMapReason() const;

@@ -18,6 +18,7 @@ struct MarkerLandmarkParams {
   double heading_min_probability = 0.9999;
   double corner_sigma = 0.3;
   double tilt_sigma = 0.01;
+  double ramp_sigma = 0;
 
   ParamList fields();  ///< names, ranges, units and descriptions
 };
@@ -31,13 +32,21 @@ double headingOf(const Eigen::Matrix3d& R_map_marker);
 /// @param sigma standard deviation of a corner coordinate, pixels
 double alternativePoseProbability(double error, double alternative_error, double sigma);
 
-/// Converts a detected marker to a planar observation in the robot frame. It has a heading and can initialize
-/// a landmark only if the solution of its pose is unambiguous.
-/// @param covariance of T_camera_marker: position, rotation in the axes of the optical frame
-/// @param alternative_probability probability that the alternative pose is the true one
-LabelledObservation markerObservation(const MarkerKey& key, const Pose& T_base_camera,
-                                      const Pose& T_camera_marker, const Matrix6d& covariance,
-                                      double alternative_probability, const MarkerLandmarkParams& params);
+/// A detected marker.
+struct SeenMarker {
+  MarkerKey key;                       ///< family and id
+  Pose T_camera_marker;                ///< its pose in the optical frame
+  Matrix6d covariance;                 ///< position, rotation in the axes of the optical frame
+  double alternative_probability = 0;  ///< that the other one of its two poses is the true one
+};
+
+/// Converts the markers of an image to planar observations in the robot frame. They have a heading and can
+/// initialize landmarks only if the solution of their pose is unambiguous.
+/// @param map if the robot may be on a ramp, the full poses of its markers measure the slope; or nullptr
+std::vector<LabelledObservation> markerObservations(const std::vector<SeenMarker>& markers,
+                                                    const Pose& T_base_camera,
+                                                    const MarkerLandmarkParams& params,
+                                                    const MarkerMap* map = nullptr);
 
 /// The markers of a map as planar landmarks.
 struct MarkerLandmarks {

@@ -46,10 +46,11 @@ class LandmarkHypotheses {
                          const Pose2& T_base_sensor = {}, Detects detects = Detects::all);
 
   /// Applies the recognized places of an image, which are evidence for and against each hypothesis; those
-  /// that are in none become improbable hypotheses. The evidence of images against a hypothesis is bounded,
-  /// as they may show the same error again and again, unless no landmark was associated in it for long. A
-  /// lost robot is at one of the places. A hypothesis without landmarks for a while is corrected by its
-  /// place.
+  /// that are in none become improbable hypotheses. Images nearby err alike: until a landmark is associated,
+  /// their evidence increases with the motion between them. The evidence of images against a hypothesis is
+  /// bounded, as they may show the same error again and again, unless no landmark was associated in it for
+  /// long. A lost robot is at one of the places. A hypothesis without landmarks for a while is corrected by
+  /// its place.
   /// @param poses their probabilities sum to at most 1; the rest is that of an unknown place
   PlaceUse observePlaces(const std::vector<PossiblePose>& poses);
   /// Whether a landmark was associated in the best hypothesis, if its pose is that of a place.
@@ -99,8 +100,9 @@ class LandmarkHypotheses {
   static std::vector<Hypothesis> setAside(std::vector<Hypothesis> all);
   static std::vector<Hypothesis> withoutEqual(std::vector<Hypothesis> all);
   static std::vector<Hypothesis> sorted(std::vector<Hypothesis> all);
-  static void judge(Hypothesis& hypothesis, const std::vector<PossiblePose>& poses);
+  static void judge(Hypothesis& hypothesis, const std::vector<PossiblePose>& poses, double evidence);
   static void boundPlaces(std::vector<Hypothesis>& all);
+  double evidenceOfImage() const;
   void place(const std::vector<PossiblePose>& poses);
   void addPlaces(const std::vector<PossiblePose>& poses);
   static std::vector<Hypothesis> likely(std::vector<Hypothesis> all, size_t most);
@@ -108,6 +110,7 @@ class LandmarkHypotheses {
   std::vector<double> probabilities() const;
 
   std::vector<Hypothesis> all_;  // the best first; never empty
+  double since_image_ = 0;       // metres and radians driven since the last image
 };
 
 }  // namespace sextant

@@ -16,6 +16,8 @@ enum class PoseSource {
   places,     ///< images whose place was recognized
 };
 
+constexpr size_t kPoseSources = 3;
+
 /// The source of a scan.
 PoseSource sourceOf(Detects detects);
 
@@ -63,7 +65,7 @@ class SourceFaults {
   State& of(PoseSource source) { return states_[static_cast<size_t>(source)]; }
   const State& of(PoseSource source) const { return states_[static_cast<size_t>(source)]; }
 
-  std::array<State, 3> states_;  // in the order of PoseSource
+  std::array<State, kPoseSources> states_;  // in the order of PoseSource
 };
 
 }  // namespace sextant

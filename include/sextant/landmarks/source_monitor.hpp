@@ -40,8 +40,8 @@ class SourceMonitor {
   void addScan(const LandmarkTimeline::Applied& applied);
   void note(PoseSource source, double stamp, Verdict verdict);
 
-  double newest_ = 0;              // stamp
-  std::array<Source, 3> sources_;  // in the order of PoseSource
+  double newest_ = 0;                         // stamp
+  std::array<Source, kPoseSources> sources_;  // in the order of PoseSource
 };
 
 }  // namespace sextant

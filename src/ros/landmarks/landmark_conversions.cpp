@@ -3,6 +3,7 @@
 #include "sextant/ros/landmarks/landmark_conversions.hpp"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -128,15 +129,16 @@ std::vector<LabelledObservation> fromMsg(const LandmarkObservations& msg, const 
 }
 
 std::vector<LabelledObservation> fromMsg(const MarkerArray& msg, const Pose& T_base_camera,
-                                         const MarkerLandmarkParams& params) {
-  std::vector<LabelledObservation> all;
-  for (const Marker& marker : msg.markers) {
-    if (!(marker.size > 0)) continue;
-    all.push_back(markerObservation({canonicalFamily(marker.family), marker.id}, T_base_camera,
-                                    fromMsg(marker.pose.pose), fromMsg(marker.pose.covariance),
-                                    alternativeProbabilityOf(marker, params.corner_sigma), params));
-    requireObservation(all.back());
-  }
+                                         const MarkerLandmarkParams& params, const MarkerMap* map) {
+  std::vector<SeenMarker> seen;
+  for (const Marker& marker : msg.markers)
+    if (marker.size > 0)
+      seen.push_back({{canonicalFamily(marker.family), marker.id},
+                      fromMsg(marker.pose.pose),
+                      fromMsg(marker.pose.covariance),
+                      alternativeProbabilityOf(marker, params.corner_sigma)});
+  const auto all = markerObservations(seen, T_base_camera, params, map);
+  std::for_each(all.begin(), all.end(), requireObservation);
   return all;
 }
 

@@ -56,6 +56,7 @@ class LandmarkTopics:
     base_frame: str = ""  # empty: odometry's child_frame_id
     mounts: Mapping[str, np.ndarray] = field(default_factory=dict)  # T_base_frame by frame; overrides tf
     marker_params: Mapping[str, float] = field(default_factory=dict)  # of sextant.MarkerLandmarkParams
+    marker_map: str = ""  # marker map file for ramp_sigma of marker_params; empty: none
     start: float = 0.0  # seconds after a bag's first message
     end: float = float("inf")  # seconds after a bag's first message
 
@@ -169,6 +170,7 @@ class _Drive:
         self._marker_params = parse_struct(
             sextant.MarkerLandmarkParams, dict(topics.marker_params), "marker_params", ": "
         )
+        self._marker_map = sextant.read_marker_map(topics.marker_map) if topics.marker_map else None
         self._messages: List[Union[OdometryReading, SensorScan]] = []
         self._newest = 0  # stamp of odometry
 
@@ -226,7 +228,7 @@ class _Drive:
         if not has_markers:
             observations = landmark_observations(message, T)
         else:
-            observations = marker_observations(message, T, self._marker_params)
+            observations = marker_observations(message, T, self._marker_params, self._marker_map)
             for marker in message.markers:
                 if not marker.size > 0.0:
                     self._losses.lost(

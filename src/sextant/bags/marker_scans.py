@@ -9,7 +9,7 @@ import numpy as np
 
 import sextant
 from sextant.bags.landmark_reader import RecordedLandmarks, SensorScan
-from sextant.localization.drive_observations import DriveCamera, DriveObservations
+from sextant.localization.drive_observations import DriveObservations
 from sextant.messages.landmark_messages import planar_sensor_pose
 
 SizeOf = Callable[[str, int], Optional[float]]  # edge length by family and id, metres; None: not to be used
@@ -22,32 +22,37 @@ def with_marker_scans(recorded: RecordedLandmarks, scans: Iterable[SensorScan]) 
 
 
 def marker_scans(
-    drive: DriveObservations, size_of: SizeOf, params: "sextant.MarkerLandmarkParams"
+    drive: DriveObservations,
+    size_of: SizeOf,
+    params: "sextant.MarkerLandmarkParams",
+    marker_map: Optional["sextant.MarkerMap"] = None,
 ) -> List[SensorScan]:
     """Observations of markers, in the robot frame, of each image that shows one.
 
     A marker that an image shows twice is left out: there are two prints of it.
+
+    :param marker_map: its markers measure the slope below the robot, with params.ramp_sigma
     """
     models = {name: camera.model() for name, camera in drive.cameras.items()}
     scans = []
     for image in drive.images:
         camera, count = drive.cameras[image.camera], Counter((each.family, each.id) for each in image.markers)
         once = (each for each in image.markers if count[each.family, each.id] == 1)
-        found = [_observation(each, camera, models[image.camera], size_of, params) for each in once]
-        observations = [each for each in found if each]
-        if observations:
-            T_base_sensor = planar_sensor_pose(camera.T_base_camera)
-            scans.append(SensorScan(image.stamp, observations, T_base_sensor, True))
+        found = [_seen_marker(each, models[image.camera], size_of, params) for each in once]
+        seen = [each for each in found if each]
+        if seen:
+            T = camera.T_base_camera
+            observations = sextant.marker_observations(seen, T, params, marker_map)
+            scans.append(SensorScan(image.stamp, observations, planar_sensor_pose(T), True))
     return scans
 
 
-def _observation(
+def _seen_marker(
     detection: "sextant.Detection",
-    camera: DriveCamera,
     model: "sextant.CameraModel",
     size_of: SizeOf,
     params: "sextant.MarkerLandmarkParams",
-) -> Optional["sextant.LabelledObservation"]:
+) -> Optional["sextant.SeenMarker"]:
     """Nothing if the marker is not to be used, or its corners do not determine its pose."""
     size = size_of(detection.family, detection.id)
     poses = size and sextant.solve_marker_pose(model, detection.corners, size)
@@ -61,6 +66,4 @@ def _observation(
         return None
     errors = poses.best.reprojection_error, other.reprojection_error if other else np.inf
     probability = sextant.alternative_pose_probability(*errors, sigma) if other else 0.0
-    return sextant.marker_observation(
-        detection.family, detection.id, camera.T_base_camera, T, covariance, probability, params
-    )
+    return sextant.SeenMarker(detection.family, detection.id, T, covariance, probability)

@@ -10,7 +10,7 @@ from typing import List, NamedTuple, Optional, Tuple
 import numpy as np
 
 from sextant.base.strict_params import StrictParams, nested, param, within
-from sextant.buildings.building_looks import PILLAR_RADIUS, BuildingLooks
+from sextant.buildings.building_looks import DRIVE_DAY, PILLAR_RADIUS, BuildingLooks
 from sextant.buildings.building_view import BuildingCamera, building_view
 from sextant.simulation.building import Building, observed_pillars
 from sextant.simulation.building_round import RoundDriver
@@ -20,7 +20,6 @@ from sextant.simulation.odometry import OdometryNoise, OdometryReading, WheelOdo
 ROBOT_RADIUS = 0.2  # metres
 CARRIED = 5.0  # metres, least distance of a kidnapping
 FIRST_IMAGE = 1_000_000  # far from the numbers of photos in maps
-DRIVE_DAY = 1  # of sextant.buildings.building_looks
 
 
 @dataclass(frozen=True)

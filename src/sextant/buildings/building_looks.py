@@ -29,6 +29,7 @@ PILLAR_TONES = (70.0, 120.0, 190.0)  # grey levels, by class
 PANEL = 2.0  # metres, largest width of a part of a wall
 FREE, ALIKE, CHANGED = 0.3, 0.6, 0.2  # shares of panels: bare, as in the other corridor, changed between days
 GAINS = (0.8, 1.0)  # of the light, by day
+PHOTO_DAY, DRIVE_DAY = 0, 1  # of the maps, and of the drives by them
 UNEVEN, LIGHT_WAVE = 0.12, np.array([0.7, 0.5])  # of the light: relative change, and rad/m along x and y
 
 

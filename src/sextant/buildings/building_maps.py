@@ -13,7 +13,13 @@ import numpy as np
 
 import sextant
 from sextant.base.atomic_file import atomic_file
-from sextant.buildings.building_looks import MARKER_HEIGHT, MARKER_SIZE, PILLAR_RADIUS, BuildingLooks
+from sextant.buildings.building_looks import (
+    MARKER_HEIGHT,
+    MARKER_SIZE,
+    PHOTO_DAY,
+    PILLAR_RADIUS,
+    BuildingLooks,
+)
 from sextant.buildings.building_view import BuildingCamera, building_view
 from sextant.geometry.plane_poses import composed
 from sextant.place_maps.photo_poses import PhotoCamera, PhotoPoses, PosedPhoto, poses_path, write_photo_poses
@@ -29,7 +35,6 @@ FREE, OCCUPIED = 254, 40  # grey levels of the plan; map_server takes below 89 a
 SIGMAS = np.array([0.03, 0.03, 0.01])  # of mapped poses: metres, metres, radians
 SEED = 7  # of these errors
 SAME_PLACE = 0.3  # metres between photos of one place, in several directions
-PHOTO_DAY = 0  # of sextant.buildings.building_looks
 QUALITY = 90  # of the JPEG files
 
 

@@ -226,6 +226,7 @@ def _topics(options: argparse.Namespace, params: "sextant.LandmarkSlamNodeParams
         marker_params={
             name: getattr(params.markers, name) for name, *_ in sextant.MarkerLandmarkParams.fields()
         },
+        marker_map=params.marker_map_file,
     )  # fmt: skip
 
 

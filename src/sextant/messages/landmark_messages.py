@@ -3,7 +3,7 @@
 """Converts the messages of landmark SLAM in the same way as src/ros/landmarks/landmark_conversions.cpp."""
 
 import math
-from typing import Any, List
+from typing import Any, List, Optional
 
 import numpy as np
 
@@ -54,37 +54,39 @@ def observations_to_messages(observations: List["sextant.LabelledObservation"]) 
 
 
 def marker_observations(
-    message: Any, T_base_camera: np.ndarray, params: "sextant.MarkerLandmarkParams"
+    message: Any,
+    T_base_camera: np.ndarray,
+    params: "sextant.MarkerLandmarkParams",
+    marker_map: Optional["sextant.MarkerMap"] = None,
 ) -> List["sextant.LabelledObservation"]:
     """Converts sextant/MarkerArray to observations in the robot frame; skips markers without a size.
 
     :param T_base_camera: (4, 4) of the optical frame
+    :param marker_map: its markers measure the slope below the robot, with params.ramp_sigma
     :raises DamagedMessage: the first invalid marker
     """
-    found = []
-    for marker in message.markers:
-        if not marker.size > 0.0:
-            continue
+    markers = [marker for marker in message.markers if marker.size > 0.0]
+    seen = [_seen_marker(marker, params.corner_sigma) for marker in markers]
+    found = sextant.marker_observations(seen, T_base_camera, params, marker_map)
+    for marker, each in zip(markers, found):
+        dimensions = 2 if each.observation.heading is None else 3
         try:
-            found.append(_marker_observation(marker, T_base_camera, params))
+            _check_covariance(each.observation.covariance[:dimensions, :dimensions])
         except ValueError as error:
             raise DamagedMessage(f"marker {marker.id}: {error}") from None
     return found
 
 
-def _marker_observation(
-    marker: Any, T_base_camera: np.ndarray, params: "sextant.MarkerLandmarkParams"
-) -> "sextant.LabelledObservation":
-    T_camera_marker = pose_of_fields(marker.pose.pose.position, marker.pose.pose.orientation)
+def _seen_marker(marker: Any, corner_sigma: float) -> "sextant.SeenMarker":
+    """:raises DamagedMessage: it is not valid"""
+    try:
+        T_camera_marker = pose_of_fields(marker.pose.pose.position, marker.pose.pose.orientation)
+        family = sextant.canonical_family(marker.family)
+    except ValueError as error:
+        raise DamagedMessage(f"marker {marker.id}: {error}") from None
     covariance = np.reshape(marker.pose.covariance, (6, 6), order="F")
-    probability = _alternative_probability(marker, params.corner_sigma)
-    seen = sextant.marker_observation(
-        sextant.canonical_family(marker.family), marker.id, T_base_camera, T_camera_marker,
-        covariance, probability, params,
-    )  # fmt: skip
-    dimensions = 2 if seen.observation.heading is None else 3
-    _check_covariance(seen.observation.covariance[:dimensions, :dimensions])
-    return seen
+    probability = _alternative_probability(marker, corner_sigma)
+    return sextant.SeenMarker(family, marker.id, T_camera_marker, covariance, probability)
 
 
 def _alternative_probability(marker: Any, corner_sigma: float) -> float:

@@ -89,7 +89,7 @@ TEST(MarkerLandmarks, CovarianceIsThatOfSampledPosesAndTilts) {
     params.tilt_sigma = 0.01;
     const Pose T_camera_marker = T_base_camera.inverse() * T_base_marker;
     const LabelledObservation found =
-        markerObservation(kKey, T_base_camera, T_camera_marker, noiseOfPose(), 0, params);
+        markerObservations({{kKey, T_camera_marker, noiseOfPose()}}, T_base_camera, params)[0];
     const Matrix3d drawn = drawnCovariance(T_base_camera, T_camera_marker, noiseOfPose(), params.tilt_sigma);
     EXPECT_LT((found.observation.covariance - drawn).norm(), 0.02 * drawn.norm()) << drawn;
     EXPECT_NEAR(found.observation.covariance(2, 2), drawn(2, 2), 0.02 * drawn(2, 2));
@@ -100,12 +100,94 @@ TEST(MarkerLandmarks, CovarianceIsThatOfSampledPosesAndTilts) {
   }
 }
 
+/// A robot on ramps whose slopes are as drawn, in front of one marker or two.
+class OnRamps {
+ public:
+  OnRamps(double ramp_sigma, int markers) : markers_(markers) {
+    params_.tilt_sigma = 0.005;
+    params_.ramp_sigma = ramp_sigma;
+  }
+
+  /// Error of (x, y, heading) of the observation of the first marker. @param sum to which its covariance is
+  /// added @param turn of the markers in their planes, which the map does not have, radians
+  Vector3d error(bool is_mapped, Matrix3d& sum, double alternative_probability = 0, double turn = 0) {
+    const double slope = std::hypot(params_.tilt_sigma, params_.ramp_sigma);
+    const Pose T_level_base(expSO3(slope * Vector3d{noise_(random_), noise_(random_), 0}));
+    MarkerMap map;
+    std::vector<SeenMarker> seen;
+    for (int i = 0; i < markers_; ++i) {
+      const MarkerKey key{"tag36h11", i};
+      const Matrix6d of_map = 0.09 * noiseOfPose();
+      map.add({key, 0.2, "", perturbed(T_map_level_ * T_level_marker_[i], 0.3 * drawn()), of_map});
+      const Pose T_camera_marker =
+          (T_level_base * kMount).inverse() * T_level_marker_[i] * poseFromXyzRpy({0, 0, 0}, {0, 0, turn});
+      seen.push_back({key, perturbed(T_camera_marker, drawn()), noiseOfPose(), alternative_probability});
+    }
+    const Observation2D found =
+        markerObservations(seen, kMount, params_, is_mapped ? &map : nullptr)[0].observation;
+    sum += found.covariance;
+    Vector3d error;
+    error << T_level_marker_[0].translation().head<2>() - found.position,
+        wrapped(headingOf(T_level_marker_[0].linear()) - found.heading.value_or(0));
+    return error;
+  }
+
+ private:
+  Vector6d drawn() {
+    return root_ * Vector6d::NullaryExpr([&](auto) { return noise_(random_); });
+  }
+
+  inline static const Pose kMount = poseFromXyzRpy({0.1, 0.02, 0.4}, {-M_PI_2 - 0.2, 0.05, -M_PI_2 + 0.3});
+  int markers_;
+  MarkerLandmarkParams params_;
+  const std::vector<Pose> T_level_marker_ = {markerOnWall({2, 0.5, 2.4}, 0.4),
+                                             markerOnWall({4, -1, 1.5}, -0.4)};
+  const Pose T_map_level_ = poseFromXyzRpy({5, -3, 0.7}, {0, 0, 2});
+  const Matrix6d root_ = noiseOfPose().llt().matrixL();
+  std::mt19937 random_{3};
+  std::normal_distribution<double> noise_{0, 1};
+};
+
+/// Standard deviation of the position, after its check and that of the heading.
+double checkedSigma(int markers, bool is_mapped) {
+  OnRamps robot(0.08, markers);
+  Matrix3d scatter = Matrix3d::Zero(), stated = Matrix3d::Zero();
+  const int count = 10000;
+  for (int i = 0; i < count; ++i) {
+    const Vector3d error = robot.error(is_mapped, stated);
+    scatter += error * error.transpose();
+  }
+  EXPECT_LT((scatter - stated).norm(), 0.08 * scatter.norm()) << scatter / count << "\n" << stated / count;
+  EXPECT_NEAR(scatter(2, 2), stated(2, 2), 0.15 * stated(2, 2));
+  return std::sqrt(scatter.topLeftCorner<2, 2>().trace() / count);
+}
+
+TEST(MarkerLandmarks, MappedMarkersMeasureTheSlopeOfARamp) {
+  const double alone = checkedSigma(1, false), one = checkedSigma(1, true), two = checkedSigma(2, true);
+  EXPECT_GT(alone, 0.2);  // 0.08 rad, 2.4 m above the base
+  EXPECT_LT(one, 0.3 * alone);
+  EXPECT_LT(two, 0.7 * one);  // the direction from one to the other
+}
+
+TEST(MarkerLandmarks, TheMapIsNotUsedWithoutRampsForAnAmbiguousMarkerOrOneThatHangsOtherwise) {
+  struct Case {
+    double ramp_sigma, alternative, turn;
+  };
+  for (const Case& each : {Case{0, 0, 0}, {0.08, 0.5, 0}, {0.08, 0, M_PI}, {0.08, 0, 1}}) {
+    OnRamps one(each.ramp_sigma, 1), other(each.ramp_sigma, 1);
+    Matrix3d mapped = Matrix3d::Zero(), alone = Matrix3d::Zero();
+    EXPECT_EQ(one.error(true, mapped, each.alternative, each.turn),
+              other.error(false, alone, each.alternative, each.turn));
+    EXPECT_EQ(mapped, alone);
+  }
+}
+
 TEST(MarkerLandmarks, AnAmbiguousMarkerHasNoHeadingAndCannotInitialize) {
   const MarkerLandmarkParams params;
   const Pose mount = forwardMount(0.5);
   const auto at = [&](double other) {
-    return markerObservation(kKey, mount, mount.inverse() * markerOnWall({2, 0, 1}), noiseOfPose(), other,
-                             params);
+    const Pose T_camera_marker = mount.inverse() * markerOnWall({2, 0, 1});
+    return markerObservations({{kKey, T_camera_marker, noiseOfPose(), other}}, mount, params)[0];
   };
   EXPECT_TRUE(at(0.9e-4).observation.heading);
   EXPECT_TRUE(at(0.9e-4).can_initialize);

@@ -57,6 +57,19 @@ def test_markers_that_are_not_mapped_or_seen_twice_are_left_out():
     assert [seen.label.id for seen in scan.observations] == [second.id]
 
 
+def test_mapped_markers_measure_the_slope_of_a_ramp():
+    T_map_tilted = T_MAP_BASE @ sextant.pose_from_xyz_rpy(np.zeros(3), [0.0, 0.1, 0.0])
+    seen = SimulatedCamera("plumb_bob 4", sigma=0.1, seed=1).view(T_map_tilted, list(WALL.markers)).detections
+    params, errors = sextant.MarkerLandmarkParams(), []
+    params.ramp_sigma = 0.1
+    for marker_map in (None, WALL):
+        (scan,) = marker_scans(drive(ImageDetections(1, "front", seen)), size_in(WALL), params, marker_map)
+        true = [(np.linalg.inv(T_MAP_BASE) @ marker.T_map_marker)[:2, 3] for marker in WALL.markers]
+        off = [each.observation.position - position for each, position in zip(scan.observations, true)]
+        errors.append(np.hypot(*np.transpose(off)).max())
+    assert errors[1] < 0.3 * errors[0]
+
+
 def test_scans_are_between_the_readings_of_odometry():
     readings = [OdometryReading(stamp, np.zeros(3)) for stamp in (1, 5, 9)]
     recorded = RecordedLandmarks("a.bag", 0.0, 1.0, readings, ())

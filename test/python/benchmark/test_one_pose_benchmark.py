@@ -62,7 +62,7 @@ def test_nees_is_over_three_from_when_the_pose_is_right():
 
 @pytest.mark.slow
 def test_quick_run():
-    topics = topics_of("one_pose.py")
+    topics = topics_of("one_pose.py", "--only", "kidnappings,failures,maps")
     (table,) = topics["kidnappings"]
     one, *_ = table["rows"]
     assert one["kidnappings"]["value"] == 4 and one["relocalized, %"]["value"] >= 50
@@ -70,8 +70,16 @@ def test_quick_run():
     for row in topics["failures"][0]["rows"]:
         assert row["within 3 sigma, %"]["value"] > 30
     (maps,) = topics["maps"][0]["rows"]
-    assert maps["pillars mapped"]["value"] >= 3 and maps["pillars, m"]["value"] < 0.5
+    assert maps["landmarks in the map"]["value"] >= 3 and maps["pillars, m"]["value"] < 0.5
     assert maps["photos, m"]["value"] < 0.5
+
+
+@pytest.mark.slow
+def test_quick_run_of_the_nodes():
+    *nodes, total = topics_of("one_pose.py", "--only", "cost")["cost"][0]["rows"]
+    assert {"landmark_slam", "place_localizer", "sextant_manager"} <= {each["name"] for each in nodes}
+    assert 0.03 < total["cores (median)"]["value"] < 8 and total["memory, MB"]["value"] > 100
+    assert total["images/s"]["value"] > 1
 
 
 def test_the_outcome_of_a_failure():

@@ -176,6 +176,22 @@ TEST(LandmarkConversions, AnAmbiguousMarkerHasNoHeading) {
   }
 }
 
+TEST(LandmarkConversions, AMappedMarkerMeasuresTheSlopeBelowTheRobot) {
+  const Pose T_base_marker = T_base_camera * fromMsg(someMarkers().markers[0].pose.pose);
+  const Pose T_level_marker = poseFromXyzRpy({0, 0, 0}, {0, 0.1, 0}) * T_base_marker;
+  MarkerMap map;
+  const Pose T_map_level = poseFromXyzRpy({4, 5, 0}, {0, 0, 1});
+  map.add({{"tag36h11", 3}, 0.2, "", T_map_level * T_level_marker, Matrix6d::Zero()});
+  MarkerLandmarkParams params;
+  params.ramp_sigma = 0.1;
+  const auto off = [&](const MarkerMap* with) {
+    const auto seen = fromMsg(someMarkers(), T_base_camera, params, with);
+    return (seen[0].observation.position - T_level_marker.translation().head<2>()).norm();
+  };
+  EXPECT_LT(off(&map), 0.003);
+  EXPECT_GT(off(nullptr), 0.08);  // 0.1 rad, 1 m above the base
+}
+
 TEST(LandmarkConversions, MarkersWithoutASizeAreSkipped) {
   MarkerArray msg = someMarkers();
   msg.markers.push_back(msg.markers[0]);

@@ -1,15 +1,19 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: Sextant authors
 # SPDX-License-Identifier: BSD-3-Clause
+import os
+import signal
 import subprocess
 import tempfile
+import time
 import unittest
 from pathlib import Path
 
 import rostest
 from made_photos import written_photos
-from ros_probe import WAIT
+from ros_probe import WAIT, until
 
+KILLED = 15.0  # seconds that roslaunch waits after SIGINT
 PHOTOS = [f"{number};{number}.png;1;1" for number in range(3)]
 
 
@@ -57,6 +61,23 @@ class PlaceLocalizerStartTest(unittest.TestCase):
             self.assertEqual(node.returncode, 1, output)
             self.assertIn(reason, output)
             self.assertNotIn("Traceback", output)
+
+    def test_a_signal_ends_it_while_the_photos_are_described(self):
+        rows = [f"{number};{number}.png;1;1" for number in range(len(PHOTOS), 4000)]
+        for row in rows:
+            os.link(self.folder / "0.png", self.folder / row.split(";")[1])
+        path = self.folder / "log"
+        with open(path, "w") as log:
+            given = [self.write("many.txt", *rows), "_jobs:=2"]
+            node = subprocess.Popen(["rosrun", "sextant", "place_localizer", *given], stdout=log, stderr=log)
+        self.addCleanup(node.wait)
+        self.addCleanup(node.kill)
+        self.assertTrue(until(lambda: "describing 4000 photos" in path.read_text(), WAIT))
+        time.sleep(2.0)  # in which the other processes start
+        node.send_signal(signal.SIGINT)
+        self.assertEqual(node.wait(KILLED), 0)
+        for word in ("ready after", "died", "Traceback"):
+            self.assertNotIn(word, path.read_text())
 
 
 if __name__ == "__main__":

@@ -5,6 +5,7 @@ import math
 import re
 import subprocess
 import tempfile
+import time
 import unittest
 from pathlib import Path
 
@@ -23,6 +24,7 @@ from std_srvs.srv import Trigger
 from sextant.msg import PlaceHypotheses, Places
 
 COUNT = 12
+RATE = 2.0  # Hz, of slow
 # 10 pixels from photo to photo are 1 m; the frame is turned by a quarter to the left
 METRIC = "frame=town;resolution=0.1;origin=7,3," + repr(math.pi / 2)
 CORNERS = "north_west=55.01,13.0;south_east=55.0,13.02"  # of 1000 x 100 pixels
@@ -39,6 +41,8 @@ class PlaceLocalizerTest(unittest.TestCase):
             cv2.imwrite(str(cls.folder / f"{number}.png"), picture(number))
         cls.images = rospy.Publisher("/robot/image", Image, queue_size=10)
         cls.jpegs = rospy.Publisher("/walker/image/compressed", CompressedImage, queue_size=10)
+        cls.hasty = rospy.Publisher("/slow/image", Image, queue_size=100)
+        cls.publishers = {"robot": cls.images, "walker": cls.jpegs, "slow": cls.hasty}
         cls.odometry = rospy.Publisher("/robot/odom", Odometry, queue_size=100)
         cls.rough = rospy.Publisher("/robot/rough_pose", PoseWithCovarianceStamped, queue_size=10)
         cls.diagnostics = Diagnostics()
@@ -46,7 +50,8 @@ class PlaceLocalizerTest(unittest.TestCase):
         cls.start("robot", cls.write("town.txt", METRIC), *given)
         (cls.folder / "earth.txt.index").write_bytes(b"SEXTANT PLACES\n\0\1\0\0\0 of long ago")
         cls.start("walker", cls.write("earth.txt", CORNERS), "_mode:=single", "_compressed:=true")
-        for name in ("robot", "walker"):
+        cls.start("slow", cls.write("street.txt", METRIC), f"_rate:={RATE}")
+        for name in cls.publishers:
             rospy.wait_for_service(f"/{name}/{name}/publish_initialpose", WAIT)  # the last that it offers
 
     @classmethod
@@ -81,7 +86,7 @@ class PlaceLocalizerTest(unittest.TestCase):
         received = Recorder(topic, kind)
         self.addCleanup(received.close)
         self.assertTrue(received.connected())
-        publisher = self.jpegs if topic.startswith("/walker") else self.images
+        publisher = self.publishers[topic.split("/")[1]]
         self.assertTrue(until(lambda: publisher.get_num_connections() == 1))
         return received
 
@@ -89,11 +94,12 @@ class PlaceLocalizerTest(unittest.TestCase):
         """Whether the words are in the log of a node, soon."""
         return until(lambda: re.search(words, (self.folder / f"{name}.log").read_text()))
 
-    def show(self, pixels, stamp=None, height=None):
+    def show(self, pixels, stamp=None, height=None, name="robot"):
         stamp = stamp or next(self.stamps)
         rows, columns = pixels.shape
         header = Header(stamp=stamp, frame_id="camera")
-        self.images.publish(Image(header, height or rows, columns, "mono8", 0, columns, pixels.tobytes()))
+        image = Image(header, height or rows, columns, "mono8", 0, columns, pixels.tobytes())
+        self.publishers[name].publish(image)
         return stamp
 
     def walk(self, received, places):
@@ -190,6 +196,16 @@ class PlaceLocalizerTest(unittest.TestCase):
         answer = places.at(self.show(shifted(picture(9), 6, 2), rospy.Time(100)))
         self.assertEqual(answer.poses[0], 9)
         self.assertTrue(self.has_logged("the images' clock was set back"))
+
+    def test_more_images_than_its_rate_are_dropped_except_the_last(self):
+        places, begin, shown = self.recorder("/slow/places", Places), time.monotonic(), []
+        while time.monotonic() < begin + 2.0:
+            shown.append(self.show(shifted(picture(3), 6, 2), name="slow"))
+            time.sleep(0.05)
+        self.assertIsNotNone(places.at(shown[-1]))
+        answers = len(places.all())
+        self.assertLessEqual(answers, 1 + RATE * (time.monotonic() - begin))
+        self.assertGreaterEqual(answers, 3)
 
     def test_a_picture_that_comes_late_is_left_out(self):
         places = self.recorder("/robot/places", Places)

@@ -44,9 +44,10 @@ PoseEstimate2D planarFromMsg(const geometry_msgs::PoseWithCovariance& estimate);
 std::vector<LabelledObservation> fromMsg(const LandmarkObservations& msg, const Pose& T_base_frame);
 
 /// Converts markers to observations in the robot frame; skips markers without a size, whose pose is unknown.
+/// @param map of the markers, or nullptr; see markerObservations()
 /// @throws std::invalid_argument that names the first invalid marker
 std::vector<LabelledObservation> fromMsg(const MarkerArray& msg, const Pose& T_base_camera,
-                                         const MarkerLandmarkParams& params);
+                                         const MarkerLandmarkParams& params, const MarkerMap* map = nullptr);
 
 /// Converts the places of an image to poses of the robot in the map; none if the image is not usable. A
 /// place at which the heading is not known becomes several poses with different headings.

@@ -112,7 +112,7 @@ def _parser() -> CommandParser:
 def _make(options: argparse.Namespace) -> Answer:
     """Localizes the robot by each map, aligns the trajectories, and writes the maps."""
     check_folder(options.output, options.force)
-    landmark_params(options.params)
+    landmark_params(options.params)  # refuses wrong ones before the bags are read
     maps = _read_maps(options)
     reference = options.frame or next(iter(maps))
     if reference not in maps:
@@ -136,6 +136,8 @@ def _read_maps(options: argparse.Namespace) -> Dict[str, _Map]:
     maps = {}
     if options.marker_map:
         marker_map = sextant.read_marker_map(str(options.marker_map))
+        if not marker_map.markers:
+            raise ValueError(f"{options.marker_map}: the map has no markers")
         maps["markers"] = _Map(options.marker_map, marker_map, marker_map.frame)
     if options.landmark_map:
         landmark_map = sextant.read_landmark_map(str(options.landmark_map))

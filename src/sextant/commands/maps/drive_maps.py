@@ -86,14 +86,17 @@ def landmarks_among(
     markers: MadeMarkers, drives: Drives, recorded: Recorded, inputs: MarkerInputs, params: Params
 ) -> MadeLandmarks:
     """Landmarks in the frame of the marker map. Markers that it lacks are landmarks, too: only landmarks may
-    connect them with the others. Those that were moved or printed twice are not used."""
+    connect them with the others. Those that were moved or printed twice are not used.
+
+    Sets the start in params.
+    """
     expected, moved = _expected_size(inputs), set(markers.result.inconsistent)
     mapped = _size_in(markers.result.map)
 
     def size_of(family: str, id: int) -> Optional[float]:
         return None if (family, id) in moved else mapped(family, id) or expected(family, id)
 
-    scanned = _with_scans(drives, recorded, size_of, params)
+    scanned = _with_scans(drives, recorded, size_of, params, markers.result.map)
     _set_start(params, path_of_markers(markers), scanned)
     return made_landmarks(list(scanned.values()), _run_among(params, markers.result.map))
 
@@ -106,8 +109,15 @@ def own_landmarks(made: MadeLandmarks) -> Set[int]:
     return {index for index, label in enumerate(made.result.map.labels) if label not in markers}
 
 
-def _with_scans(drives: Drives, recorded: Recorded, size_of: SizeOf, params: Params) -> Recorded:
-    scans = {bag: marker_scans(drive, size_of, params.markers) for bag, drive in drives.items()}
+def _with_scans(
+    drives: Drives,
+    recorded: Recorded,
+    size_of: SizeOf,
+    params: Params,
+    marker_map: Optional["sextant.MarkerMap"] = None,
+) -> Recorded:
+    given = size_of, params.markers, marker_map
+    scans = {bag: marker_scans(drive, *given) for bag, drive in drives.items()}
     return {bag: with_marker_scans(each, scans.get(bag, ())) for bag, each in recorded.items()}
 
 

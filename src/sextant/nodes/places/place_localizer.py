@@ -23,7 +23,7 @@ from sextant.messages.image_messages import colour_compressed, colour_image
 from sextant.msg import PlaceHypotheses, Places
 from sextant.nodes.base.exits import fatal
 from sextant.nodes.base.file_wait import wait_for_file
-from sextant.nodes.base.init_node import init_node
+from sextant.nodes.base.init_node import ends_on_signal, init_node
 from sextant.nodes.base.params import read_params
 from sextant.nodes.images.image_publisher import ImagePublisher
 from sextant.nodes.images.latest_image import LatestImage
@@ -110,7 +110,7 @@ class PlaceLocalizerNode:
 
     def run(self) -> None:
         """Processes images until the node is shut down."""
-        LatestImage(*self._input, self._is_wanted, self._work).run(self._updater)
+        LatestImage(*self._input, self._is_wanted, self._work, self._params.rate).run(self._updater)
 
     def _work(self, message) -> None:
         try:
@@ -208,7 +208,7 @@ def main() -> None:
     """Runs the node; exits with status 1 and the reason if the map cannot be used."""
     init_node("place_localizer")
     params = read_params(PlaceLocalizerNodeParams)
-    wait_for_file(params.map_file, params.wait_for_map)
-    with fatal(OSError, ValueError, JobError, SchedulerError):
-        node = PlaceLocalizerNode(params, LoadedMap(params))
-    node.run()
+    with fatal(OSError, ValueError, JobError, SchedulerError), ends_on_signal():
+        wait_for_file(params.map_file, params.wait_for_map)
+        loaded = LoadedMap(params)
+    PlaceLocalizerNode(params, loaded).run()

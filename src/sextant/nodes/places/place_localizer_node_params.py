@@ -51,6 +51,12 @@ class PlaceLocalizerNodeParams(StrictParams):
         "never", "when `initialpose` is published automatically", one_of("never", "relocalized")
     )
     compressed: bool = param(False, "subscribe to `image/compressed` instead of `image`")
+    rate: float = param(
+        0.0,
+        "maximum rate of images whose place is recognized; others are dropped; 0: no limit",
+        within(0.0, 1000.0),
+        "Hz",
+    )
     jobs: int = param(
         1, "number of processes that compute the descriptors of the map's photos", within(1, 256)
     )

@@ -18,7 +18,7 @@ from sextant.base.strict_params import not_empty, param, required, within
 from sextant.msg import Places
 from sextant.nodes.base.exits import fatal
 from sextant.nodes.base.file_wait import wait_for_file
-from sextant.nodes.base.init_node import init_node
+from sextant.nodes.base.init_node import ends_on_signal, init_node
 from sextant.nodes.base.params import read_params
 from sextant.nodes.images.image_publisher import ImagePublisher
 from sextant.nodes.images.image_window import ImageWindow
@@ -176,7 +176,8 @@ def main() -> None:
     """Runs the node; exits with status 1 and the reason if the map cannot be read or shown."""
     init_node("place_visualizer")
     params = read_params(VisualizerParams)
-    wait_for_file(params.map_file, params.wait_for_map)
+    with ends_on_signal():
+        wait_for_file(params.map_file, params.wait_for_map)
     with fatal(OSError, ValueError):
         visualizer = PlaceVisualizer(params)
     visualizer.run()

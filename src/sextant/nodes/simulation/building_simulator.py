@@ -21,6 +21,7 @@ from sextant.messages.image_messages import image_to_message
 from sextant.messages.landmark_messages import observations_to_messages
 from sextant.msg import LandmarkObservations
 from sextant.nodes.base.exits import fatal
+from sextant.nodes.base.init_node import ends_on_signal
 from sextant.nodes.base.params import read_params
 from sextant.nodes.base.subscriber_wait import wait_for_subscriber
 from sextant.nodes.simulation.landmark_simulator import outlines
@@ -98,7 +99,7 @@ def main() -> None:
     with simulated_time("building_simulator"):
         params, building = read_params(BuildingSimulatorParams), Building()
         folder = Path(params.map_folder)
-        with fatal(OSError):
+        with fatal(OSError), ends_on_signal():
             if params.map_folder and not has_building_map(folder):
                 rospy.loginfo("%s: rendering photos of an earlier day, at the first start only", folder)
                 write_building_map(folder, building, params.camera(), params.spacing)
