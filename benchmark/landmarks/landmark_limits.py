@@ -10,11 +10,12 @@ In the long drive all landmarks are in the map from the start, as after it was l
 drive compare. Landmarks have no ids: up to `hypotheses` states are kept. Time is that of the process.
 """
 
+import os
 import time
-from pathlib import Path
 from typing import Callable, Dict, List, NamedTuple, Optional
 
 import numpy as np
+from ros_session import resident_bytes
 from tables import Row, Table, Value
 
 import sextant
@@ -203,8 +204,7 @@ def _large_world(duration: float, landmarks: int) -> LandmarkWorldParams:
 
 def _memory() -> float:
     """Resident memory of this process, MB."""
-    pages = int(Path("/proc/self/statm").read_text().split()[1])
-    return pages * 4096 / 1e6
+    return resident_bytes(os.getpid()) / 1e6
 
 
 class _Run:

@@ -25,7 +25,7 @@ CORE = {
     "localization": ("base geometry markers", "Eigen boost/math"),
     "mapping": ("base geometry markers landmarks localization", "Eigen ceres"),
     "landmarks": ("base geometry", "Eigen boost/math"),
-    "fusion": ("base geometry markers landmarks", "Eigen"),
+    "fusion": ("base geometry markers landmarks", "Eigen boost/math"),
     "places": ("base", "dlib Eigen faiss opencv2"),
     "simulation": ("base geometry markers", "Eigen opencv2"),
 }
