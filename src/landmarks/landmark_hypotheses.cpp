@@ -16,6 +16,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kNegligible = -9;      // log weight at which a hypothesis is dropped
+constexpr double kImprobable = 1e-3;    // probability of all hypotheses that the covariance need not cover
 constexpr double kMostNumbers = 2.5e6;  // in the covariances of all: two hypotheses about 550 landmarks
 constexpr double kEqual = 0.1;          // squared Mahalanobis distance below which two states are the same
 
@@ -24,7 +25,7 @@ constexpr double kMinPlace = 0.05;     // of a place that becomes a hypothesis
 constexpr double kMinUnknown = 0.1;    // share of images whose answer is wrong although it looks certain
 constexpr double kLogCarried = -8;     // of a hypothesis that contradicts all others
 constexpr double kMostAgainst = 9;     // evidence of images against a hypothesis with landmarks
-constexpr double kMoreAgainst = 1.0;   // for each metre without landmarks
+constexpr double kMoreAgainst = 0.5;   // for each metre without landmarks
 constexpr double kMeasured = 2;        // metres between two corrections by places: images nearby err alike
 constexpr double kLeastImage = 0.2;    // evidence of an image at the place of the last one
 constexpr double kSettledPlace = 0.5;  // probability of a place that corrects the pose
@@ -383,7 +384,10 @@ PoseEstimate2D LandmarkHypotheses::predictPose(const OdometryStep& step) const {
   PoseEstimate2D found = best().predictPose(step);
   const Pose2 centre = found.pose;
   found.covariance *= shares.front();
-  for (size_t i = 1; i < all_.size(); ++i) {
+  double improbable = 0;
+  for (size_t i = all_.size() - 1; i > 0; --i) {
+    improbable += shares[i];
+    if (improbable < kImprobable) continue;
     const PoseEstimate2D other = all_[i].slam.predictPose(step);
     found.covariance += shares[i] * (other.covariance + spread(difference(other.pose, centre)));
   }

@@ -56,7 +56,8 @@ class LandmarkHypotheses {
   /// Whether a landmark was associated in the best hypothesis, if its pose is that of a place.
   bool isConfirmed() const { return all_.front().is_confirmed; }
 
-  /// Pose of the best hypothesis after a step; its covariance covers the poses of the others.
+  /// Pose of the best hypothesis after a step; its covariance covers the poses of the others, except for the
+  /// least probable ones, which together have a probability below 0.001.
   PoseEstimate2D predictPose(const OdometryStep& step) const;
 
   const LandmarkSlam& best() const { return all_.front().slam; }  ///< the most probable one

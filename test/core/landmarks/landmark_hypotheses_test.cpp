@@ -188,6 +188,15 @@ double farOff(const LandmarkHypotheses& all) { return all.best().filter().pose()
 
 const PossiblePose kElsewhere{{{20, 0}, 0}, kRough, 0.9};
 
+TEST(LandmarkHypotheses, TheCovarianceDoesNotCoverAnImprobablePlace) {
+  LandmarkHypotheses all = inFirstRoom();
+  all.observePlaces({{{}, kRough, 0.5}, {{{20, 0}, 0}, kRough, 0.3}});
+  EXPECT_EQ(all.size(), 2u);
+  const double improbable = 1 - all.probability();  // of a place 20 m away
+  EXPECT_GT(improbable, 1e-5);
+  EXPECT_LT(all.predictPose({}).covariance(0, 0), improbable * 20 * 20);
+}
+
 TEST(LandmarkHypotheses, ImagesOfAnotherPlaceBecomeAHypothesisThatLandmarksRefute) {
   LandmarkHypotheses all = inFirstRoom();
   ASSERT_TRUE(all.isConfirmed());
@@ -219,7 +228,7 @@ TEST(LandmarkHypotheses, TheEvidenceOfImagesIsBoundedUntilTheRobotHasDriven) {
   for (int i = 0; i < 100; ++i) all.observePlaces({kElsewhere});
   EXPECT_EQ(all.size(), 2u);
   EXPECT_LT(all.probability(), 0.8);
-  for (int i = 0; i < 30; ++i) {
+  for (int i = 0; i < 40; ++i) {
     all.predict({{{0.5, 0}, 0}, 1e-4 * Matrix3d::Identity(), 0.5});
     all.observePlaces({{{{20 + 0.5 * (i + 1), 0}, 0}, kRough, 0.9}});
   }
