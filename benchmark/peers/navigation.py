@@ -118,9 +118,14 @@ def _goals(hall: Hall, world: LandmarkWorld, count: int) -> List[np.ndarray]:
     rng, goals = np.random.default_rng(7), []
     while len(goals) < count:
         pose = relative(world.start, world.random_pose(rng))
-        if np.hypot(*(hall.pillars - pose[:2]).T).min() > CLEARANCE:
+        if _is_clear(hall, pose):
             goals.append(pose)
     return goals
+
+
+def _is_clear(hall: Hall, pose: np.ndarray) -> bool:
+    """Whether move_base can drive from a pose (3,), and to it."""
+    return np.hypot(*(hall.pillars - pose[:2]).T).min() > CLEARANCE
 
 
 class Robot:
@@ -155,9 +160,14 @@ class Robot:
         self._command.publish(Twist())
         wait_for("move_base", lambda: self._is_ready, START)
 
-    def kidnap(self) -> None:
-        """Carries the robot away; move_base does not notice."""
-        rospy.ServiceProxy("landmark_simulator/kidnap", Trigger)()
+    def kidnap(self, hall: Hall) -> None:
+        """Carries the robot away from pillars; move_base does not notice."""
+        carry, is_clear = rospy.ServiceProxy("landmark_simulator/kidnap", Trigger), False
+        while not is_clear:
+            before = self._truth
+            carry()
+            wait_for("the true pose", lambda: np.hypot(*(self._truth - before)[:2]) > WITHIN, START)
+            is_clear = _is_clear(hall, self._truth)
 
     def turn(self) -> None:
         """Turns on the spot once, as a lost robot does to look around."""
@@ -190,7 +200,7 @@ def _drive(hall: Hall, world: LandmarkWorld, count: int) -> List[Tuple[str, list
     rows = [("in a known map", [robot.distance_after(goal) for goal in goals[:count]])]
     distances = []
     for goal in goals[count:]:
-        robot.kidnap()
+        robot.kidnap(hall)
         distances.append(_distance_at_last(robot, goal))
     rows.append(("kidnapped before each goal", distances))
     return [(name, _cells(np.array(distances), count)) for name, distances in rows]
