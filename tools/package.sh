@@ -3,14 +3,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
 #
 # Builds the Debian packages sextant and sextant-dev, runs the C++ tests and lintian on them. Afterwards, on the robot:
-# apt install ./sextant_*.deb
+# apt install --no-install-recommends ./sextant_*.deb
 #
 #   tools/package.sh                                   for this machine's Debian, into build/packages
 #   tools/package.sh --suite trixie [--arch arm64]     for another Debian, into build/packages/trixie-arm64: in a tree that
 #                                                      debootstrap makes. As root; another architecture also needs
 #                                                      qemu-user-static
 #   tools/package.sh --suite trixie --check            installs the built packages on a bare system of that suite, runs the demo as
-#                                                      a user without anything sourced, and purges them
+#                                                      a user without anything sourced, and purges them; on the smallest
+#                                                      system that runs Sextant, without recommended packages
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
 
@@ -20,11 +21,14 @@ while (($#)); do
     --suite) suite=${2:?which suite?}; shift 2 ;;
     --check) check=1; shift ;;
     --arch) arch=${2:?which architecture?}; shift 2 ;;
-    *) sed -n '5,14s/^# \?//p' "$script"; exit 2 ;;
+    *) sed -n '5,15s/^# \?//p' "$script"; exit 2 ;;
   esac
 done
 
-comma_separated() { listed_packages "$@" | paste -sd, | sed 's/,/, /g'; }
+# comma_separated LIST...: without the packages that debian/control.in recommends.
+comma_separated() {
+  listed_packages "$@" | grep -vxF -f <(sed -n 's/^Recommends: //p' "$root/debian/control.in" | tr , '\n' | tr -d ' ') | paste -sd, | sed 's/,/, /g'
+}
 from_manifest() { sed -n "s:.*<$1[^>]*>\(.*\)</$1>.*:\1:p" "$root/package.xml"; }
 
 # write_control FOLDER: the files of debian/ that depend on the package lists and on package.xml.
@@ -124,7 +128,7 @@ check_in_tree() {
   in_tree "$tree" useradd --create-home robot
   log "installing ${packages[0]##*/} on a bare system"
   begin=$(date +%s)
-  in_tree "$tree" env DEBIAN_FRONTEND=noninteractive apt-get -qq -y install /tmp/sextant.deb >"$tree.log" 2>&1 || die "apt failed, see $tree.log"
+  in_tree "$tree" env DEBIAN_FRONTEND=noninteractive apt-get -qq -y install --no-install-recommends /tmp/sextant.deb >"$tree.log" 2>&1 || die "apt failed, see $tree.log"
   log "installed after $(($(date +%s) - begin)) s"
   in_tree "$tree" setpriv --reuid robot --regid robot --clear-groups env HOME=/home/robot ROS_HOSTNAME=localhost bash -c "cd / &&
     { roslaunch -p 11399 sextant demo.launch headless:=true plot:=none >/tmp/demo.log 2>&1 & } &&
