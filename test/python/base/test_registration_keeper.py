@@ -69,6 +69,27 @@ def test_nothing_is_forgotten_if_the_master_is_replaced_during_a_look():
     assert restored == [True] and keeper._known == known
 
 
+class HalfRestoredMaster(Master):
+    """A new master with which another keeper has registered only this one so far."""
+
+    def getPid(self):  # noqa: N802
+        return 2
+
+    def getSystemState(self):  # noqa: N802
+        return [[["/rosout", [rospy.get_name()]]], [], []]
+
+
+def test_what_another_keeper_has_restored_so_far_is_not_taken_for_all():
+    keeper = RegistrationKeeper()
+    keeper._master = Master()
+    keeper._look()
+    known, restored = keeper._known, []
+    keeper._master, keeper._restore = HalfRestoredMaster(), lambda: restored.append(True)
+    keeper._look()
+    assert restored == [True] and keeper._known == known
+    assert keeper._known.services == {"/node/service": ["/node"]}
+
+
 class GrowingMaster(Master):
     """A master that a node registers with at the port of a dead one, in an order that does not say so."""
 

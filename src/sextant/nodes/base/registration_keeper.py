@@ -199,6 +199,7 @@ class RegistrationKeeper:
         self._master = rosgraph.Master(self._name)
         self._known = Registrations({}, {}, {})
         self._parameters: Dict[str, Any] = {}
+        self._process: Optional[int] = None  # of the master that these are of
         self._is_reachable = True
 
     def run(self) -> None:
@@ -217,10 +218,12 @@ class RegistrationKeeper:
         process = self._master.getPid()
         found = read_registrations(self._master, self._known)
         parameters = self._master.getParam("/")
-        if self._name in self._known.nodes and self._name not in found.nodes:
+        # Another keeper may have registered this node at a new master, and not yet all of the others.
+        is_new = self._process not in (None, process)
+        if is_new or self._name in self._known.nodes and self._name not in found.nodes:
             self._restore()  # what the master then knows is read at the next look
         elif self._master.getPid() == process:  # else the answers are those of two masters
-            self._known, self._parameters = found, parameters
+            self._known, self._parameters, self._process = found, parameters, process
 
     def _restore(self) -> None:
         alive = running(newest_at_each_uri(self._known.nodes))  # may take a while
@@ -233,6 +236,7 @@ class RegistrationKeeper:
         # This node comes last: as long as it is missing, everything is tried again.
         if self._master.getPid() == process:
             count += restore_registrations(uri, self._known, own)
+            self._process = process
         rospy.logwarn(
             "roscore was restarted: registered %d topics and services of %d nodes again and restored "
             "%d parameters; nodes that did not answer: %s",
