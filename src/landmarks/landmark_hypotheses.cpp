@@ -242,13 +242,14 @@ void LandmarkHypotheses::addPlaces(const std::vector<PossiblePose>& poses) {
   const Hypothesis& first = all_.front();
   SourceFaults faults = first.faults;
   faults.forgetUnconfirmed();
+  const double carried = weightWithoutFaults(all_) + kLogCarried;
   std::vector<Hypothesis> added;
   for (const PossiblePose& each : poses) {
     const bool is_known = std::any_of(all_.begin(), all_.end(), [&](const Hypothesis& hypothesis) {
       return !hypothesis.is_aside && isAt(poseOf(hypothesis.slam), each);
     });
     if (each.probability < kMinPlace || is_known) continue;
-    added.push_back({first.slam, kLogCarried - first.faults.logPrior(), 0, false});
+    added.push_back({first.slam, carried, 0, false});
     added.back().faults = faults;
     LandmarkSlam& slam = added.back().slam;
     slam.relocalize();
@@ -322,11 +323,17 @@ std::vector<LandmarkHypotheses::Hypothesis> LandmarkHypotheses::withoutLost(std:
   return setAside(std::move(all));
 }
 
+/// That of a hypothesis which explains the scans of all sources as well.
+double LandmarkHypotheses::weightWithoutFaults(const std::vector<Hypothesis>& all) {
+  double most = -std::numeric_limits<double>::infinity();
+  for (const Hypothesis& each : all)
+    if (!each.slam.isLost()) most = std::max(most, each.weight() - each.faults.logPrior());
+  return most;
+}
+
 /// Weighs those that have become lost, and those that have just been relocalized.
 std::vector<LandmarkHypotheses::Hypothesis> LandmarkHypotheses::setAside(std::vector<Hypothesis> all) {
-  double reference = -std::numeric_limits<double>::infinity();  // weight of one that excludes nothing
-  for (const Hypothesis& each : all)
-    if (!each.slam.isLost()) reference = std::max(reference, each.weight() - each.faults.logPrior());
+  const double reference = weightWithoutFaults(all);
   for (Hypothesis& each : all) {
     if (each.slam.isLost() == each.is_aside) continue;
     each.is_aside = !each.is_aside;

@@ -98,6 +98,7 @@ class LandmarkHypotheses {
   void weigh(const Scan& scan, std::vector<Child>& found) const;
   static void apply(const Scan& scan, const Child& child, Hypothesis& to);
   static std::vector<Hypothesis> withoutLost(std::vector<Hypothesis> all);
+  static double weightWithoutFaults(const std::vector<Hypothesis>& all);
   static std::vector<Hypothesis> setAside(std::vector<Hypothesis> all);
   static std::vector<Hypothesis> withoutEqual(std::vector<Hypothesis> all);
   static std::vector<Hypothesis> sorted(std::vector<Hypothesis> all);

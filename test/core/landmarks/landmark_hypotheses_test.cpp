@@ -343,6 +343,22 @@ TEST(LandmarkHypotheses, UntilAnotherSourceDecidesThePoseIsUncertain) {
   EXPECT_LT((all.best().filter().pose().position - carried.position).norm(), 0.1);
 }
 
+// Two places look alike. The marker, which no image can be mistaken for, is seen from one of them.
+TEST(LandmarkHypotheses, AnImageDoesNotOutweighMarkersThatAgreedWithAnEarlierOne) {
+  LandmarkHypotheses all = amongThreeSources();
+  observePillars(all, 0);
+  const Pose2 carried{{1, -4}, 0}, twin{{20, 0}, 0};
+  const auto see_marker = [&](double begin) {
+    for (int i = 0; i < 4; ++i) all.observe(begin + 0.2 * i, {marker(carried)}, {}, Detects::with_id);
+  };
+  see_marker(1);
+  all.observePlaces({{carried, kRough, 0.87}, {twin, kRough, 0.08}});
+  see_marker(2);
+  all.observePlaces({{twin, kRough, 0.55}, {carried, kRough, 0.4}});
+  EXPECT_LT((all.best().filter().pose().position - carried.position).norm(), 0.1);
+  EXPECT_GT(all.probability(), 0.5);
+}
+
 TEST(LandmarkHypotheses, AMarkerThatIsNotInTheMapDoesNotExcludeTheOthers) {
   LandmarkHypotheses all = amongThreeSources();
   const LabelledObservation unknown{{"tag36h11", 9}, {{2, 2}, 0.5, 1e-4 * Matrix3d::Identity()}};
