@@ -29,7 +29,7 @@ HALL = {"seed": 5, "landmarks": 24, "half_side": 5.0, "min_separation": 1.6, "ma
 SPEED, START, PATIENCE = 4.0, 60.0, 60.0  # simulated seconds a second; seconds until the start, and to a goal
 ATTEMPTS, TURN_RATE = 5, 0.8  # rad/s
 SUCCEEDED = 3  # actionlib_msgs/GoalStatus
-CELL, MARGIN, PILLAR, CLEARANCE = 0.05, 1.5, 0.08, 0.6  # metres
+CELL, MARGIN, PILLAR, STUCK, CLEARANCE = 0.05, 1.5, 0.08, 0.35, 0.6  # metres
 EXACT = 1e-6  # m^2: variance of what is known
 COLUMNS = ["goals", "reached within 10 cm", "distance from the goal, cm: mean", "worst"]
 
@@ -45,6 +45,10 @@ class Hall(NamedTuple):
     def low(self) -> np.ndarray:
         """(2,) smallest coordinates of the floor plan, metres."""
         return self.corners.min(axis=0) - MARGIN
+
+    def distance(self, pose: np.ndarray) -> float:
+        """Of a pose (3,) from the next pillar, metres."""
+        return float(np.hypot(*(self.pillars - pose[:2]).T).min())
 
 
 def navigation_tables(quick: bool) -> List[Table]:
@@ -118,14 +122,9 @@ def _goals(hall: Hall, world: LandmarkWorld, count: int) -> List[np.ndarray]:
     rng, goals = np.random.default_rng(7), []
     while len(goals) < count:
         pose = relative(world.start, world.random_pose(rng))
-        if _is_clear(hall, pose):
+        if hall.distance(pose) > CLEARANCE:
             goals.append(pose)
     return goals
-
-
-def _is_clear(hall: Hall, pose: np.ndarray) -> bool:
-    """Whether move_base can drive from a pose (3,), and to it."""
-    return np.hypot(*(hall.pillars - pose[:2]).T).min() > CLEARANCE
 
 
 class Robot:
@@ -161,13 +160,17 @@ class Robot:
         wait_for("move_base", lambda: self._is_ready, START)
 
     def kidnap(self, hall: Hall) -> None:
-        """Carries the robot away from pillars; move_base does not notice."""
+        """Carries the robot to where it can drive; move_base does not notice."""
         carry, is_clear = rospy.ServiceProxy("landmark_simulator/kidnap", Trigger), False
         while not is_clear:
             before = self._truth
             carry()
             wait_for("the true pose", lambda: np.hypot(*(self._truth - before)[:2]) > WITHIN, START)
-            is_clear = _is_clear(hall, self._truth)
+            is_clear = hall.distance(self._truth) > CLEARANCE
+
+    def is_stuck(self, hall: Hall) -> bool:
+        """Whether it stands in a pillar: it drove on while it was lost, and nothing stops it in the simulation."""
+        return hall.distance(self._truth) < STUCK
 
     def turn(self) -> None:
         """Turns on the spot once, as a lost robot does to look around."""
@@ -201,17 +204,19 @@ def _drive(hall: Hall, world: LandmarkWorld, count: int) -> List[Tuple[str, list
     distances = []
     for goal in goals[count:]:
         robot.kidnap(hall)
-        distances.append(_distance_at_last(robot, goal))
+        distances.append(_distance_at_last(robot, hall, goal))
     rows.append(("kidnapped before each goal", distances))
     return [(name, _cells(np.array(distances), count)) for name, distances in rows]
 
 
-def _distance_at_last(robot: Robot, goal: np.ndarray) -> float:
+def _distance_at_last(robot: Robot, hall: Hall, goal: np.ndarray) -> float:
     """While the robot is lost, move_base gives up: then the robot looks around, and gets the goal again."""
     for _ in range(ATTEMPTS):
         distance = robot.distance_after(goal)
         if np.isfinite(distance):
             break
+        if robot.is_stuck(hall):
+            robot.kidnap(hall)
         robot.turn()
     return distance
 
