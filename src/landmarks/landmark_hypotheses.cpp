@@ -84,10 +84,15 @@ bool contradicts(const ScanInterpretation& how, const std::vector<LabelledObserv
   return is_elsewhere;
 }
 
-/// Whether it does so in all interpretations.
+/// Whether a wrong source explains a scan better than all interpretations: they contradict the pose, or are as
+/// unlikely.
 bool isElsewhere(const std::vector<ScanInterpretation>& all,
                  const std::vector<LabelledObservation>& observations) {
-  return std::none_of(all.begin(), all.end(), agrees) && contradicts(all.front(), observations);
+  const auto is_likely = [](const ScanInterpretation& how) {
+    return agrees(how) && how.log_likelihood > kLogElsewhere;
+  };
+  if (std::any_of(all.begin(), all.end(), is_likely)) return false;
+  return agrees(all.front()) || contradicts(all.front(), observations);
 }
 
 }  // namespace
@@ -159,13 +164,18 @@ void LandmarkHypotheses::weigh(const Scan& scan, std::vector<Child>& found) cons
     const Hypothesis& of = all_[each.parent];
     if (each.is_applied && !of.is_aside) {
       each.log_weight += each.how.log_likelihood;
-    } else if (!each.is_applied && contradicts(each.how, scan.observations)) {
+    } else if (!each.is_applied && excludes(scan, each, of)) {
       each.log_weight += std::max(best, kLogElsewhere);
     } else {
       each.log_weight += best;
     }
     each.log_weight += of.weight();
   }
+}
+
+/// Whether a scan that is not applied shows that its source is wrong, to a hypothesis.
+bool LandmarkHypotheses::excludes(const Scan& scan, const Child& child, const Hypothesis& to) {
+  return !to.faults.isExcluded(sourceOf(scan.detects)) || contradicts(child.how, scan.observations);
 }
 
 /// @param to a copy of the parent
@@ -180,7 +190,7 @@ void LandmarkHypotheses::apply(const Scan& scan, const Child& child, Hypothesis&
   }
   to.report = {};
   to.report.keys.resize(scan.observations.size());
-  if (contradicts(child.how, scan.observations)) {
+  if (excludes(scan, child, to)) {
     to.report.excluded = static_cast<int>(scan.observations.size());
     if (to.faults.isExcluded(source)) to.log_weight += to.faults.compare(source, false);
     to.faults.exclude(source);
@@ -222,6 +232,13 @@ double LandmarkHypotheses::evidenceOfImage() const {
   const bool is_settled =
       std::any_of(all_.begin(), all_.end(), [](const Hypothesis& each) { return each.is_confirmed; });
   return is_settled ? 1 : std::clamp(since_image_ / kMeasured, kLeastImage, 1.0);
+}
+
+std::vector<PoseSource> LandmarkHypotheses::wrongSources() const {
+  std::vector<PoseSource> found;
+  for (const PoseSource source : {PoseSource::markers, PoseSource::landmarks, PoseSource::places})
+    if (all_.front().faults.isWrong(source)) found.push_back(source);
+  return found;
 }
 
 /// The map is that of the best hypothesis, without the landmarks that may have been initialized at a wrong

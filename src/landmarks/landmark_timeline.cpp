@@ -106,7 +106,8 @@ void LandmarkTimeline::apply(Scan added) {
   State state = stateBefore(scan);
   for (; scan != scans_.end(); ++scan) {
     state = advanced(std::move(state), scan->stamp);
-    const Applied applied = applyTo(state, *scan);
+    Applied applied = applyTo(state, *scan);
+    applied.wrong = state.hypotheses.wrongSources();
     if (!scan->is_reported) applied_.push_back(applied);
     scan->is_reported = true;
     scan->after.reset();

@@ -10,6 +10,7 @@ namespace {
 
 constexpr double kWindow = 8;    // seconds in which a source is judged
 constexpr double kSupport = 30;  // seconds in which another one must agree with the pose
+constexpr double kLasting = 2;   // seconds for which the most probable pose takes a source to be wrong
 constexpr size_t kLeast = 4;     // scans or images that contradict the pose
 constexpr size_t kBlank = 10;    // scans in which nothing is observed of what should be in view
 
@@ -41,6 +42,12 @@ static_assert(std::size(kSources) == kPoseSources);
 }  // namespace
 
 void SourceMonitor::add(const LandmarkTimeline::Applied& applied) {
+  std::map<PoseSource, double> wrong;
+  for (const PoseSource each : applied.wrong) {
+    const auto known = wrong_since_.find(each);
+    wrong[each] = known == wrong_since_.end() ? applied.stamp : known->second;
+  }
+  wrong_since_ = std::move(wrong);
   if (!applied.places) {
     addScan(applied);
   } else if (*applied.places == PlaceUse::agrees) {
@@ -80,8 +87,12 @@ size_t SourceMonitor::count(const Source& source, Verdict verdict) const {
   }));
 }
 
-/// Most of the time, or since it supported the pose for the last time.
-bool SourceMonitor::isContradicting(const Source& source) const {
+/// Most of the time, or since it supported the pose for the last time, or to the pose that has become the most
+/// probable one since then.
+bool SourceMonitor::isContradicting(size_t index) const {
+  const auto wrong = wrong_since_.find(static_cast<PoseSource>(index));
+  if (wrong != wrong_since_.end() && newest_ >= wrong->second + kLasting) return true;
+  const Source& source = sources_[index];
   const size_t against = count(source, Verdict::contradicts);
   if (against < kLeast) return false;
   const auto supports = [](const Event& event) { return event.verdict == Verdict::supports; };
@@ -109,7 +120,7 @@ std::vector<std::string> SourceMonitor::problems() const {
         return event.verdict == Verdict::supports;
       });
     });
-    if (is_supported && isContradicting(sources_[i])) found.emplace_back(kSources[i].contradicts);
+    if (is_supported && isContradicting(i)) found.emplace_back(kSources[i].contradicts);
     const size_t shown = count(sources_[i], Verdict::supports) + count(sources_[i], Verdict::contradicts);
     if (shown == 0 && count(sources_[i], Verdict::misses) >= kSources[i].blank)
       found.emplace_back(kSources[i].misses);

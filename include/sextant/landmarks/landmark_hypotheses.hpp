@@ -56,6 +56,9 @@ class LandmarkHypotheses {
   /// Whether a landmark was associated in the best hypothesis, if its pose is that of a place.
   bool isConfirmed() const { return all_.front().is_confirmed; }
 
+  /// Sources that the best hypothesis takes to be wrong, as another source has confirmed.
+  std::vector<PoseSource> wrongSources() const;
+
   /// Pose of the best hypothesis after a step; its covariance covers the poses of the others, except for the
   /// least probable ones, which together have a probability below 0.001.
   PoseEstimate2D predictPose(const OdometryStep& step) const;
@@ -96,6 +99,7 @@ class LandmarkHypotheses {
   std::vector<Child> childrenOf(const Scan& scan, size_t most);
   void addChildren(const Scan& scan, size_t parent, size_t most, std::vector<Child>& found);
   void weigh(const Scan& scan, std::vector<Child>& found) const;
+  static bool excludes(const Scan& scan, const Child& child, const Hypothesis& to);
   static void apply(const Scan& scan, const Child& child, Hypothesis& to);
   static std::vector<Hypothesis> withoutLost(std::vector<Hypothesis> all);
   static double weightWithoutFaults(const std::vector<Hypothesis>& all);

@@ -72,6 +72,7 @@ class LandmarkTimeline {
     Detects detects;                 ///< what the sensor of a scan detects
     LandmarkReport report;           ///< result of a scan
     std::optional<PlaceUse> places;  ///< result of an image
+    std::vector<PoseSource> wrong = {};  ///< LandmarkHypotheses::wrongSources() afterwards
   };
 
   /// Scans and images that the last odometry(), observe() or observePlaces() applied for the first time.

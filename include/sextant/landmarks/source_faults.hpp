@@ -31,6 +31,8 @@ class SourceFaults {
 
   /// Whether scans of a source are not applied.
   bool isExcluded(PoseSource source) const { return of(source).is_excluded; }
+  /// Whether a source is excluded, and another one has confirmed it.
+  bool isWrong(PoseSource source) const { return of(source).is_excluded && of(source).log_prior == 0; }
   /// Whether another source that is not excluded supported the pose within the last metres.
   bool mayBeWrong(PoseSource source) const;
   /// Takes a source to be wrong, unless it is already.

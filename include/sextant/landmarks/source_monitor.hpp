@@ -4,6 +4,7 @@
 
 #include <array>
 #include <deque>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -36,10 +37,11 @@ class SourceMonitor {
   };
   using Source = std::deque<Event>;  // by arrival, without those that show nothing
   size_t count(const Source& source, Verdict verdict) const;
-  bool isContradicting(const Source& source) const;
+  bool isContradicting(size_t source) const;
   void addScan(const LandmarkTimeline::Applied& applied);
   void note(PoseSource source, double stamp, Verdict verdict);
 
+  std::map<PoseSource, double> wrong_since_;  // stamp, of those that the best hypothesis takes to be wrong
   double newest_ = 0;                         // stamp
   std::array<Source, kPoseSources> sources_;  // in the order of PoseSource
 };

@@ -343,6 +343,24 @@ TEST(LandmarkHypotheses, UntilAnotherSourceDecidesThePoseIsUncertain) {
   EXPECT_LT((all.best().filter().pose().position - carried.position).norm(), 0.1);
 }
 
+// The marker is off by four standard deviations, which an odometry without landmarks just allows.
+TEST(LandmarkHypotheses, AMarkerThatIsHardlyWhereItIsExpectedMayBeWrong) {
+  LandmarkHypotheses all = amongThreeSources();
+  observePillars(all, 0);
+  const double sigma = 0.3;
+  all.predict({{{0.5, 0}, 0}, sigma * sigma * Matrix3d(Eigen::Vector3d(1, 1, 0.01).asDiagonal()), 0.5});
+  const Pose2 robot{{0.5, 0}, 0};
+  const Vector2d off(0, 4 * sigma);
+  for (int i = 0; i < 5; ++i) {
+    EXPECT_EQ(all.observe(1 + 0.2 * i, {marker(robot, off)}, {}, Detects::with_id).associated, 1);
+    EXPECT_GT(all.size(), 1u);
+    EXPECT_LT(all.probability(), 0.999);
+  }
+  for (int i = 0; i < 20; ++i) observePillars(all, 3 + 0.2 * i, robot);
+  EXPECT_LT((all.best().filter().pose().position - robot.position).norm(), 0.05);
+  EXPECT_EQ(all.wrongSources(), std::vector<PoseSource>{PoseSource::markers});
+}
+
 // Two places look alike. The marker, which no image can be mistaken for, is seen from one of them.
 TEST(LandmarkHypotheses, AnImageDoesNotOutweighMarkersThatAgreedWithAnEarlierOne) {
   LandmarkHypotheses all = amongThreeSources();

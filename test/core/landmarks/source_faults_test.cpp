@@ -74,6 +74,18 @@ TEST(SourceFaults, ASourceIsUsedAgainIfNoOtherOneSupportsThePose) {
   EXPECT_FALSE(faults.isExcluded(kMarkers));
 }
 
+TEST(SourceFaults, AnExcludedSourceIsWrongWhenAnotherOneHasConfirmedIt) {
+  SourceFaults faults;
+  faults.support(kLandmarks);
+  EXPECT_FALSE(faults.isWrong(kMarkers));
+  faults.exclude(kMarkers);
+  for (int i = 0; i < 7; ++i) faults.support(kLandmarks);
+  EXPECT_FALSE(faults.isWrong(kMarkers));
+  faults.support(kLandmarks);
+  EXPECT_TRUE(faults.isWrong(kMarkers));
+  EXPECT_FALSE(faults.isWrong(kLandmarks));
+}
+
 TEST(SourceFaults, AreEqualIfTheyExcludeTheSame) {
   SourceFaults one, other;
   one.support(kPlaces);

@@ -65,6 +65,22 @@ TEST(SourceMonitor, NamesASourceSoonAfterItsLastSupport) {
   EXPECT_NE(monitor.problems()[0].find("check the marker map"), std::string::npos);
 }
 
+TEST(SourceMonitor, NamesASourceThatOnlyAnEarlierPoseAgreedWith) {
+  SourceMonitor monitor;
+  for (int i = 0; i < 5; ++i) monitor.add(scan(0.2 * i, Detects::with_id, 1));
+  LandmarkTimeline::Applied pillars = scan(0, Detects::all, 1);
+  pillars.wrong = {PoseSource::markers};
+  for (int i = 0; i < 10; ++i) {
+    pillars.stamp = 2 + 0.2 * i, monitor.add(pillars);
+    EXPECT_TRUE(monitor.problems().empty());  // it may be the best pose for a moment only
+  }
+  pillars.stamp = 4, monitor.add(pillars);
+  ASSERT_EQ(monitor.problems().size(), 1u);
+  EXPECT_NE(monitor.problems()[0].find("check the marker map"), std::string::npos);
+  pillars.wrong = {}, monitor.add(pillars);
+  EXPECT_TRUE(monitor.problems().empty());
+}
+
 TEST(SourceMonitor, NamesLandmarksThatWereMoved) {
   SourceMonitor monitor;
   LandmarkTimeline::Applied moved = scan(0, Detects::all, 0, 0, 2);
