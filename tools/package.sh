@@ -70,7 +70,7 @@ make_tree() {
   if [[ ! -e $1/usr/bin/apt-get ]]; then
     log "installing Debian $suite for $2 in $1"
     debootstrap --arch="$2" --variant=minbase --include=ca-certificates "$suite" "$1" "$mirror" >"$1.log" 2>&1 || die "debootstrap failed, see $1.log"
-    cp /etc/resolv.conf "$1/etc/" && cp -a /etc/ssl/certs/. "$1/etc/ssl/certs/"
+    cp /etc/resolv.conf /etc/hosts "$1/etc/" && cp -a /etc/ssl/certs/. "$1/etc/ssl/certs/"
   fi
   in_tree "$1" apt-get -qq update
   in_tree "$1" env DEBIAN_FRONTEND=noninteractive apt-get -qq -y install --no-install-recommends "${@:3}" >"$1.log" 2>&1 || die "apt failed, see $1.log"
