@@ -161,15 +161,17 @@ class Robot:
 
     def kidnap(self, hall: Hall) -> None:
         """Carries the robot to where it can drive; move_base does not notice."""
-        carry, is_clear = rospy.ServiceProxy("landmark_simulator/kidnap", Trigger), False
-        while not is_clear:
-            before = self._truth
-            carry()
-            wait_for("the true pose", lambda: np.hypot(*(self._truth - before)[:2]) > WITHIN, START)
-            is_clear = hall.distance(self._truth) > CLEARANCE
+        self._carry()
+        while hall.distance(self._truth) < CLEARANCE:
+            self._carry()
+
+    def _carry(self) -> None:
+        before = self._truth
+        rospy.ServiceProxy("landmark_simulator/kidnap", Trigger)()
+        wait_for("the true pose", lambda: np.hypot(*(self._truth - before)[:2]) > WITHIN, START)
 
     def is_stuck(self, hall: Hall) -> bool:
-        """Whether it stands in a pillar: it drove on while it was lost, and nothing stops it in the simulation."""
+        """Whether it stands in a pillar: while it is lost it drives on, and nothing stops it there."""
         return hall.distance(self._truth) < STUCK
 
     def turn(self) -> None:

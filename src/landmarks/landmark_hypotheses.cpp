@@ -84,8 +84,8 @@ bool contradicts(const ScanInterpretation& how, const std::vector<LabelledObserv
   return is_elsewhere;
 }
 
-/// Whether a wrong source explains a scan better than all interpretations: they contradict the pose, or are as
-/// unlikely.
+/// Whether a wrong source explains a scan better than all interpretations: they contradict the pose, or are
+/// as unlikely.
 bool isElsewhere(const std::vector<ScanInterpretation>& all,
                  const std::vector<LabelledObservation>& observations) {
   const auto is_likely = [](const ScanInterpretation& how) {

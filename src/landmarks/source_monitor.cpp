@@ -87,8 +87,8 @@ size_t SourceMonitor::count(const Source& source, Verdict verdict) const {
   }));
 }
 
-/// Most of the time, or since it supported the pose for the last time, or to the pose that has become the most
-/// probable one since then.
+/// Most of the time, or since it supported the pose for the last time, or to the pose that has become the
+/// most probable one since then.
 bool SourceMonitor::isContradicting(size_t index) const {
   const auto wrong = wrong_since_.find(static_cast<PoseSource>(index));
   if (wrong != wrong_since_.end() && newest_ >= wrong->second + kLasting) return true;

@@ -68,10 +68,10 @@ class LandmarkTimeline {
 
   /// A scan or an image that was applied.
   struct Applied {
-    double stamp;                    ///< seconds, as received
-    Detects detects;                 ///< what the sensor of a scan detects
-    LandmarkReport report;           ///< result of a scan
-    std::optional<PlaceUse> places;  ///< result of an image
+    double stamp;                        ///< seconds, as received
+    Detects detects;                     ///< what the sensor of a scan detects
+    LandmarkReport report;               ///< result of a scan
+    std::optional<PlaceUse> places;      ///< result of an image
     std::vector<PoseSource> wrong = {};  ///< LandmarkHypotheses::wrongSources() afterwards
   };
 
