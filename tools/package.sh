@@ -25,10 +25,8 @@ while (($#)); do
   esac
 done
 
-# comma_separated LIST...: without the packages that debian/control.in recommends.
-comma_separated() {
-  listed_packages "$@" | grep -vxF -f <(sed -n 's/^Recommends: //p' "$root/debian/control.in" | tr , '\n' | tr -d ' ') | paste -sd, | sed 's/,/, /g'
-}
+comma_separated() { paste -sd, | sed 's/,/, /g'; }
+recommended() { sed -n 's/^Recommends: //p' "$root/debian/control.in" | tr , '\n' | tr -d ' '; }
 from_manifest() { sed -n "s:.*<$1[^>]*>\(.*\)</$1>.*:\1:p" "$root/package.xml"; }
 
 # write_control FOLDER: the files of debian/ that depend on the package lists and on package.xml.
@@ -37,8 +35,8 @@ write_control() {
   maintainer="$(from_manifest maintainer) <$(sed -n 's/.*<maintainer email="\([^"]*\)".*/\1/p' "$root/package.xml")>"
   version=$(from_manifest version)~deb$(. /etc/os-release && echo "${VERSION_ID:-0}")
   sed -e "s/@MAINTAINER@/$maintainer/" \
-    -e "s/@BUILD_DEPENDS@/debhelper-compat (= 13), $(comma_separated build package)/" \
-    -e "s/@DEPENDS@/$(comma_separated run)/" "$root/debian/control.in" >"$1/control"
+    -e "s/@BUILD_DEPENDS@/debhelper-compat (= 13), $(listed_packages build package | comma_separated)/" \
+    -e "s/@DEPENDS@/$(listed_packages run | grep -vxFf <(recommended) | comma_separated)/" "$root/debian/control.in" >"$1/control"
   printf '%s\n' "sextant ($version) unstable; urgency=medium" "" "  * See CHANGELOG.rst." "" \
     " -- $maintainer  $(LC_ALL=C date -R -r "$root/package.xml")" >"$1/changelog"
 }

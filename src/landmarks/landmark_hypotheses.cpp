@@ -86,8 +86,8 @@ bool contradicts(const ScanInterpretation& how, const std::vector<LabelledObserv
 
 /// Whether a wrong source explains a scan better than all interpretations: they contradict the pose, or are
 /// as unlikely.
-bool isElsewhere(const std::vector<ScanInterpretation>& all,
-                 const std::vector<LabelledObservation>& observations) {
+bool isUnexplained(const std::vector<ScanInterpretation>& all,
+                   const std::vector<LabelledObservation>& observations) {
   const auto is_likely = [](const ScanInterpretation& how) {
     return agrees(how) && how.log_likelihood > kLogElsewhere;
   };
@@ -149,7 +149,7 @@ void LandmarkHypotheses::addChildren(const Scan& scan, size_t parent, size_t mos
   const auto all = of.slam.interpretations(scan.observations, scan.T_base_sensor, of_each, scan.detects);
   for (const ScanInterpretation& how : all) found.push_back({parent, how, 0, !is_excluded});
   const bool is_open = of.slam.params().read_only && !is_excluded && !of.is_aside;
-  if (is_open && most > 1 && of.faults.mayBeWrong(source) && isElsewhere(all, scan.observations))
+  if (is_open && most > 1 && of.faults.mayBeWrong(source) && isUnexplained(all, scan.observations))
     found.push_back({parent, all.front(), SourceFaults::kLogWrong, false});
 }
 

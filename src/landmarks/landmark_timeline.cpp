@@ -107,8 +107,10 @@ void LandmarkTimeline::apply(Scan added) {
   for (; scan != scans_.end(); ++scan) {
     state = advanced(std::move(state), scan->stamp);
     Applied applied = applyTo(state, *scan);
-    applied.wrong = state.hypotheses.wrongSources();
-    if (!scan->is_reported) applied_.push_back(applied);
+    if (!scan->is_reported) {
+      applied.wrong = state.hypotheses.wrongSources();
+      applied_.push_back(std::move(applied));
+    }
     scan->is_reported = true;
     scan->after.reset();
     if (isKept(scan) && std::next(scan) != scans_.end()) scan->after = state;
