@@ -12,11 +12,12 @@ from command import run
 from peers.ekf_corridor import corridor_tables
 from peers.marker_peers import marker_tables
 from peers.navigation import navigation_tables
+from ros_session import in_own_process
 
 TOPICS = {
-    "markers": lambda options: marker_tables(options.quick),
-    "navigation": lambda options: navigation_tables(options.quick),
-    "corridor": lambda options: corridor_tables(options.quick),
+    "markers": lambda options: in_own_process(marker_tables, options.quick),
+    "navigation": lambda options: in_own_process(navigation_tables, options.quick),
+    "corridor": lambda options: in_own_process(corridor_tables, options.quick),
 }
 
 

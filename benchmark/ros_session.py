@@ -6,18 +6,40 @@ import os
 import signal
 import socket
 import subprocess
+import tempfile
 import time
+from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Callable, Dict, Iterator
+from typing import Callable, Dict, Iterator, TypeVar
 from xmlrpc.client import ServerProxy
 
 import rosgraph
+import rospy
 
 from sextant.nodes.base.init_node import mend_rospy
 
 mend_rospy()
 END = 20.0  # time for a launch file to end its nodes, seconds
+Result = TypeVar("Result")
+
+
+def in_own_process(measure: Callable[..., Result], *arguments) -> Result:
+    """Calls a function in a process of its own, as rospy starts once in a process; raises its errors."""
+    with ProcessPoolExecutor(1) as executor:
+        return executor.submit(measure, *arguments).result()
+
+
+@contextmanager
+def ros_node(use_sim_time: bool = False) -> Iterator[Path]:
+    """Runs a master and makes this process a node, once in a process. Yields a temporary folder."""
+    with tempfile.TemporaryDirectory() as folder, ros_master(Path(folder) / "logs"):
+        rospy.set_param("/use_sim_time", use_sim_time)
+        rospy.init_node("benchmark", argv=["benchmark"], anonymous=True, disable_signals=True)
+        try:
+            yield Path(folder)
+        finally:
+            rospy.signal_shutdown("measured")
 
 
 @contextmanager

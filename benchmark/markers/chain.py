@@ -4,7 +4,6 @@
 how late and how far off the pose is."""
 
 import os
-import tempfile
 import time
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -14,7 +13,7 @@ import numpy as np
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PoseWithCovarianceStamped, TransformStamped
-from ros_session import cpu_seconds, launched, process_id, ros_master, wait_for
+from ros_session import cpu_seconds, launched, process_id, ros_node, wait_for
 from std_srvs.srv import SetBool
 from tables import Table, Value
 from tf2_ros import StaticTransformBroadcaster
@@ -103,13 +102,9 @@ def chain_tables(quick: bool) -> List[Table]:
     """
     count = QUICK_FRAMES if quick else ROUND
     tables = []
-    with tempfile.TemporaryDirectory() as folder, ros_master(Path(folder) / "logs"):
-        rospy.init_node("benchmark", argv=["benchmark"], anonymous=True, disable_signals=True)
-        try:
-            for size in list(BARS)[-1:] if quick else BARS:
-                tables += _size_tables(Path(folder), size, count, 1 if quick else ROUNDS, quick)
-        finally:
-            rospy.signal_shutdown("measured")
+    with ros_node() as folder:
+        for size in list(BARS)[-1:] if quick else BARS:
+            tables += _size_tables(folder, size, count, 1 if quick else ROUNDS, quick)
     return tables
 
 

@@ -8,7 +8,6 @@ each.
 """
 
 import re
-import tempfile
 import time
 from pathlib import Path
 from typing import Dict, List, Optional
@@ -17,7 +16,7 @@ import numpy as np
 import rosgraph
 import rospy
 import yaml
-from ros_session import cpu_seconds, launched, process_id, resident_bytes, ros_master, wait_for
+from ros_session import cpu_seconds, launched, process_id, resident_bytes, ros_node, wait_for
 from tables import Row, Table, Value
 
 from sextant.msg import MarkerArray, PlaceHypotheses
@@ -37,18 +36,14 @@ COLUMNS = ["cores (median)", "95 %", "memory, MB", "images/s"]
 
 def cost_tables(quick: bool) -> List[Table]:
     """One table, on a master of its own; a quick run has no bars. :raises OSError: it could not be started"""
-    with tempfile.TemporaryDirectory() as name, ros_master(Path(name) / "logs"):
-        params = Path(name) / "simulator.yaml"
+    with ros_node() as folder:
+        params = folder / "simulator.yaml"
         rates = {"odometry_rate": ODOMETRY_PER_IMAGE * IMAGES, "images_every": ODOMETRY_PER_IMAGE}
         params.write_text(yaml.safe_dump(rates))
-        rospy.init_node("benchmark", argv=["benchmark"], anonymous=True, disable_signals=True)
         spacing = str(QUICK_SPACING if quick else SPACING)
-        given = {"folder": f"{name}/building", "spacing": spacing, "simulator_params": str(params)}
-        try:
-            with launched(LAUNCH, given):
-                return _measured(QUICK_PERIODS if quick else PERIODS, quick)
-        finally:
-            rospy.signal_shutdown("measured")
+        given = {"folder": f"{folder}/building", "spacing": spacing, "simulator_params": str(params)}
+        with launched(LAUNCH, given):
+            return _measured(QUICK_PERIODS if quick else PERIODS, quick)
 
 
 def _measured(periods: int, quick: bool) -> List[Table]:

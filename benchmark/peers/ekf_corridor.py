@@ -6,7 +6,6 @@ Both nodes run with the configuration that Sextant ships, on the same odometry a
 gets the pose of marker_locator.
 """
 
-import tempfile
 import time
 from pathlib import Path
 from typing import Dict, List, NamedTuple, Optional
@@ -17,7 +16,7 @@ import rospy
 import yaml
 from geometry_msgs.msg import Twist, Vector3
 from nav_msgs.msg import Odometry
-from ros_session import launched, ros_master, wait_for
+from ros_session import launched, ros_node, wait_for
 from rosgraph_msgs.msg import Clock
 from simulated_observations import T_BASE_CAMERA, SimulatedCamera
 from std_msgs.msg import Header
@@ -60,15 +59,10 @@ def corridor_tables(quick: bool) -> List[Table]:
     if PACKAGE not in rospkg.RosPack().list():
         raise OSError(f"rospack does not find {PACKAGE}")
     found: Dict[str, List[Errors]] = {name: [] for name in FILTERS}
-    with tempfile.TemporaryDirectory() as folder, ros_master(Path(folder) / "logs"):
-        rospy.set_param("/use_sim_time", True)
-        rospy.init_node("benchmark", argv=["benchmark"], anonymous=True, disable_signals=True)
-        try:
-            for seed in range(1 if quick else RUNS):
-                for name, errors in _run(seed, Path(folder)).items():
-                    found[name].append(errors)
-        finally:
-            rospy.signal_shutdown("measured")
+    with ros_node(use_sim_time=True) as folder:
+        for seed in range(1 if quick else RUNS):
+            for name, errors in _run(seed, folder).items():
+                found[name].append(errors)
     return [_table(found, quick)]
 
 

@@ -2,7 +2,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Localization with printed markers by each package that rospack finds, on the same images."""
 
-import tempfile
 import time
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -11,7 +10,7 @@ from typing import Dict, Iterator, List, Optional, Tuple
 import numpy as np
 import rospkg
 import rospy
-from ros_session import cpu_seconds, launched, process_id, ros_master, wait_for
+from ros_session import cpu_seconds, launched, process_id, ros_node, wait_for
 from roslib.message import get_message_class
 from tables import Table, Value
 
@@ -57,12 +56,8 @@ def marker_tables(quick: bool) -> List[Table]:
 
     :raises OSError: it could not be started
     """
-    with tempfile.TemporaryDirectory() as folder, ros_master(Path(folder) / "logs"):
-        rospy.init_node("benchmark", argv=["benchmark"], anonymous=True, disable_signals=True)
-        try:
-            return [_table(Path(folder), size, quick) for size in (SIZES[:1] if quick else SIZES)]
-        finally:
-            rospy.signal_shutdown("measured")
+    with ros_node() as folder:
+        return [_table(folder, size, quick) for size in (SIZES[:1] if quick else SIZES)]
 
 
 def _table(folder: Path, size: Tuple[int, int], quick: bool) -> Table:
@@ -92,7 +87,7 @@ def played(package: MarkerPackage, drive: ShownDrive, folder: Path) -> List[Outc
     launch_file = Path(__file__).with_name(f"{package.name}.launch")
     try:
         with launched(launch_file, _arguments(package, drive, folder)):
-            _show(camera, drive, outcomes)
+            _show(camera, drive, package.name, outcomes)
     finally:
         for each in [*subscribers, camera]:
             each.unregister()
@@ -128,9 +123,9 @@ def _subscriber(outcome: Outcome, drive: ShownDrive) -> rospy.Subscriber:
     return rospy.Subscriber(topic, message_class, on_message, queue_size=100, tcp_nodelay=True)
 
 
-def _show(camera: Camera, drive: ShownDrive, outcomes: List[Outcome]) -> None:
-    wait_for("a subscriber of the images", lambda: camera.has_subscribers, START)
-    wait_for("the first pose of each topic", lambda: _answered(camera, outcomes), START)
+def _show(camera: Camera, drive: ShownDrive, package: str, outcomes: List[Outcome]) -> None:
+    wait_for(f"a subscriber of the images ({package})", lambda: camera.has_subscribers, START)
+    wait_for(f"the first pose of each topic ({package})", lambda: _answered(camera, outcomes), START)
     time.sleep(LAST)
     for each in outcomes:
         each.poses.clear()

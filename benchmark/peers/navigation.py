@@ -2,7 +2,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """move_base drives a simulated robot to goals among pillars, on map -> odom of landmark_slam."""
 
-import tempfile
 from pathlib import Path
 from typing import Dict, List, NamedTuple, Tuple
 
@@ -13,7 +12,7 @@ import rospy
 import yaml
 from geometry_msgs.msg import PoseStamped, Twist, Vector3
 from nav_msgs.msg import Odometry
-from ros_session import launched, ros_master, wait_for
+from ros_session import launched, ros_node, wait_for
 from roslib.message import get_message_class
 from std_srvs.srv import Trigger
 from tables import Table, Value
@@ -61,14 +60,9 @@ def navigation_tables(quick: bool) -> List[Table]:
     walls = np.array([[-side, -side], [side, -side], [side, side], [-side, side]])
     hall = Hall(in_frame(world.start, world.positions), world.classes, in_frame(world.start, walls))
     count = QUICK_GOALS if quick else GOALS
-    with tempfile.TemporaryDirectory() as folder, ros_master(Path(folder) / "logs"):
-        rospy.set_param("/use_sim_time", True)
-        rospy.init_node("benchmark", argv=["benchmark"], anonymous=True, disable_signals=True)
-        try:
-            with launched(Path(__file__).with_name("navigation.launch"), _arguments(hall, Path(folder))):
-                rows = _drive(hall, world, count)
-        finally:
-            rospy.signal_shutdown("measured")
+    launch_file = Path(__file__).with_name("navigation.launch")
+    with ros_node(use_sim_time=True) as folder, launched(launch_file, _arguments(hall, folder)):
+        rows = _drive(hall, world, count)
     return [Table("move_base among pillars, on landmark_slam's map -> odom", COLUMNS, rows)]
 
 

@@ -13,7 +13,7 @@ BENCHMARK = Path(__file__).resolve().parents[2] / "benchmark"
 def run(script, *arguments):
     """The finished process of one script."""
     command = [sys.executable, str(BENCHMARK / script), *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, timeout=400)
+    return subprocess.run(command, capture_output=True, text=True, timeout=600)
 
 
 def topics_of(script, *options):
