@@ -87,6 +87,7 @@ bool CornerNoise::Camera::usesJoint() const {
 CornerNoise::Distribution CornerNoise::Camera::used() const {
   if (usesJoint()) return joint;
   Distribution noise = own;
+  if (!joint.isKnown()) noise.tail_factor = 1.0;
   noise.variance = joint.isKnown() ? kMaxExcess * own.variance : std::max(1.0, own.variance);
   return noise;
 }
