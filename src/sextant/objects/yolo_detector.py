@@ -37,7 +37,7 @@ class YoloParams(StrictParams):
         within(0, 4096),
         "px",
     )
-    confidence: float = param(0.4, "minimum score of a detection", within(0.01, 0.99))
+    confidence: float = param(0.5, "minimum score of a detection", within(0.01, 0.99))
     max_overlap: float = param(
         0.5, "intersection over union above which only the box with the higher score is kept", within(0.01, 1)
     )

@@ -35,6 +35,8 @@ ASIDE = 0.8  # maximum bearing of both, radians
 MAX_BLUR = 14.0  # maximum motion of the image during its exposure, pixels
 MIN_CROP = 0.4  # minimum part of a photo's smaller side in an image
 EMPTY = 0.5  # fraction of the photos without any object
+RECOLOURED = 0.5  # fraction of the photos with other hues: their things in the colours of the classes
+STRONGEST = 2.5  # maximum change of the saturation of these
 HALL = np.array([2.2 * FAR, 2.2 * FAR])  # size of the room of objects in front of a photo, metres
 EDGE = 0.7  # blur of the edge of an object in front of a photo, pixels
 
@@ -57,18 +59,17 @@ class PhotoImages:
     """Images of photographs: EMPTY of them as they are, the others with rendered objects in front."""
 
     def __init__(self, folders: Sequence[Path]):
-        """:raises OSError: a photo cannot be read
+        """:param folders: chosen equally often, however many photos each has
 
+        :raises OSError: a photo cannot be read
         :raises ValueError: there is no photo in a folder, or a file is not a photo
         """
-        self._paths: List[Path] = []
-        for folder in folders:
-            found = find_photos(folder)
+        self._folders: List[List[Path]] = [find_photos(folder) for folder in folders]
+        for folder, found in zip(folders, self._folders):
             if not found:
                 raise ValueError(f"{folder}: there are no photos")
-            self._paths += found
-        for path in self._paths:
-            photo_size(path)
+            for path in found:
+                photo_size(path)
 
     def __call__(self, seed: int, size: int) -> ObjectImage:
         """Draws an image.
@@ -77,12 +78,27 @@ class PhotoImages:
         :raises ValueError: a photo is damaged
         """
         random = np.random.default_rng([seed, 24])
-        photo = _crop(read_rgb(self._paths[random.integers(len(self._paths))], HEIGHT), random)
+        paths = self._folders[random.integers(len(self._folders))]
+        photo = _crop(read_rgb(paths[random.integers(len(paths))], HEIGHT), random)
+        if random.random() < RECOLOURED:
+            photo = recoloured(photo, random)
         clutter = random_clutter(random, HALL, seed, wide_paint)
         if random.random() < EMPTY:
             return ObjectImage(_as_taken(photo, clutter.sensor, random), truth_of([], [], size))
         joined, seen = joined_with(photo, clutter, random)
         return ObjectImage(_as_taken(joined, clutter.sensor, random), truth_of(seen, clutter.names, size))
+
+
+def recoloured(photo: np.ndarray, random: np.random.Generator) -> np.ndarray:
+    """A photo with all hues turned by the same angle and another saturation.
+
+    :param photo: uint8 (rows, columns, 3), RGB
+    """
+    hue, saturation, value = cv2.split(cv2.cvtColor(photo.astype(np.float32) / 255.0, cv2.COLOR_RGB2HSV))
+    hue = (hue + random.uniform(0.0, 360.0)) % 360.0
+    saturation = np.minimum(saturation * STRONGEST ** random.uniform(-1.0, 1.0), 1.0)
+    changed = cv2.cvtColor(cv2.merge([hue, saturation, value]), cv2.COLOR_HSV2RGB)
+    return np.clip(255.0 * changed + 0.5, 0.0, 255.0).astype(np.uint8)
 
 
 def joined_with(

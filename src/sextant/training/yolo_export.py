@@ -4,6 +4,7 @@
 
 import io
 import warnings
+from inspect import signature
 from pathlib import Path
 from typing import List
 
@@ -21,12 +22,15 @@ def export(network: YoloNetwork, path: Path, size: int, names: List[str]) -> Non
     :raises OSError: the file cannot be written
     """
     exported, image = io.BytesIO(), torch.zeros(1, 3, size, size)
+    # PyTorch 2.9 has another exporter by default, which needs onnxscript.
+    by_tracing = {"dynamo": False} if "dynamo" in signature(torch.onnx.export).parameters else {}
     # Sizes become constants of the graph: OpenCV's dnn computes none.
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", torch.jit.TracerWarning)
         torch.onnx.export(
-            network.eval(), image, exported, opset_version=12, input_names=["images"], output_names=["output"]
-        )
+            network.eval(), image, exported, opset_version=12, input_names=["images"],
+            output_names=["output"], **by_tracing,
+        )  # fmt: skip
     # Without copies of equal weights, which OpenCV 4.6 does not read.
     model = trimmed(onnx.load_from_string(exported.getvalue()), ["output"], (1, 3, size, size))
     entry = model.metadata_props.add()

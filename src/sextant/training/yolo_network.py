@@ -16,7 +16,7 @@ from torch import Tensor, nn
 from sextant.objects.yolo_output import BINS
 
 # Number of channels after each halving of the image, and in the heads
-WIDTHS = {"small": ((24, 48, 72, 80, 80), 48), "large": ((32, 64, 112, 144, 144), 64)}
+WIDTHS = {"small": ((28, 56, 80, 80, 80), 48), "large": ((32, 64, 112, 144, 144), 64)}
 PRIOR_SCORE = 0.01  # initial score of a class
 
 

@@ -7,7 +7,15 @@ import numpy as np
 import pytest
 
 from sextant.objects.object_kinds import KINDS
-from sextant.training.hard_images import EMPTY, HALL, PhotoImages, hard_image, joined_with, wide_paint
+from sextant.training.hard_images import (
+    EMPTY,
+    HALL,
+    PhotoImages,
+    hard_image,
+    joined_with,
+    recoloured,
+    wide_paint,
+)
 from sextant.training.image_set import drawn_images
 from sextant.training.object_images import HEIGHT, WIDTH, random_clutter
 
@@ -60,6 +68,27 @@ def test_objects_change_the_photo_where_they_are():
                 seen_objects += 1
         assert not np.any(changed & ~around)
     assert seen_objects > 50
+
+
+def test_other_colours_have_the_same_brightness_and_all_hues():
+    photo = np.tile(np.uint8([200, 100, 100]), (4, 6, 1))
+    drawn = np.array([recoloured(photo, np.random.default_rng(seed))[0, 0] for seed in range(200)], int)
+    assert np.bincount(drawn.argmax(axis=1), minlength=3).min() > 40
+    assert abs(drawn.max(axis=1) - 200).max() <= 1
+    ranges = np.ptp(drawn, axis=1)
+    assert ranges.min() < 50 and ranges.max() > 190
+    grey = np.full((4, 6, 3), 90, np.uint8)
+    np.testing.assert_array_equal(recoloured(grey, np.random.default_rng(1)), grey)
+
+
+def test_a_folder_with_few_photos_is_chosen_as_often(tmp_path):
+    for folder, grey, count in (("rooms", 40, 1), ("others", 200, 9)):
+        (tmp_path / folder).mkdir()
+        for number in range(count):
+            cv2.imwrite(str(tmp_path / folder / f"{number}.png"), np.full((480, 640, 3), grey, np.uint8))
+    photos = PhotoImages([tmp_path / "rooms", tmp_path / "others"])
+    dark = np.mean([np.median(photos(seed, SIZE).image) < 120 for seed in range(60)])
+    assert 0.3 < dark < 0.7
 
 
 def test_some_photos_stay_without_objects(photos):

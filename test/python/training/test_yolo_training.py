@@ -8,6 +8,7 @@ from made_labels import COLOURS, write_photos
 
 torch = pytest.importorskip("torch", reason="PyTorch is optional: apt install python3-torch")
 
+from sextant.training import yolo_training  # noqa: E402
 from sextant.training.labelled_images import labelled_image_set  # noqa: E402
 from sextant.training.network_score import network_score  # noqa: E402
 from sextant.training.yolo_training import TrainingParams, mosaic, train  # noqa: E402
@@ -42,6 +43,16 @@ def test_without_validation_all_epochs_are_trained(pictures, tmp_path, capsys):
     params = TrainingParams(epochs=3, batch=8, patience=1)
     train(pictures, 2, params, tmp_path / "checkpoint.pt", "training")
     assert "epoch 3 of 3" in capsys.readouterr().out
+
+
+def test_numbers_of_16_bits_train_alike(pictures, tmp_path, monkeypatch):
+    found = []
+    for is_fast in (False, True):
+        monkeypatch.setattr(yolo_training, "has_fast_bfloat16", lambda is_fast=is_fast: is_fast)
+        network = train(pictures, 2, TrainingParams(epochs=2, batch=4), tmp_path / f"{is_fast}.pt")
+        found.append(torch.cat([each.flatten() for each in network.parameters()]).numpy())
+    assert np.any(found[0] != found[1])
+    assert np.corrcoef(*found)[0, 1] > 0.999
 
 
 def test_a_training_starts_from_another_one(pictures, tmp_path):
