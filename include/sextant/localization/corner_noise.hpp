@@ -31,8 +31,8 @@ struct ImageNoises {
 /// at the pose that fits it best have few, and hardly contain such errors; their variance is too small by up
 /// to 45 % where two poses fit about as well. So the former are used, but not if they are more than 2.5 times
 /// the latter. From single markers alone, the noise is not estimated smaller than
-/// LocatorParams::corner_sigma, and images are taken to be alike: two degrees of freedom each do not show how
-/// much they differ. Otherwise images differ, e.g. by motion blur: their variances are modelled as samples
+/// LocatorParams::corner_sigma, and images are not taken to differ: two degrees of freedom each do not show
+/// how much. Otherwise they differ, e.g. by motion blur: their variances are modelled as samples
 /// of a scaled inverse chi-square distribution, whose scale and degrees of freedom are estimated from the
 /// median and the scatter of the variances' logarithms. The errors of one image then follow Student's t
 /// distribution (Gelman et al., Bayesian Data Analysis, chapter 5). It is approximated by a Gaussian: 99.75 %

@@ -61,7 +61,7 @@ def _parser() -> CommandParser:
     add("--size", type=int, default=160, metavar="PIXELS", help=f"side of the network's input {default}")
     text = f"simulated training images (default: {IMAGES}; with --data 0)"
     add("--images", type=int, metavar="N", help=text)
-    text = "folders of photographs without any of the simulated objects, for a third of the simulated images"
+    text = "folders of photographs without the simulated objects, for a third of the images, used equally"
     add("--photos", type=Path, nargs="+", default=[], metavar="FOLDER", help=text)
     text = "simulated validation images without --data (default: 600)"
     add("--validation", type=int, default=600, metavar="N", help=text)

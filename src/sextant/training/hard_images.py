@@ -35,8 +35,8 @@ ASIDE = 0.8  # maximum bearing of both, radians
 MAX_BLUR = 14.0  # maximum motion of the image during its exposure, pixels
 MIN_CROP = 0.4  # minimum part of a photo's smaller side in an image
 EMPTY = 0.5  # fraction of the photos without any object
-RECOLOURED = 0.5  # fraction of the photos with other hues: their things in the colours of the classes
-STRONGEST = 2.5  # maximum change of the saturation of these
+RECOLOURED = 0.5  # fraction of the photos with other hues: other things in the colours of the classes
+MAX_SATURATION_FACTOR = 2.5  # of these; the minimum is its inverse
 HALL = np.array([2.2 * FAR, 2.2 * FAR])  # size of the room of objects in front of a photo, metres
 EDGE = 0.7  # blur of the edge of an object in front of a photo, pixels
 
@@ -56,7 +56,7 @@ def hard_image(seed: int, size: int) -> ObjectImage:
 
 
 class PhotoImages:
-    """Images of photographs: EMPTY of them as they are, the others with rendered objects in front."""
+    """Images of photographs: EMPTY of them without objects, the others with rendered objects in front."""
 
     def __init__(self, folders: Sequence[Path]):
         """:param folders: chosen equally often, however many photos each has
@@ -90,13 +90,13 @@ class PhotoImages:
 
 
 def recoloured(photo: np.ndarray, random: np.random.Generator) -> np.ndarray:
-    """A photo with all hues turned by the same angle and another saturation.
+    """A photo with all hues shifted by one random angle, and the saturation multiplied by a random factor.
 
     :param photo: uint8 (rows, columns, 3), RGB
     """
     hue, saturation, value = cv2.split(cv2.cvtColor(photo.astype(np.float32) / 255.0, cv2.COLOR_RGB2HSV))
     hue = (hue + random.uniform(0.0, 360.0)) % 360.0
-    saturation = np.minimum(saturation * STRONGEST ** random.uniform(-1.0, 1.0), 1.0)
+    saturation = np.minimum(saturation * MAX_SATURATION_FACTOR ** random.uniform(-1.0, 1.0), 1.0)
     changed = cv2.cvtColor(cv2.merge([hue, saturation, value]), cv2.COLOR_HSV2RGB)
     return np.clip(255.0 * changed + 0.5, 0.0, 255.0).astype(np.uint8)
 

@@ -22,11 +22,12 @@ def export(network: YoloNetwork, path: Path, size: int, names: List[str]) -> Non
     :raises OSError: the file cannot be written
     """
     exported, image = io.BytesIO(), torch.zeros(1, 3, size, size)
-    # PyTorch 2.9 has another exporter by default, which needs onnxscript.
+    # From PyTorch 2.9 on, the default exporter needs onnxscript; 1.13 has no such option.
     by_tracing = {"dynamo": False} if "dynamo" in signature(torch.onnx.export).parameters else {}
     # Sizes become constants of the graph: OpenCV's dnn computes none.
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", torch.jit.TracerWarning)
+        warnings.simplefilter("ignore", DeprecationWarning)  # of the older exporter
         torch.onnx.export(
             network.eval(), image, exported, opset_version=12, input_names=["images"],
             output_names=["output"], **by_tracing,

@@ -70,7 +70,7 @@ def test_objects_change_the_photo_where_they_are():
     assert seen_objects > 50
 
 
-def test_other_colours_have_the_same_brightness_and_all_hues():
+def test_recoloured_photos_have_the_same_value_and_all_hues():
     photo = np.tile(np.uint8([200, 100, 100]), (4, 6, 1))
     drawn = np.array([recoloured(photo, np.random.default_rng(seed))[0, 0] for seed in range(200)], int)
     assert np.bincount(drawn.argmax(axis=1), minlength=3).min() > 40
