@@ -73,6 +73,11 @@ def test_a_training_starts_from_another_one(pictures, tmp_path):
     np.testing.assert_allclose(*stem, atol=1e-4)
     with pytest.raises(ValueError, match="first.pt: is not of a network of this size"):
         train(pictures, 2, TrainingParams(network="large"), tmp_path / "l.pt", start=tmp_path / "first.pt")
+    narrow = torch.load(tmp_path / "first.pt", weights_only=True)
+    narrow["kept"] = {name: each[:1] if each.ndim > 3 else each for name, each in narrow["kept"].items()}
+    torch.save(narrow, tmp_path / "narrow.pt")
+    with pytest.raises(ValueError, match="narrow.pt: is not of a network of this size"):
+        train(pictures, 2, params, tmp_path / "fifth.pt", start=tmp_path / "narrow.pt")
     torch.save({"weights": torch.zeros(3)}, tmp_path / "other.pt")
     with pytest.raises(ValueError, match="other.pt: is not of a network of this size"):
         train(pictures, 2, params, tmp_path / "fourth.pt", start=tmp_path / "other.pt")
