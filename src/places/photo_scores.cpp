@@ -11,7 +11,7 @@ namespace sextant {
 namespace {
 
 // Cells of the histograms, as fractions of the longer side: displacements depend on the depth of the scene.
-constexpr float kCells[] = {0.1F, 0.2F, 0.45F};
+constexpr float kCells[] = {0.05F, 0.1F, 0.2F, 0.45F};
 constexpr float kReach = 1.6F;  // half the side of a histogram, likewise
 
 // Weights by displacement, each shared by the four nearest cells.
@@ -45,10 +45,10 @@ class DisplacementHistogram {
   Eigen::ArrayXXf cells_;
 };
 
-// Weight of each match: 1 for equal codes, 0 from the background distance on.
+// Weight of each match: 1 for equal codes, 0 from the background distance on and of those that are not mutual.
 Eigen::ArrayXf weightsOf(const PhotoMatches& matches, const Eigen::ArrayXf& background) {
   const Eigen::ArrayXf least = background.max(std::numeric_limits<float>::min());
-  return (matches.rows >= 0).select((1 - matches.distances / least).max(0), 0);
+  return matches.mutual.select((1 - matches.distances / least).max(0), 0);
 }
 
 float highestCells(const CodedKeypoints& image, const CodedKeypoints& photo, const PhotoMatches& matches,
@@ -57,7 +57,7 @@ float highestCells(const CodedKeypoints& image, const CodedKeypoints& photo, con
   for (const float cell : kCells) {
     DisplacementHistogram histogram(cell);
     for (Eigen::Index i = 0; i < weights.size(); ++i) {
-      if (!matches.mutual[i] || weights[i] <= 0) continue;
+      if (weights[i] <= 0) continue;
       const auto there = photo.positions.row(matches.rows[i]), here = image.positions.row(i);
       const Eigen::Array2f displacement =
           (there.cast<float>() - here.cast<float>()).array() / CodedKeypoints::kUnit;

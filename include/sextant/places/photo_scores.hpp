@@ -9,13 +9,13 @@
 
 namespace sextant {
 
-/// Scores of m photos for one image with n keypoints. They are sums of weights of matches over the geometric
-/// mean of the numbers of keypoints; larger is better. The weight of a match is 1 for equal codes, and 0 from
-/// the background distance on: local naive Bayes nearest neighbour (McCann and Lowe, CVPR 2012).
+/// Scores of m photos for one image with n keypoints. They are sums of weights of mutual matches over the
+/// geometric mean of the numbers of keypoints; larger is better. The weight of a match is 1 for equal codes,
+/// and 0 from the background distance on: local naive Bayes nearest neighbour (McCann and Lowe, CVPR 2012).
 struct PhotoScores {
-  Eigen::ArrayXf distinctive;  ///< (m) of all matches; 1 if all codes are equal
-  Eigen::ArrayXf consistent;   ///< (m) of mutual matches with about the same displacement: the sum of the
-                               ///< highest cells of three histograms of displacements
+  Eigen::ArrayXf distinctive;  ///< (m) of all of them; 1 if all codes are equal
+  Eigen::ArrayXf consistent;   ///< (m) of those with about the same displacement: the sum of the highest
+                               ///< cells of four histograms of displacements
   Eigen::ArrayXf background;   ///< (n) distance of a keypoint of the photos that does not match
   Eigen::ArrayXf nearest;      ///< (n) distance of the most similar keypoint of all photos
 };

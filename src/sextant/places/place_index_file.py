@@ -27,7 +27,7 @@ from sextant.places.photo_keypoints import PhotoKeypoints
 from sextant.places.place_index import ComparedPhotos, IndexedPhoto, PlaceIndex
 
 MAGIC = b"SEXTANT PLACES\n\0"
-VERSION = 4
+VERSION = 5
 _BEGIN = struct.Struct("<16sI")  # magic, version
 _END = struct.Struct("<QI16s")  # length and checksum of the table, magic
 _CHUNK = 1 << 22  # bytes read at once for a checksum

@@ -33,8 +33,8 @@ class PhotoScoresTest : public testing::Test {
 TEST_F(PhotoScoresTest, OfAPhotoItselfAreThoseOfEqualCodes) {
   const PhotoScores found = scores(photos_[2]);
   EXPECT_NEAR(found.distinctive[2], 1, 1e-6);
-  // The displacement 0 is in the middle of a cell of .1 and .2, and 4/9 of a cell of .45 away from it.
-  EXPECT_NEAR(found.consistent[2], 2 + 25.0 / 81, 1e-3);
+  // The displacement 0 is in the middle of a cell of .05, .1 and .2, and 4/9 of a cell of .45 away from it.
+  EXPECT_NEAR(found.consistent[2], 3 + 25.0 / 81, 1e-3);
   for (const int other : {0, 1, 3, 4, 5}) EXPECT_LT(found.distinctive[other], 0.2) << other;
   EXPECT_TRUE((found.nearest == 0).all());
 }

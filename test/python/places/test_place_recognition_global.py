@@ -56,7 +56,7 @@ def recall(recognizer, sigma):
 @pytest.mark.slow
 def test_places_are_recognized_out_of_focus(recognizer_of):
     votes, fused, more = (recall(recognizer_of[weight], 25) for weight in (0, 1, 2))
-    assert votes < 0.7 and fused > 0.7 and more > 0.9
+    assert votes < 0.8 and fused > 0.9 and more > 0.9
 
 
 def test_places_in_focus_stay_recognized(recognizer_of):
