@@ -45,7 +45,7 @@ class DisplacementHistogram {
   Eigen::ArrayXXf cells_;
 };
 
-// Weight of each match: 1 for equal codes, 0 from the background distance on and of those that are not mutual.
+// Weight of each match: 1 for equal codes, 0 from the background distance on, or if it is not mutual.
 Eigen::ArrayXf weightsOf(const PhotoMatches& matches, const Eigen::ArrayXf& background) {
   const Eigen::ArrayXf least = background.max(std::numeric_limits<float>::min());
   return matches.mutual.select((1 - matches.distances / least).max(0), 0);
