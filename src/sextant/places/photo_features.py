@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Features of photos and images: keypoints of one or two kinds, and a global descriptor."""
 
+from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
 from typing import List, NamedTuple, Sequence, Tuple
@@ -52,13 +53,17 @@ class KeypointExtractor:
         :param image: uint8, (height, width) grey or (height, width, 3) BGR
         """
         first, *others = self._extractors
-        coarse = self._strongest(first.extract(image))
-        if max(image.shape[:2]) > self._max_side:
-            return (coarse, *(self._strongest(each.extract(image)) for each in others))
-        none = Keypoints(coarse.positions[:0], coarse.descriptors[:0])
-        return (coarse, *(none for _ in others))
+        if max(image.shape[:2]) <= self._max_side:
+            coarse = self._strongest(first, image)
+            none = Keypoints(coarse.positions[:0], coarse.descriptors[:0])
+            return (coarse, *(none for _ in others))
+        with ThreadPoolExecutor(1) as threads:  # some steps of OpenCV's SIFT use one thread only
+            coarse = threads.submit(self._strongest, first, image)
+            fine = [self._strongest(each, image) for each in others]
+            return (coarse.result(), *fine)
 
-    def _strongest(self, found: "sextant.LocalFeatures") -> Keypoints:
+    def _strongest(self, extractor: sextant.FeatureExtractor, image: np.ndarray) -> Keypoints:
+        found = extractor.extract(image)
         order = np.argsort(-found.keypoints[:, 4], kind="stable")[: self._most]
         scaled = found.keypoints[order, :2] * (UNIT / max(found.size))
         positions = np.clip(np.rint(scaled), 0, UNIT).astype(np.uint16)
