@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Runs one recognition method in its own process, to measure its memory."""
 
+import os
 import time
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
@@ -42,7 +43,7 @@ class Built(NamedTuple):
 
 
 class Method:
-    """A method of METHODS in a child process with one thread; a context manager."""
+    """A method of METHODS in a child process on one core; a context manager."""
 
     def __init__(self, name: str):
         self._name = name
@@ -50,7 +51,7 @@ class Method:
     def __enter__(self) -> "Method":
         self._executor = ProcessPoolExecutor(1, get_context("spawn"))
         with worker_environment():
-            self._executor.submit(cv2.setNumThreads, 1).result()
+            self._executor.submit(_use_one_core).result()
         return self
 
     def __exit__(self, *error: Any) -> None:
@@ -63,6 +64,11 @@ class Method:
     def query(self, photo: Path) -> Tuple[float, float]:
         """Recognizes a photo: seconds after decoding, and x of the recognized place."""
         return self._executor.submit(_query, photo).result()
+
+
+def _use_one_core() -> None:
+    os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
+    cv2.setNumThreads(1)
 
 
 def _build(name: str, map_path: Path) -> Built:

@@ -63,7 +63,7 @@ def _table(size: Size, photos: int, asked: int, bars: Bars) -> Table:
         map_path = walk_map(Path(folder) / "map", photos, size)
         shots = queries(Path(folder) / "queries", asked, size, NEXT_DAY)
         costs = _costs(map_path, shots)
-    title = f"{photos} photos of {size[0]}x{size[1]}, median of {asked} queries of the next day, one thread"
+    title = f"{photos} photos of {size[0]}x{size[1]}, median of {asked} queries of the next day, one core"
     return Table(title, COLUMNS, [_row(name, cost, costs[PLAIN], bars) for name, cost in costs.items()])
 
 
