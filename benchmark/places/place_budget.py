@@ -22,7 +22,7 @@ from sextant.places.place_evaluation import WARM_UP_IMAGE, resident_bytes
 from sextant.places.place_index_update import PlaceIndexer
 from sextant.places.place_localizer import PlaceLocalizer
 
-JOBS = 2  # processes that describe photos
+CORES = 2  # that the localizer uses, and the processes that describe photos
 COLUMNS = ["build, s", "start from cache, s", "index, MB", "process, MB", "query, ms", "95 %, ms", "right, %"]
 
 
@@ -78,14 +78,14 @@ def _row(count: int, size: Size, bars: Bars) -> Row:
 def _started(map_path: Path, photos: Sequence[Path]) -> Started:
     """Starts a localizer in a process of its own, as the node does."""
     with ProcessPoolExecutor(1, get_context("spawn")) as executor:
-        with worker_environment():
+        with worker_environment(CORES):
             future = executor.submit(_start, map_path, photos)
         return future.result()
 
 
 def _start(map_path: Path, photos: Sequence[Path]) -> Started:
     place_map, before, begin = read_place_map(map_path), resident_bytes(), time.perf_counter()
-    index = PlaceIndexer(map_path, place_map, IndexParams(), JOBS).index()
+    index = PlaceIndexer(map_path, place_map, IndexParams(), CORES).index()
     localizer = PlaceLocalizer(place_map, index)
     seconds = time.perf_counter() - begin
     localizer.localize(WARM_UP_IMAGE)

@@ -16,6 +16,7 @@ from tables import Table, Value
 from tqdm import tqdm
 
 import sextant
+from places.place_budget import CORES
 from sextant.base.jobs import worker_environment
 from sextant.place_maps.place_map import Overview, Photo, PlaceMap
 from sextant.places.descriptor_codes import DescriptorCodes
@@ -103,7 +104,7 @@ def size_tables(quick: bool) -> List[Table]:
 
 def _in_own_process(places: int) -> Size:
     with ProcessPoolExecutor(1, get_context("spawn")) as executor:
-        with worker_environment():
+        with worker_environment(CORES):
             future = executor.submit(_size, places)
         return future.result()
 

@@ -30,8 +30,7 @@ constexpr int kReducedWidth = 64;       // PCA reduces wider descriptors to it
 constexpr int kSamplesPerColumn = 10;   // minimum for training the PCA
 constexpr int64_t kMany = 2000000;      // descriptors, from which on product quantization halves their memory
 constexpr int kPointsPerCentroid = 39;  // minimum that faiss recommends for k-means
-constexpr int kMinProbes = 8, kMaxProbes = 16;  // inverted lists searched per query
-constexpr int kListsPerProbe = 64;              // one of this many lists is searched, within these limits
+constexpr int kProbes = 8;              // inverted lists that are searched for a descriptor
 constexpr int kIterations = 10, kIterationsIfMany = 4;  // of k-means
 
 Id firstId(Id image_id) { return image_id * DescriptorIndex::kMaxRows; }
@@ -39,10 +38,6 @@ Id firstId(Id image_id) { return image_id * DescriptorIndex::kMaxRows; }
 int listCount(int64_t expected, int samples) {
   const auto wanted = static_cast<int64_t>(2 * std::sqrt(static_cast<double>(expected)));
   return static_cast<int>(std::clamp<int64_t>(wanted, 1, std::max(1, samples / kPointsPerCentroid)));
-}
-
-int probeCount(size_t lists) {
-  return std::clamp(static_cast<int>(lists / kListsPerProbe), kMinProbes, kMaxProbes);
 }
 
 std::string description(int width, int samples, int64_t expected) {
@@ -115,14 +110,14 @@ class FaissIndex : public DescriptorIndex {
     lists().cp.min_points_per_centroid = 1;  // no warning for small maps
     lists().cp.niter = expected < kMany ? kIterations : kIterationsIfMany;
     index_->train(samples.rows, values(samples));
-    lists().nprobe = probeCount(lists().nlist);
+    lists().nprobe = kProbes;
   }
 
   /// @param index not null; as read by faiss, with memory-mapped lists
   explicit FaissIndex(std::unique_ptr<Base> index)
       : DescriptorIndex(Kind::kType, Kind::width(*index)), index_(std::move(index)), mapped_(true) {
     if (!Kind::lists(index_.get())) throw std::runtime_error("it has no inverted lists");
-    lists().nprobe = probeCount(lists().nlist);
+    lists().nprobe = kProbes;
   }
 
   void remove(int32_t image_id) override {

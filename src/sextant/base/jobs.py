@@ -29,9 +29,7 @@ import sextant._core
 CLUSTER_TIMEOUT = 10.0  # seconds to wait for the scheduler, and then for its first worker
 
 # The libraries read these variables when they are loaded: in a new process before any code of Sextant.
-# OpenCV allocates and frees megabytes for each image; on huge pages that takes a quarter less time in all.
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "BLIS_NUM_THREADS")
-_ENVIRONMENT = {**dict.fromkeys(_THREADS, "1"), "GLIBC_TUNABLES": "glibc.malloc.hugetlb=1"}
 
 
 class JobError(RuntimeError):
@@ -203,14 +201,16 @@ def _exit_with_parent() -> None:
 
 
 @contextlib.contextmanager
-def worker_environment() -> Iterator[None]:
-    """Sets what child processes inherit: one thread, huge pages, this package's path, and SIGINT blocked.
+def worker_environment(threads: int = 1) -> Iterator[None]:
+    """Sets what child processes inherit: threads, huge pages, this package's path, and SIGINT blocked.
 
     In a devel space of catkin, the package's sources come first in sys.path, and they lack _core.
     """
-    before, path = {name: os.environ.get(name) for name in _ENVIRONMENT}, list(sys.path)
+    # OpenCV allocates and frees megabytes for each image: on huge pages that takes a quarter less time.
+    variables = {**dict.fromkeys(_THREADS, str(threads)), "GLIBC_TUNABLES": "glibc.malloc.hugetlb=1"}
+    before, path = {name: os.environ.get(name) for name in variables}, list(sys.path)
     mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    os.environ.update(_ENVIRONMENT)
+    os.environ.update(variables)
     sys.path.insert(0, package_folder())
     try:
         yield
