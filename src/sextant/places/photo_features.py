@@ -53,7 +53,7 @@ class KeypointExtractor:
         :param image: uint8, (height, width) grey or (height, width, 3) BGR
         """
         first, *others = self._extractors
-        if max(image.shape[:2]) <= self._max_side:
+        if not others or max(image.shape[:2]) <= self._max_side:
             coarse = self._strongest(first, image)
             none = Keypoints(coarse.positions[:0], coarse.descriptors[:0])
             return (coarse, *(none for _ in others))
