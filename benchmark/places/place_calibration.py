@@ -10,7 +10,7 @@ import tempfile
 from dataclasses import astuple
 from itertools import product
 from pathlib import Path
-from typing import Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Dict, Iterable, List, NamedTuple, Optional, Sequence
 
 import numpy as np
 from scipy.optimize import minimize
@@ -35,7 +35,7 @@ STREETS, SEASONS = (1, 2), ("evening", "autumn", "winter")
 MAX_ERROR = 0.08  # maximum calibration error over all domains
 SURE = 0.9  # probability of a sure answer
 RIGHT, ALL_RIGHT = 90.0, 95.0  # minimum % of the sure answers that are right: in each domain, in all
-AREA = 0.85  # minimum area under the ROC curve of "in the map"
+AREA, FILTERED_AREA = 0.85, 0.97  # minimum area under the ROC curve of "in the map": single images, filter
 REGULAR = 1e-3  # factor of the L2 regularization of the weights
 BOUNDS = ((0.01, 10.0), (0.0, 10.0), (0.0, 10.0), (-20.0, 20.0))  # of the weights
 WEIGHTS = ("slope", "margin", "excess", "offset")
@@ -61,7 +61,8 @@ def calibration_tables(data: Path, quick: bool) -> List[Table]:
         walks = [*_corridor(data, quick), *_streets(folder, quick)]
         asked = [*walks, *_hard(folder, quick), *_others(data, quick)]
         seen = {domain: _seen(folder, each) for domain, each in _by_domain(asked).items()}
-        rows = [_shipped(folder, walks, mode) for mode in ("single", "filter")]
+        areas = {"single": None, "filter": None if quick else FILTERED_AREA}
+        rows = [_shipped(folder, walks, mode, area) for mode, area in areas.items()]
     weights = _fitted([one for domain in seen.values() for one in domain])
     return [_domains_table(seen, quick), _modes_table(rows), _weights_table(weights)]
 
@@ -236,23 +237,32 @@ def _domains_table(seen: Dict[str, List[ImageEvidence]], quick: bool) -> Table:
     return Table(title, columns, rows)
 
 
-def _shipped(folder: Path, asked: Sequence[QuerySet], mode: str) -> Row:
-    predicted: List[Tuple[np.ndarray, np.ndarray]] = []
-    for each in asked:
-        predicted.append(measured(folder, each.name, each.place_map, each.queries, mode).predictions)
-    probabilities, right = (np.concatenate(part) for part in zip(*predicted))
+def _shipped(folder: Path, asked: Sequence[QuerySet], mode: str, area: Optional[float]) -> Row:
+    """Row of a mode with the weights as they are.
+
+    :param area: minimum area under the ROC curve
+    """
+    found = [measured(folder, each.name, each.place_map, each.queries, mode) for each in asked]
+    probabilities, right = (np.concatenate(part) for part in zip(*(each.predictions for each in found)))
+    results = [result for each in found for result in each.results]
+    known = np.array([1 - result.found.unknown_probability for result in results])
+    is_known = np.array([bool(result.query.true_places) for result in results])
     cells = [
         Value(len(probabilities), 0),
         Value(100 * float(np.mean(right)), 1),
         Value(100 * float(np.mean(probabilities)), 1),
         Value(calibration_error(probabilities, right), 3),
         Value(perfect_calibration_error(probabilities), 3),
+        Value(roc_area(known[is_known], known[~is_known]), 3, at_least=area),
     ]
     return mode, cells
 
 
 def _modes_table(rows: List[Row]) -> Table:
-    columns = ["queries", "right, %", "predicted, %", "calibration error", "of a perfect one"]
+    columns = [
+        "queries", "right, %", "predicted, %", "calibration error", "of a perfect one",
+        "area: in the map or not",
+    ]  # fmt: skip
     return Table("As it is, in the corridor and on walks in three seasons, some elsewhere", columns, rows)
 
 
