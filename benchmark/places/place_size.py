@@ -28,14 +28,8 @@ from sextant.places.place_recognition import PlaceRecognizer
 
 PLACES, QUICK = (100, 800, 3200, 10_000, 100_000), (20, 200)  # numbers of places; 800 are compared with each
 DESCRIPTORS, WIDTH, QUERIES = 250, 128, 20  # descriptors per place, their size; number of queries
-KINDS, SHAPES = (
-    8192,
-    65536,
-)  # of descriptors: basic histograms, and factors by which each differs from its kind
-NOISE, MOVED = (
-    12.0,
-    0.05,
-)  # standard deviation of a query's descriptors; of its shift, fraction of the longer side
+KINDS, SHAPES = 8192, 65536  # of descriptors: basic histograms, and factors each differs by
+NOISE, MOVED = 12.0, 0.05  # standard deviations of a query: descriptors; shift, part of the longer side
 SIFT_UNIT = 512  # length of a RootSIFT descriptor as integers
 COLUMNS = ["made in, s", "index, MB", "process, MB", "query, ms", "95 %, ms", "right, %", "of each photo, %"]
 MEMORY, SLOWEST, LOSS = 2000.0, 150.0, 3.0  # maximum memory, MB; time of a query, ms; recall lost, percent
