@@ -9,7 +9,7 @@ from typing import Any, Dict, List, Tuple
 
 from sextant.base.atomic_file import atomic_file
 from sextant.images.photo_file import photo_size
-from sextant.labels.json_file import field, read_json
+from sextant.labels.json_file import field, item, located, read_json
 from sextant.labels.labelled_photos import (
     LabelledPhoto,
     LabelledPhotos,
@@ -25,20 +25,20 @@ def read_coco_file(path: Path) -> LabelledPhotos:
     """Reads the file; names of photos are relative to its folder, or to `images` in it.
 
     :raises OSError: a file cannot be read
-    :raises ValueError: "file: item: reason"
+    :raises ValueError: "file:line: item: reason"
     """
     table = read_json(path)
     try:
         return _photos(table, path)
     except ValueError as error:
-        raise ValueError(f"{path}: {error}") from None
+        raise located(path, error) from None
 
 
 def _photos(table: Any, path: Path) -> LabelledPhotos:
-    categories = [
-        (_of("category", i, each, "id", int), _of("category", i, each, "name", str))
-        for i, each in enumerate(field(table, "categories", list))
-    ]
+    categories = []
+    for i, each in enumerate(field(table, "categories", list)):
+        with item(f"category {i}", "categories", i):
+            categories.append((field(each, "id", int), field(each, "name", str)))
     names = check_names([name for _, name in categories], "categories")
     numbers = [number for number, _ in categories]
     if len(set(numbers)) < len(numbers):
@@ -46,10 +46,11 @@ def _photos(table: Any, path: Path) -> LabelledPhotos:
     index_of = {number: index for index, (number, _) in enumerate(categories)}
     images: Dict[int, Tuple[Path, Tuple[int, int]]] = {}
     for i, each in enumerate(field(table, "images", list)):
-        number = _of("image", i, each, "id", int)
-        if number in images:
-            raise ValueError(f"image {i}: its id {number} is there twice")
-        images[number] = _image(i, each, path.parent)
+        with item(f"image {i}", "images", i):
+            number = field(each, "id", int)
+            if number in images:
+                raise ValueError(f"its id {number} is there twice")
+            images[number] = _image(each, path.parent)
     if not images:
         raise ValueError("there are no images in it")
     objects = _objects(table, images, index_of)
@@ -57,41 +58,35 @@ def _photos(table: Any, path: Path) -> LabelledPhotos:
     return LabelledPhotos(names, tuple(photos))
 
 
-def _of(what: str, number: int, table: Any, name: str, *kinds: type) -> Any:
-    try:
-        return field(table, name, *kinds)
-    except ValueError as error:
-        raise ValueError(f"{what} {number}: {error}") from None
-
-
-def _image(number: int, table: Any, folder: Path) -> Tuple[Path, Tuple[int, int]]:
+def _image(table: Any, folder: Path) -> Tuple[Path, Tuple[int, int]]:
     """Path and size of a photo."""
-    name = _of("image", number, table, "file_name", str)
+    name = field(table, "file_name", str)
     photo = next((each for each in (folder / name, folder / "images" / name) if each.is_file()), None)
     if photo is None:
-        raise ValueError(f"image {number}: there is no file {folder / name}")
+        raise ValueError(f"there is no file {folder / name}")
     size = photo_size(photo)
     written = tuple(table.get(side, size[i]) for i, side in enumerate(("width", "height")))
     if written != size:
-        sizes = f"{written[0]} × {written[1]} pixels, the file has {size[0]} × {size[1]}"
-        raise ValueError(f"image {number} ({name}): has {sizes}")
+        raise ValueError(
+            f"{name} has {written[0]} × {written[1]} pixels here, but {size[0]} × {size[1]} in its file"
+        )
     return photo, size
 
 
 def _objects(table: Any, images: Dict[int, tuple], index_of: Dict[int, int]) -> _Objects:
     objects: _Objects = {number: ([], []) for number in images}
     for i, each in enumerate(field(table, "annotations", list)):
-        what = f"annotation {each.get('id', i)}" if isinstance(each, dict) else f"annotation {i}"
-        try:
+        number = each.get("id", i) if isinstance(each, dict) else i
+        with item(f"annotation {number}", "annotations", i):
             image, category = field(each, "image_id", int), field(each, "category_id", int)
             if image not in images:
                 raise ValueError(f"there is no image {image}")
             if category not in index_of:
                 raise ValueError(f"there is no category {category}")
+            if each.get("iscrowd"):
+                raise ValueError("is of a crowd (iscrowd): label its objects one by one, or remove it")
             box = _box(field(each, "bbox", list))
             check_box(box, images[image][1])
-        except ValueError as error:
-            raise ValueError(f"{what}: {error}") from None
         objects[image][0].append(box)
         objects[image][1].append(index_of[category])
     return objects

@@ -18,7 +18,7 @@ import numpy as np
 
 from sextant.base.atomic_file import atomic_file
 from sextant.images.photo_file import photo_size
-from sextant.labels.json_file import field, read_json
+from sextant.labels.json_file import field, item, located, read_json
 from sextant.labels.labelled_photos import (
     LabelledPhoto,
     LabelledPhotos,
@@ -37,7 +37,7 @@ def read_label_studio_file(path: Path) -> LabelledPhotos:
     """Reads an export. Tasks without an annotation are left out: nobody has labelled them yet.
 
     :raises OSError: a file cannot be read
-    :raises ValueError: "file: task: reason"
+    :raises ValueError: "file:line: task: reason"
     """
     tasks = read_json(path)
     if not isinstance(tasks, list):
@@ -46,9 +46,10 @@ def read_label_studio_file(path: Path) -> LabelledPhotos:
     photos = []
     for number, task in enumerate(tasks):
         try:
-            photo = _photo(task, path.parent, names)
+            with item(f"task {_id(task, number)}", "", number):
+                photo = _photo(task, path.parent, names)
         except ValueError as error:
-            raise ValueError(f"{path}: task {_id(task, number)}: {error}") from None
+            raise located(path, error) from None
         photos += [photo] if photo else []
     if not names:
         raise ValueError(f"{path}: no task has labels")

@@ -71,13 +71,13 @@ def _read_plain(path: Path, split: str) -> LabelledPhotos:
     listed = path / CLASSES
     if not listed.exists():
         raise ValueError(f"{path}: has neither {DATA} nor {CLASSES}")
-    names = check_names(listed.read_text(encoding="utf-8").splitlines(), str(listed))
+    names = check_names(listed.read_text(encoding="utf-8-sig").splitlines(), str(listed))
     return LabelledPhotos(names, tuple(_read_folder(path / IMAGES, names)))
 
 
 def _table(data: Path) -> Dict[str, Any]:
     try:
-        table = yaml.safe_load(data.read_text(encoding="utf-8"))
+        table = yaml.safe_load(data.read_text(encoding="utf-8-sig"))
     except (yaml.YAMLError, UnicodeDecodeError) as error:
         raise ValueError(f"{data}: is not YAML: {getattr(error, 'problem', error)}") from None
     if not isinstance(table, dict):
@@ -146,7 +146,7 @@ def _labels_of(images: Path) -> Path:
 def _read_photo(photo: Path, path: Path, count: int) -> LabelledPhoto:
     size = photo_size(photo)
     boxes, classes = [], []
-    lines = path.read_text(encoding="utf-8", errors="replace").splitlines() if path.exists() else []
+    lines = path.read_text(encoding="utf-8-sig", errors="replace").splitlines() if path.exists() else []
     for number, line in enumerate(lines, 1):
         if not line.strip():
             continue

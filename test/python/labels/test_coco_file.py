@@ -59,10 +59,14 @@ def changed(*keys, to):
         (changed("images", to={}), "its field 'images' is '{}', it must be of type list"),
         (changed("images", 0, "id", to=True), "image 0: its field 'id' is 'True', it must be of type int"),
         (changed("images", 0, "file_name", to="1.png"), "image 0: there is no file .*1.png"),
-        (changed("images", 0, "width", to=81), "image 0 .*: has 81 × 60 pixels, the file has 80 × 60"),
+        (
+            changed("images", 0, "width", to=81),
+            "image 0: 0.png has 81 × 60 pixels here, but 80 × 60 in its file",
+        ),
         (changed("images", to=TABLE["images"] * 2), "image 1: its id 7 is there twice"),
         (changed("annotations", 0, "image_id", to=8), "annotation 3: there is no image 8"),
         (changed("annotations", 0, "category_id", to=1), "annotation 3: there is no category 1"),
+        (changed("annotations", 0, "iscrowd", to=1), r"annotation 3: is of a crowd \(iscrowd\)"),
         (changed("annotations", 0, "bbox", to=[1, 2, 3]), "annotation 3: its bbox must be four numbers"),
         (changed("annotations", 0, "bbox", to=[1, 2, 3, "4"]), "its bbox must be four numbers"),
         (changed("annotations", 0, "bbox", to=[1, 2, 0, 4]), "annotation 3: its box has 0 × 4 pixels"),
@@ -75,4 +79,15 @@ def changed(*keys, to):
 )
 def test_wrong_files_are_refused(read, table, reason):
     with pytest.raises(ValueError, match=reason):
+        read(table)
+
+
+def test_errors_have_the_line_of_the_item(read):
+    table = changed("annotations", to=[*TABLE["annotations"], {**TABLE["annotations"][0], "category_id": 5}])
+    lines = json.dumps(table, indent=1).splitlines()
+    line = max(number for number, text in enumerate(lines, 1) if text == "  {" and number < len(lines) - 14)
+    assert "category_id" in "".join(lines[line : line + 4])
+    with pytest.raises(ValueError, match=rf"labels.json:{line}: annotation 3: there is no category 5"):
+        read("\n".join(lines))
+    with pytest.raises(ValueError, match="labels.json:1: annotation 3"):
         read(table)

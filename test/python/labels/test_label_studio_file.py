@@ -91,6 +91,19 @@ def test_wrong_tasks_are_refused(read, task, reason):
         read(task)
 
 
+def test_errors_have_the_line_of_the_task(read, tmp_path):
+    with pytest.raises(ValueError, match="tasks.json:1: task 6"):
+        read(TASK, changed(TASK, id=6, annotations=3))
+    text = (
+        "[\n"
+        + ",\n".join(json.dumps(each) for each in (TASK, TASK, changed(TASK, id=6, annotations=3)))
+        + "]"
+    )
+    (tmp_path / "tasks.json").write_text(text)
+    with pytest.raises(ValueError, match="tasks.json:4: task 6: its annotations must be a list"):
+        read_label_studio_file(tmp_path / "tasks.json")
+
+
 def test_predictions_are_not_labels(tmp_path):
     """They are proposals that a person corrects."""
     photos = write_photos(tmp_path, 3)
