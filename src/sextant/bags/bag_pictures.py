@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Pictures of recordings: colour images of a bag, with depth where there is some, or of a video."""
 
+import zlib
 from pathlib import Path
 from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Sequence, Tuple
 
@@ -51,11 +52,13 @@ def _of_video(path: str, every: int) -> Iterator[RecordedPicture]:
     if not Path(path).is_file():
         raise ValueError(f"{path}: there is no such file")
     video, number = cv2.VideoCapture(path), 0
+    # Cameras number their files: there may be another one of this name in another folder.
+    prefix = f"{Path(path).stem}_{zlib.crc32(str(Path(path).resolve().parent).encode()):08x}"
     try:
         while video.grab():
             done, image = video.retrieve() if number % every == 0 else (False, None)
             if done:
-                yield RecordedPicture(f"{Path(path).stem}_{number:06d}", image)
+                yield RecordedPicture(f"{prefix}_{number:06d}", image)
             number += 1
     finally:
         video.release()

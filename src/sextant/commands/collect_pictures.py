@@ -35,7 +35,7 @@ def _parser() -> CommandParser:
     text = "depth images with camera_info beside them, aligned with the images or with tf (default: none)"
     add("--depth", default="", metavar="TOPIC", help=text)
     add("--every", type=int, default=1, metavar="N", help="use every n-th image only")
-    text = f"maximum number of pictures (default: {default.count})"
+    text = f"maximum number of new pictures (default: {default.count})"
     add("--count", type=int, default=default.count, metavar="N", help=text)
     text = f"minimum difference from every other picture, grey levels (default: {default.difference:g})"
     add("--difference", type=float, default=default.difference, metavar="LEVELS", help=text)

@@ -15,7 +15,7 @@ from sextant.objects.detection_image import detection_image
 from sextant.objects.detections import Detections
 
 SIDE = 320  # longer side of a photo on the page, pixels
-SMALL = 0.005  # fraction of the photo's area, below which a box is pointed out
+SMALL = 0.0005  # fraction of the photo's area, below which a box is pointed out
 
 _TEMPLATE = """{% extends "report" %}
 {% from "macros" import gallery, table %}

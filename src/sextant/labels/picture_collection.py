@@ -29,7 +29,7 @@ ALREADY = "already there"
 class CollectionParams(StrictParams):
     """Which pictures are kept."""
 
-    count: int = param(500, "maximum number of pictures", within(1, 100000))
+    count: int = param(500, "maximum number of new pictures", within(1, 100000))
     difference: float = param(
         8.0, "minimum difference from every other picture, root mean square over a thumbnail", within(0, 255),
         "grey levels",
@@ -49,9 +49,9 @@ class _Picture(NamedTuple):
 class PictureCollection:
     """A folder of pictures, which may have some from an earlier collection. Not thread-safe.
 
-    When there are too many, the required difference grows, and new pictures that are too similar are deleted:
-    the others are spread over all views and lights of the drive, however long it is. Pictures that were in
-    the folder before are only compared with.
+    When there are too many new ones, the required difference grows, and those that are too similar are
+    deleted: the others are spread over all views and lights of the drive, however long it is. Pictures that
+    were in the folder before stay, as they may have labels; new ones must differ from them, too.
     """
 
     def __init__(self, folder: Path, params: Optional[CollectionParams] = None):
@@ -135,8 +135,8 @@ class PictureCollection:
         return float(np.sqrt(np.mean((others - thumbnail) ** 2, axis=1)).min())
 
     def _thin_out(self) -> None:
-        """Keeps at most as many pictures as wanted, with a difference that just suffices."""
-        while len(self._pictures) > self._params.count and any(each.is_new for each in self._pictures):
+        """Keeps at most as many new pictures as wanted, with a difference that just suffices."""
+        while sum(each.is_new for each in self._pictures) > self._params.count:
             self._difference = max(1.1 * self._difference, 1e-3)
             kept = [each for each in self._pictures if not each.is_new]
             for each in (each for each in self._pictures if each.is_new):

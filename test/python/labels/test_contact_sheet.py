@@ -32,7 +32,7 @@ def test_labels_that_are_often_wrong_are_pointed_out(tmp_path):
     photos = write_photos(tmp_path, 2)
     _, one = photos.photos
     double = one._replace(boxes=np.repeat(one.boxes, 2, axis=0), classes=np.zeros(2, int))
-    tiny = one._replace(boxes=np.array([[5.0, 5, 7, 7]]), classes=np.zeros(1, int))
+    tiny = one._replace(boxes=np.array([[5.0, 5, 6.4, 6.4]]), classes=np.zeros(1, int))
     assert remarks(photos._replace(photos=(double, tiny))) == [
         "no photo has a goal", "1.png: two boxes at the same place", "1.png: 1 very small boxes",
     ]  # fmt: skip
