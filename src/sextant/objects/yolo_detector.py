@@ -81,9 +81,10 @@ class YoloDetector:
         run = time.perf_counter()
         params = self._params
         found = self._model.decoded(outputs, params.confidence)
-        found = found._replace(boxes=box.to_image(found.boxes, size))
         overlap = 1.0 if self._model.is_end_to_end else params.max_overlap
+        # Before they are clipped at the image's borders: then they may overlap more.
         found = non_maximum_suppression(found, overlap, params.class_agnostic, params.max_objects)
+        found = found._replace(boxes=box.to_image(found.boxes, size))
         stages = {"letter box": prepared - begin, "network": run - prepared}
         self.seconds = {**stages, "decoding": time.perf_counter() - run}
         return found

@@ -48,6 +48,14 @@ class TestEveryBackend:
         assert list(network.seconds) == ["letter box", "network", "decoding"]
         assert all(0 < seconds < 5 for seconds in network.seconds.values())
 
+    def test_boxes_that_leave_the_picture_are_as_far_apart_as_in_it(self, tmp_path, backend):
+        """Their intersection over union is 0.47, but 1 where they are clipped."""
+        rows = (24, 24, 80, 80, 0, 0.9), (40, 40, 80, 80, 0, 0.8)
+        network = detector(constant_network(tmp_path / "net.onnx", [answer(*rows)], names=NAMES), backend)
+        found = network.detect(noise(64, 64))
+        assert found.scores == pytest.approx([0.9, 0.8])
+        assert found.boxes == pytest.approx(np.array([[0, 0, 64, 64], [0, 0, 64, 64]]), abs=1e-3)
+
     def test_parameters_select_the_detections(self, tmp_path, backend):
         rows = (
             (32, 32, 20, 20, 0, 0.9),
