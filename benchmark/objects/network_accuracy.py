@@ -81,15 +81,19 @@ def _class_row(which: int, network: DetectorScore, colour: DetectorScore) -> Row
 
 def _facts(model: str, size: int) -> Table:
     values = [
-        Value(gflop(model), 3, at_most=GFLOP),
+        Value(gflop(model, size), 3, at_most=GFLOP),
         Value(os.path.getsize(model) / 1e6, 2, at_most=MEGABYTES),
     ]
     return Table("the network", ["GFLOP a frame", "MB"], [(f"{size} px", values)])
 
 
-def gflop(model: str) -> float:
-    """Operations for one image, 1e9: two per multiplication of a convolution; others are negligible."""
-    graph = shape_inference.infer_shapes(onnx.load(model)).graph
+def gflop(model: str, size: int) -> float:
+    """Operations for one image of size × size pixels, 1e9: two per multiplication of a convolution; others
+    are negligible."""
+    network = onnx.load(model)
+    for side in network.graph.input[0].type.tensor_type.shape.dim[2:]:
+        side.dim_value = size
+    graph = shape_inference.infer_shapes(network).graph
     weights = {each.name: list(each.dims) for each in graph.initializer}
     shapes = {
         each.name: [side.dim_value for side in each.type.tensor_type.shape.dim]

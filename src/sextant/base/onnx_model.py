@@ -9,7 +9,7 @@ from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence
 import cv2
 import numpy as np
 
-INSTALL = "install onnxruntime: pip install onnxruntime"
+INSTALL = "install onnxruntime: python3 -m pip install --user --break-system-packages onnxruntime"
 
 # float32 (1, channels, height, width) to the model's outputs
 Network = Callable[[np.ndarray], List[np.ndarray]]

@@ -3,7 +3,7 @@
 """Trains a network to detect objects in labelled photos, or balls and pillars in simulated images.
 
 train_object_detector cones/ --data dataset/              your own objects, from scratch
-train_object_detector cones/ --data dataset/ --start other/checkpoint.pt         from another training
+train_object_detector cones/ --data dataset/ --start other/objects.onnx          from another training
 train_object_detector cones/ --data dataset/ --images 2000                       mixed with simulated images
 train_object_detector detector/ --photos backgrounds/     simulated images and photographs
 train_object_detector detector/ --quick                   few images and steps, to check the installation
@@ -24,6 +24,7 @@ from sextant.detection_scores.detector_scores import plot_confusion, scored
 from sextant.labels.label_formats import label_parts, read_labels
 from sextant.labels.labelled_photos import LabelledPhotos
 from sextant.labels.yolo_folder import HOLD_OUT
+from sextant.objects.shipped_model import shipped_model
 from sextant.objects.yolo_detector import YoloParams
 from sextant.objects.yolo_model import MULTIPLE
 from sextant.training.hard_images import PhotoImages, hard_image
@@ -33,7 +34,8 @@ from sextant.training.object_images import CLASSES, random_image
 
 VALIDATION = 1_000_000  # first seed of the validation images
 QUICK = {"images": 64, "validation": 16, "epochs": 2}
-IMAGES, EPOCHS, DATA_EPOCHS = 6000, 15, 150  # defaults without data; passes over the photos with data
+IMAGES, EPOCHS, DATA_EPOCHS = 6000, 15, 60  # defaults without data; passes over the photos with data
+SHIPPED = "shipped"  # stands for the network that comes with Sextant
 CHECKPOINT, MODEL, CONFUSION = "checkpoint.pt", "objects.onnx", "confusion.png"
 NO_TORCH = "PyTorch is missing: apt install python3-torch"
 
@@ -56,7 +58,8 @@ def _parser() -> CommandParser:
     add, default = parser.add_argument, "(default: %(default)s)"
     add("folder", type=Path, metavar="FOLDER", help="output folder; an interrupted training in it is resumed")
     add("--data", type=Path, metavar="LABELS", help="YOLO folder, or JSON file of COCO or Label Studio")
-    add("--start", type=Path, metavar="CHECKPOINT", help="checkpoint.pt of another training to start from")
+    text = f"{MODEL} or {CHECKPOINT} of another training to start from; `{SHIPPED}`: the network of Sextant"
+    add("--start", type=Path, metavar="NETWORK", help=text)
     add("--network", choices=["small", "large"], default="small", help=f"its size {default}")
     add("--size", type=int, default=160, metavar="PIXELS", help=f"side of the network's input {default}")
     text = f"simulated training images (default: {IMAGES}; with --data 0)"
@@ -93,10 +96,9 @@ def _train(options: argparse.Namespace) -> Answer:
         mosaic=0.5 if options.data else 0.0,
     )  # fmt: skip
     validation = sets.validation if options.data else None
+    start = shipped_model() if options.start == Path(SHIPPED) else options.start
     checkpoint = options.folder / CHECKPOINT
-    network = train(
-        sets.training, len(sets.classes), params, checkpoint, "training", validation, options.start
-    )
+    network = train(sets.training, len(sets.classes), params, checkpoint, "training", validation, start)
     export(network, options.folder / MODEL, options.size, sets.classes)
     model = YoloParams(model=str(options.folder / MODEL))
     score = scored(sets.validation.images, sets.validation.truths(), model)
@@ -170,10 +172,13 @@ def _data_sets(options: argparse.Namespace) -> Sets:
 
 
 def _parts(data: Path) -> Tuple[LabelledPhotos, LabelledPhotos]:
-    """Photos for training and for validation."""
-    if {"train", "valid"} <= set(label_parts(data)):
+    """Photos for training and for validation; those of the part `test` are for neither."""
+    parts = label_parts(data)
+    if {"train", "valid"} <= set(parts):
         return read_labels(data, "train"), read_labels(data, "valid")
-    photos = read_labels(data)
+    if parts and "train" not in parts:
+        raise ValueError(f"{data}: has no part 'train', only {', '.join(parts)}")
+    photos = read_labels(data, "train" if parts else "")
     held_out = photos._replace(photos=photos.photos[::HOLD_OUT])
     kept = [photo for number, photo in enumerate(photos.photos) if number % HOLD_OUT]
     if not kept:

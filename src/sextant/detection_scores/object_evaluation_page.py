@@ -10,7 +10,7 @@ import numpy as np
 
 from sextant.base.html_report import PagePlot, Row, Table, embedded, embedded_photo, write_report
 from sextant.detection_scores.average_precision import recall_and_precision
-from sextant.detection_scores.object_evaluation import ObjectEvaluation
+from sextant.detection_scores.object_evaluation import CONFIDENCES, ObjectEvaluation
 from sextant.images.photo_file import read_rgb
 from sextant.labels.labelled_photos import LabelledPhotos
 from sextant.objects.detection_image import detection_image
@@ -90,11 +90,14 @@ def _of_class(each: ObjectEvaluation, name: str) -> Tuple[float, float, float]:
 
 
 def verdict(evaluations: Sequence[ObjectEvaluation], false_alarms: float) -> str:
-    """The recommended network and confidence, in words."""
-    best = max(evaluations, key=lambda each: each.score.mean)
+    """The recommended network and confidence, in words: that with the highest recall at its confidence."""
+    few = [each for each in evaluations if np.isfinite(each.recommended(false_alarms))]
+    if not few:
+        who = evaluations[0].name if len(evaluations) == 1 else "Each network"
+        most = f"more than {false_alarms:g} false alarms per photo"
+        return f"{who} has {most} at all confidences up to {CONFIDENCES[-1]:g}."
+    best = max(few, key=lambda each: np.nan_to_num(each.matched.recall(each.recommended(false_alarms))))
     confidence = best.recommended(false_alarms)
-    if np.isnan(confidence):
-        return f"{best.name} has more than {false_alarms:g} false alarms per photo at every confidence."
     recall = best.matched.recall(confidence)
     finds = "" if np.isnan(recall) else f"finds {recall:.1%} of the objects, with at most "
     what = finds or "has at most "

@@ -15,7 +15,15 @@ from sextant.objects.object_kinds import BALL
 from sextant.simulation.arena_looks import random_light, random_paint
 from sextant.simulation.ball_simulation import WALL
 from sextant.simulation.camera_effects import random_effects, with_effects
-from sextant.simulation.hard_room import dirty, furniture, hard_light, hard_scene, stray_object
+from sextant.simulation.hard_room import (
+    GAMMA,
+    dirty,
+    furniture,
+    hard_light,
+    hard_scene,
+    random_colour,
+    stray_object,
+)
 from sextant.training.image_set import ObjectImage
 from sextant.training.object_images import (
     FAR,
@@ -37,6 +45,10 @@ MIN_CROP = 0.4  # minimum part of a photo's smaller side in an image
 EMPTY = 0.5  # fraction of the photos without any object
 RECOLOURED = 0.5  # fraction of the photos with other hues: other things in the colours of the classes
 MAX_SATURATION_FACTOR = 2.5  # of these; the minimum is its inverse
+PAINTED, MOST_PAINTED = 0.5, 4  # fraction of the photos with painted surfaces; the largest number of these
+PAINTED_HEIGHT = 0.15, 1.5  # of a painted surface, fraction of the image's height
+PAINTED_WIDTH = 0.2, 1.5  # of a painted surface, fraction of its height: doors to walls
+MAX_SLOPE = 0.4  # of its upper and lower edge, in perspective
 HALL = np.array([2.2 * FAR, 2.2 * FAR])  # size of the room of objects in front of a photo, metres
 EDGE = 0.7  # blur of the edge of an object in front of a photo, pixels
 
@@ -82,6 +94,8 @@ class PhotoImages:
         photo = _crop(read_rgb(paths[random.integers(len(paths))], HEIGHT), random)
         if random.random() < RECOLOURED:
             photo = recoloured(photo, random)
+        if random.random() < PAINTED:
+            photo = painted(photo, random)
         clutter = random_clutter(random, HALL, seed, wide_paint)
         if random.random() < EMPTY:
             return ObjectImage(_as_taken(photo, clutter.sensor, random), truth_of([], [], size))
@@ -99,6 +113,32 @@ def recoloured(photo: np.ndarray, random: np.random.Generator) -> np.ndarray:
     saturation = np.minimum(saturation * MAX_SATURATION_FACTOR ** random.uniform(-1.0, 1.0), 1.0)
     changed = cv2.cvtColor(cv2.merge([hue, saturation, value]), cv2.COLOR_HSV2RGB)
     return np.clip(255.0 * changed + 0.5, 0.0, 255.0).astype(np.uint8)
+
+
+def painted(photo: np.ndarray, random: np.random.Generator) -> np.ndarray:
+    """A photo with upright surfaces, as of doors and walls, in random colours, often those of the classes.
+
+    :param photo: uint8 (rows, columns, 3), RGB
+    """
+    rows, columns = photo.shape[:2]
+    changed = photo.astype(np.float32)
+    for _ in range(random.integers(1, MOST_PAINTED + 1)):
+        height = rows * random.uniform(*PAINTED_HEIGHT)
+        width = height * random.uniform(*PAINTED_WIDTH)
+        x, y = random.uniform(-0.5 * width, columns - 0.5 * width), random.uniform(-0.5 * height, 0.8 * rows)
+        rise, fall = width * random.uniform(-MAX_SLOPE, MAX_SLOPE, 2)
+        corners = [[x, y], [x + width, y + rise], [x + width, y + height + fall], [x, y + height]]
+        mask = cv2.fillConvexPoly(np.zeros((rows, columns), np.uint8), np.intp(corners).astype(np.int32), 1)
+        mask = cv2.GaussianBlur(mask.astype(np.float32), (0, 0), EDGE)[..., np.newaxis]
+        if mask.sum() < 1.0:
+            continue
+        light = changed.mean(axis=2, keepdims=True)
+        shade = light / max(
+            1.0, float((light * mask).sum() / mask.sum())
+        )  # the surface's own light and shadow
+        colour = 255.0 * random_colour(random) ** (1.0 / GAMMA) * random.uniform(0.5, 1.2)
+        changed += mask * (np.clip(colour * shade, 0.0, 255.0) - changed)
+    return (changed + 0.5).astype(np.uint8)
 
 
 def joined_with(

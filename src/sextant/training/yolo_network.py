@@ -66,24 +66,22 @@ class Pooling(nn.Module):
         return self.after(torch.cat(parts, 1))
 
 
-class Head(nn.Module):
-    """Box distributions and class scores of one grid: (n, 4 * BINS + classes, height, width)."""
+def _box_head(channels: int, head: int) -> nn.Sequential:
+    """Distributions of the distances to the sides of the boxes, of one grid."""
+    last = nn.Conv2d(head, 4 * BINS, 1)
+    with torch.no_grad():
+        last.bias.copy_(-0.5 * torch.arange(BINS).repeat(4))  # most objects are small
+    return nn.Sequential(Conv(channels, head, 3), Conv(head, head, 3), last)
 
-    def __init__(self, channels_in: int, head: int, classes: int):
-        super().__init__()
-        self.box = nn.Sequential(
-            Conv(channels_in, head, 3), Conv(head, head, 3), nn.Conv2d(head, 4 * BINS, 1)
-        )
-        self.scores = nn.Sequential(
-            Conv(channels_in, channels_in, 3, groups=channels_in), Conv(channels_in, head),
-            Conv(head, head, 3, groups=head), Conv(head, head), nn.Conv2d(head, classes, 1),
-        )  # fmt: skip
-        nn.init.constant_(self.scores[-1].bias, math.log(PRIOR_SCORE / (1.0 - PRIOR_SCORE)))
-        with torch.no_grad():
-            self.box[-1].bias.copy_(-0.5 * torch.arange(BINS).repeat(4))  # most objects are small
 
-    def forward(self, x: Tensor) -> Tensor:
-        return torch.cat([self.box(x), self.scores(x)], 1)
+def _score_head(channels: int, head: int, classes: int) -> nn.Sequential:
+    """Scores of the classes, of one grid."""
+    last = nn.Conv2d(head, classes, 1)
+    nn.init.constant_(last.bias, math.log(PRIOR_SCORE / (1.0 - PRIOR_SCORE)))
+    return nn.Sequential(
+        Conv(channels, channels, 3, groups=channels), Conv(channels, head),
+        Conv(head, head, 3, groups=head), Conv(head, head), last,
+    )  # fmt: skip
 
 
 class YoloNetwork(nn.Module):
@@ -101,14 +99,13 @@ class YoloNetwork(nn.Module):
         self.down_middle, self.down_fine = Block(e + d, d), Block(d + c, c)
         self.halve_fine, self.halve_middle = Conv(c, c, 3, 2), Conv(d, d, 3, 2)
         self.up_middle, self.up_coarse = Block(c + d, d), Block(d + e, e)
-        self.heads = nn.ModuleList(Head(width, head, classes) for width in (c, d, e))
+        # Named as in the exports of the YOLO families, so that sextant.objects.yolo_heads finds them.
+        self.cv2 = nn.ModuleList(_box_head(width, head) for width in (c, d, e))
+        self.cv3 = nn.ModuleList(_score_head(width, head, classes) for width in (c, d, e))
 
     def forward(self, x: Tensor) -> Tensor:
-        grids = self._grids(x)
-        predicted = [head(grid) for head, grid in zip(self.heads, grids)]
-        return torch.cat(
-            [each.reshape(-1, each.shape[1], int(each.shape[2] * each.shape[3])) for each in predicted], 2
-        )
+        parts = zip(self.cv2, self.cv3, self._grids(x))
+        return torch.cat([torch.cat([box(grid), score(grid)], 1).flatten(2) for box, score, grid in parts], 2)
 
     def _grids(self, x: Tensor) -> Tuple[Tensor, Tensor, Tensor]:
         """Features of the fine, middle and coarse grid: down the pyramid, then up again."""

@@ -19,6 +19,7 @@ from sextant.base.strict_params import StrictParams, one_of, param, within
 from sextant.objects.letter_box import GREY
 from sextant.training.image_set import ImageSet
 from sextant.training.network_score import network_score
+from sextant.training.yolo_export import exported_weights
 from sextant.training.yolo_loss import Targets, YoloLoss
 from sextant.training.yolo_network import WIDTHS, YoloNetwork
 
@@ -26,6 +27,7 @@ MIN_SIDE = 3.0  # minimum side of a box, pixels; smaller objects do not count
 WARM_UP, FINAL_RATE = 300, 0.02  # batches; final learning rate as a fraction of the maximum
 MAX_GRADIENT = 10.0  # maximum norm of the gradient
 BFLOAT16 = "avx512_bf16", "amx_bf16"  # flags of x86 in /proc/cpuinfo
+COUNTER = "num_batches_tracked"  # of a normalization, which is not used; exports do not have it
 MIN_VISIBLE = 0.3  # fraction of an object that must remain in an augmented image for it to count
 
 
@@ -65,12 +67,12 @@ def train(
     :param checkpoint: written after each epoch; if it exists, training resumes from it
     :param progress: title of the progress bar; empty: none
     :param validation: with it training ends early, with the weights of the epoch with the best score
-    :param start: checkpoint of another training, whose weights are the initial ones
+    :param start: checkpoint or export() of another training, whose weights are the initial ones
     :raises OSError: a checkpoint cannot be read or written
     :raises ValueError: a parameter is out of range, or a checkpoint is from another training
     """
     torch.manual_seed(params.seed)
-    state = _State(pictures, classes, params)
+    state = _State(pictures, classes, params, validation)
     if checkpoint.exists():
         state.load(checkpoint)
     elif start:
@@ -88,7 +90,9 @@ def train(
 class _State:
     """State of a training, which is saved after each epoch."""
 
-    def __init__(self, pictures: ImageSet, classes: int, params: TrainingParams):
+    def __init__(
+        self, pictures: ImageSet, classes: int, params: TrainingParams, validation: Optional[ImageSet]
+    ):
         self._pictures, self._params = pictures, params
         self._classes = classes
         self._network = YoloNetwork(classes, params.network).to(memory_format=torch.channels_last)
@@ -100,14 +104,15 @@ class _State:
         self._optimizer = torch.optim.AdamW(_groups(self._network, params.decay), params.rate)
         self._steps = math.ceil(len(pictures.images) / params.batch)
         self.epoch = 0
-        pictures_of = dict(zip(("pictures", "size"), pictures.images.shape))
-        pictures_of["images"] = zlib.crc32(np.ascontiguousarray(pictures.images))
         # Identifies the training. As text: PyTorch reads no real numbers without executing the file.
-        self._about = {name: str(value) for name, value in {**asdict(params), **pictures_of}.items()}
+        about = {**asdict(params), "classes": classes, **_sums("", pictures)}
+        about.update(_sums("validation ", validation) if validation else {})
+        self._about = {name: str(value) for name, value in about.items()}
 
     def train_epoch(self, epoch: int, progress: str) -> float:
         """Trains with every image once; returns the mean loss."""
         random = np.random.default_rng([self._params.seed, epoch])
+        torch.manual_seed(int(random.integers(2**31)))  # of the noise: the same after an interruption
         order, batch, losses = random.permutation(len(self._pictures.images)), self._params.batch, []
         self._network.train()
         for step in tqdm(range(self._steps), disable=None if progress else True, desc=progress):
@@ -136,12 +141,12 @@ class _State:
 
     def start_from(self, path: Path) -> None:
         """Takes the weights of another training; those of classes only if their number is the same."""
-        saved = _loaded(path).get("kept", {})
+        saved = exported_weights(path) if path.suffix == ".onnx" else _loaded(path).get("kept", {})
         own = self._network.state_dict()
         fitting = {
             name: each for name, each in saved.items() if name in own and own[name].shape == each.shape
         }
-        if any(name not in fitting and ".scores." not in name for name in own):
+        if not all(name in fitting or name.startswith("cv3.") or name.endswith(COUNTER) for name in own):
             raise ValueError(f"{path}: is not of a network of this size")
         for network in (self._network, self.kept):
             network.load_state_dict({**own, **fitting})
@@ -194,7 +199,8 @@ class _State:
         """Resumes from a checkpoint."""
         saved = _loaded(path)
         try:
-            other = [name for name, value in self._about.items() if saved["about"][name] != value]
+            names = dict.fromkeys([*self._about, *saved["about"]])
+            other = [name for name in names if self._about.get(name) != saved["about"].get(name)]
             self._network.load_state_dict(saved["network"])
             self.kept.load_state_dict(saved["kept"])
             self._best.load_state_dict(saved["best"])
@@ -217,6 +223,12 @@ def _loaded(path: Path) -> Dict[str, Any]:
         raise
     except Exception as error:  # an invalid file may raise any exception
         raise ValueError(f"{path}: is not a checkpoint: {error}") from None
+
+
+def _sums(of: str, pictures: ImageSet) -> Dict[str, int]:
+    """Check sums of images and labels, by name."""
+    labels = b"".join(each.tobytes() for each in pictures[1:])
+    return {f"{of}images": zlib.crc32(pictures.images.tobytes()), f"{of}labels": zlib.crc32(labels)}
 
 
 def _groups(network: nn.Module, decay: float) -> List[dict]:

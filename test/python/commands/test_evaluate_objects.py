@@ -40,7 +40,7 @@ def test_figures_page_and_plots(tmp_path, files, capsys):
         (["--data", "nowhere"], "nowhere"),
         (["--data", "data", "--part", "test"], "has no part test"),
         (["--data", "data", "--false-alarms", "-1"], "--false-alarms is -1"),
-        (["--data", "data", "--sizes", "64"], "size"),
+        (["--data", "data", "--sizes", "-1"], "size"),
         (["--data", "data", "--confidence", "2"], "confidence"),
         (["--data", "data"], "has objects of goal; the classes are ball, blue_pillar"),
     ],

@@ -36,7 +36,7 @@ def test_a_quick_training_makes_a_network_and_goes_on_where_it_was(tmp_path, cap
     assert "epoch" not in capsys.readouterr().out  # both were there
     assert (folder / "objects.onnx").read_bytes() == before
     assert main([str(folder), "--quick", "--size", "64", "--seed", "1"]) == 2
-    refused = "checkpoint.pt: is of a training that differs in seed, images: choose another folder"
+    refused = "checkpoint.pt: is of a training that differs in seed, images, labels: choose another folder"
     assert refused in capsys.readouterr().err
 
 
@@ -71,7 +71,8 @@ def test_a_network_of_own_photos(tmp_path, capsys):
     assert "2 validation images" in output and "epoch 2 of 2" in output and "mAP50" in output
     assert YoloDetector(YoloParams(model=str(tmp_path / "net/objects.onnx"))).classes == ["ball", "goal"]
     more = [str(tmp_path / "more"), *arguments[1:], "--epochs", "1", "--images", "4"]
-    assert main([*more, "--start", str(tmp_path / "net/checkpoint.pt")]) == 0
+    assert main([*more, "--start", str(tmp_path / "net/objects.onnx")]) == 0
+    assert main([str(tmp_path / "own"), *more[1:], "--start", "shipped"]) == 0
     capsys.readouterr()
     write_coco_file(tmp_path / "labels.json", write_photos(tmp_path / "photos", 12))
     assert (
@@ -79,6 +80,20 @@ def test_a_network_of_own_photos(tmp_path, capsys):
         == 0
     )
     assert "2 validation images" in capsys.readouterr().out  # every tenth
+
+
+@needs_torch
+def test_the_part_for_tests_is_not_used(tmp_path, capsys):
+    write_yolo_folder(tmp_path / "data", write_photos(tmp_path / "photos", 30))
+    data = tmp_path / "data/data.yaml"
+    lines = data.read_text().replace("val:", "test:")
+    data.write_text(lines)
+    arguments = ["--data", str(data), "--quick", "--size", "64"]
+    assert main([str(tmp_path / "net"), *arguments]) == 0
+    assert "3 validation images" in capsys.readouterr().out  # every tenth of the 27 for training
+    data.write_text(lines.replace("train:", "valid:"))
+    assert main([str(tmp_path / "other"), *arguments]) == 2
+    assert "data.yaml: has no part 'train', only valid, test" in capsys.readouterr().err
 
 
 @needs_torch

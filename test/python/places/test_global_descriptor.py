@@ -217,7 +217,7 @@ def test_a_file_that_is_not_there_is_an_os_error(tmp_path):
 def test_an_operator_that_opencv_lacks_is_named_with_what_to_do(tmp_path):
     nodes = [helper.make_node("Det", ["image"], ["vector"])]
     model = written(tmp_path / "net.onnx", nodes, (1, 3, 8, 8))
-    reason = "net.onnx: OpenCV's dnn lacks the operator Det; install onnxruntime: pip install onnxruntime"
+    reason = "net.onnx: OpenCV's dnn lacks the operator Det; install onnxruntime: python3 -m pip install"
     with pytest.raises(ValueError, match=reason):
         GlobalDescriptor(GlobalDescriptorParams(model, "opencv"))
 
@@ -226,7 +226,9 @@ def test_without_onnxruntime_opencv_is_taken(pooling, monkeypatch):
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     monkeypatch.setitem(sys.modules, "onnxruntime", None)  # cannot be imported
     assert len(GlobalDescriptor(GlobalDescriptorParams(pooling)).describe(noise())) == 3 * CELLS * CELLS
-    with pytest.raises(ValueError, match="backend is onnxruntime: .*; install onnxruntime: pip install"):
+    with pytest.raises(
+        ValueError, match="backend is onnxruntime: .*; install onnxruntime: python3 -m pip install"
+    ):
         GlobalDescriptor(GlobalDescriptorParams(pooling, "onnxruntime"))
 
 

@@ -13,6 +13,7 @@ from sextant.training.hard_images import (
     PhotoImages,
     hard_image,
     joined_with,
+    painted,
     recoloured,
     wide_paint,
 )
@@ -79,6 +80,35 @@ def test_recoloured_photos_have_the_same_value_and_all_hues():
     assert ranges.min() < 50 and ranges.max() > 190
     grey = np.full((4, 6, 3), 90, np.uint8)
     np.testing.assert_array_equal(recoloured(grey, np.random.default_rng(1)), grey)
+
+
+def test_painted_surfaces_have_other_colours_and_the_light_of_the_photo():
+    light = np.tile(np.linspace(60, 180, WIDTH), (HEIGHT, 1))
+    photo = np.repeat(light[..., np.newaxis], 3, axis=2).astype(np.uint8)
+    shares, colours = [], []
+    for seed in range(100):
+        image = painted(photo, np.random.default_rng(seed)).astype(float)
+        changed = np.ptp(image, axis=2) > 20  # not grey
+        shares.append(changed.mean())
+        row = image[changed[:, 100:-100].sum(axis=1).argmax()]
+        colours += list(row[np.ptp(row, axis=1) > 20])
+    assert 0.02 < np.mean(shares) < 0.6 and min(shares) < 0.02
+    assert np.bincount(np.argmax(colours, axis=1), minlength=3).min() > 500  # red, green and blue ones
+
+
+def test_painted_surfaces_keep_the_shading():
+    photo = np.full((HEIGHT, WIDTH, 3), 100, np.uint8)
+    photo[:, WIDTH // 2 :] = 50
+    ratios = []
+    for seed in range(100):
+        image = painted(photo, np.random.default_rng(seed)).astype(float)
+        left, right = image[:, WIDTH // 2 - 4], image[:, WIDTH // 2 + 4]
+        both = (
+            (abs(left - 100).max(axis=1) > 10) & (abs(right - 50).max(axis=1) > 10) & (left.max(axis=1) < 250)
+        )
+        ratios += list(left[both].max(axis=1) / right[both].max(axis=1))
+    assert len(ratios) > 1000
+    np.testing.assert_allclose(np.median(ratios), 2.0, rtol=0.05)
 
 
 def test_a_folder_with_few_photos_is_chosen_as_often(tmp_path):

@@ -11,6 +11,7 @@ torch = pytest.importorskip("torch", reason="PyTorch is optional: apt install py
 from sextant.training import yolo_training  # noqa: E402
 from sextant.training.labelled_images import labelled_image_set  # noqa: E402
 from sextant.training.network_score import network_score  # noqa: E402
+from sextant.training.yolo_export import export  # noqa: E402
 from sextant.training.yolo_network import YoloNetwork  # noqa: E402
 from sextant.training.yolo_training import TrainingParams, mosaic, train  # noqa: E402
 
@@ -46,6 +47,37 @@ def test_without_validation_all_epochs_are_trained(pictures, tmp_path, capsys):
     assert "epoch 3 of 3" in capsys.readouterr().out
 
 
+def test_an_interrupted_training_goes_on_as_if_it_had_not_been(pictures, tmp_path, monkeypatch):
+    params = TrainingParams(epochs=3, batch=4, mosaic=0.3)
+    straight = train(pictures, 2, params, tmp_path / "straight.pt", validation=pictures)
+    train_batch, left = yolo_training._State._train_batch, [3]  # two batches are an epoch
+
+    def interrupted(*arguments):
+        left[0] -= 1
+        if left[0] < 0:
+            raise KeyboardInterrupt
+        return train_batch(*arguments)
+
+    monkeypatch.setattr(yolo_training._State, "_train_batch", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        train(pictures, 2, params, tmp_path / "halved.pt", validation=pictures)
+    monkeypatch.setattr(yolo_training._State, "_train_batch", train_batch)
+    resumed = train(pictures, 2, params, tmp_path / "halved.pt", validation=pictures)
+    np.testing.assert_allclose(_weights(straight), _weights(resumed), atol=1e-5)
+
+
+def test_corrected_labels_are_another_training(pictures, tmp_path):
+    params, path = TrainingParams(epochs=1, batch=8), tmp_path / "checkpoint.pt"
+    train(pictures, 2, params, path, validation=pictures)
+    moved = pictures._replace(boxes=pictures.boxes + 1.0)
+    with pytest.raises(ValueError, match="checkpoint.pt: is of a training that differs in labels:"):
+        train(moved, 2, params, path, validation=pictures)
+    with pytest.raises(ValueError, match="differs in validation labels:"):
+        train(pictures, 2, params, path, validation=moved)
+    with pytest.raises(ValueError, match="differs in validation images, validation labels:"):
+        train(pictures, 2, params, path)
+
+
 def test_mixed_precision_trains_alike(pictures, tmp_path, monkeypatch):
     found = []
     for is_fast in (False, True):
@@ -68,6 +100,9 @@ def test_a_training_starts_from_another_one(pictures, tmp_path):
     second = train(pictures, 2, params, tmp_path / "second.pt", start=tmp_path / "first.pt")
     for one, other in zip(first.parameters(), second.parameters()):
         np.testing.assert_allclose(one.numpy(), other.numpy(), atol=1e-4)
+    export(first, tmp_path / "first.onnx", 64, ["one", "other"])
+    third = train(pictures, 2, params, tmp_path / "third.pt", start=tmp_path / "first.onnx")
+    np.testing.assert_allclose(_weights(first), _weights(third), atol=1e-4)
     three = train(pictures, 3, params, tmp_path / "three.pt", start=tmp_path / "first.pt")
     stem = [next(each.parameters()).numpy() for each in (first, three)]
     np.testing.assert_allclose(*stem, atol=1e-4)
