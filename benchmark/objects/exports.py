@@ -24,6 +24,7 @@ SIZE = 160  # pixels, of the networks' input
 PHOTOS, QUICK_PHOTOS = 6, 2  # of each folder
 CONFIDENCE, OVERLAP, MOST = 0.25, 0.7, 300  # of the exporting software
 SAME_BOX, SAME_SCORE = 0.99, 0.01  # minimum overlap, maximum difference
+NOT_MADE = "not exported"  # begin of the exporter's outcome
 MARGIN = 0.01  # scores so near to the threshold may be on its other side
 
 
@@ -56,15 +57,17 @@ def export_tables(places: Path, blimp: Path, quick: bool) -> List[Table]:
 def _exported(folder: Path, photos: List[Path], chosen: List[str]) -> List[Tuple[str, str, str]]:
     """Network, option and outcome of each export."""
     python = os.environ.get(PYTHON, sys.executable)
-    environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
-    if PYTHON not in os.environ:
-        environment = dict(os.environ)
+    environment = dict(os.environ)
+    if PYTHON in os.environ:
+        environment.pop("PYTHONPATH", None)  # that of another Python
     command = [python, str(EXPORTER), str(folder), str(SIZE), *map(str, photos), "--", *chosen]
     done = subprocess.run(command, env=environment, capture_output=True, text=True)
     if done.returncode:
         reason = (done.stderr.strip() or "it failed").splitlines()[-1]
         raise OSError(f"{python}: {reason}; set {PYTHON} to a Python with ultralytics, onnx and onnxruntime")
     lines = [line.partition(": ") for line in done.stdout.splitlines() if ": " in line]
+    if all(outcome.startswith(NOT_MADE) for _, _, outcome in lines):
+        raise OSError(f"{python}: {lines[0][2] if lines else 'nothing was exported'}")
     return [(*what.split(", ", 1), outcome) for what, _, outcome in lines]
 
 
@@ -133,7 +136,7 @@ HEADS = ["exports", "of these made", "loaded", "objects", "the same, %", "only h
 
 def _row(name: str, some: List[Compared], least: Optional[float] = None) -> Row:
     """:param least: minimum percentage of objects that are the same; None: any"""
-    made = [each for each in some if not each.outcome.startswith("not exported")]
+    made = [each for each in some if not each.outcome.startswith(NOT_MADE)]
     objects, same, more = (sum(getattr(each, part) for each in made) for part in ("objects", "same", "more"))
     shares = [100.0 * part / max(objects, 1) for part in (same, more)]
     return name, [

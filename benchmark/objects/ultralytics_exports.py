@@ -17,9 +17,10 @@ from pathlib import Path
 from typing import Any, Dict, List, Tuple
 
 import torch
+from torch import library as operators
 
 CONFIDENCE, OVERLAP = 0.25, 0.7
-_LIBRARIES: List[Any] = []  # of operators, which exist as long as these
+_MADE: List[Any] = []  # keeps the operators that are defined here
 FAMILIES = ("yolov5n", "yolov8n", "yolov9t", "yolov10n", "yolo11n", "yolo12n", "yolo26n")
 OTHERS = ("yolov8n-seg", "yolov8n-pose", "yolo11n-seg", "yolo26n-seg")
 ORIENTED = ("yolov8n-obb", "yolo11n-obb", "yolo26n-obb")
@@ -57,11 +58,11 @@ def load_torchvision() -> None:
     except RuntimeError:
         for name in [each for each in sys.modules if each.startswith("torchvision")]:
             del sys.modules[name]
-        library = torch.library.Library("torchvision", "DEF")
-        _LIBRARIES.append(library)
+        made = operators.Library("torchvision", "DEF")
+        _MADE.append(made)
         for name in ("nms", "qnms"):
-            library.define(f"{name}(Tensor dets, Tensor scores, float iou_threshold) -> Tensor")
-        library.impl("nms", suppress, "CPU")
+            made.define(f"{name}(Tensor dets, Tensor scores, float iou_threshold) -> Tensor")
+        made.impl("nms", suppress, "CPU")
         from torchvision import extension
 
         extension._has_ops = lambda: True
