@@ -133,9 +133,8 @@ def painted(photo: np.ndarray, random: np.random.Generator) -> np.ndarray:
         if mask.sum() < 1.0:
             continue
         light = changed.mean(axis=2, keepdims=True)
-        shade = light / max(
-            1.0, float((light * mask).sum() / mask.sum())
-        )  # the surface's own light and shadow
+        # The surface's own light and shadow.
+        shade = light / max(1.0, float((light * mask).sum() / mask.sum()))
         colour = 255.0 * random_colour(random) ** (1.0 / GAMMA) * random.uniform(0.5, 1.2)
         changed += mask * (np.clip(colour * shade, 0.0, 255.0) - changed)
     return (changed + 0.5).astype(np.uint8)
